@@ -125,11 +125,12 @@ def _houses() -> list[bytes]:
 @cache
 def _rules() -> tuple[dict[str, list[Path]], list[Path], list[bytes]]:
     """The files of each grammar, the recipes, and the tokens of all."""
-    from logic.grammar import RULES, SHIPPED, find, shipped
+    from logic.grammar import RULES, SHIPPED, shipped
+    from logic.language.reference import RECIPES
 
-    grammars = {name: [*find(name).asp, *find(name).prolog] for name in shipped()}
-    recipes = sorted((SHIPPED.parent / "recipes").glob("*.[lp][lp]"))
-    every = [*recipes, *RULES.glob("*.[lp][lp]"), *(file for files in grammars.values() for file in files)]
+    grammars = {name: sorted((SHIPPED / name).glob("*.[lp][lp]")) for name in shipped()}
+    recipes = sorted(RECIPES.glob("*.[lp][lp]"))
+    every = [*recipes, *RULES.rglob("*.[lp][lp]"), *(file for files in grammars.values() for file in files)]
     return grammars, recipes, sorted({token for file in every for token in TOKENS.findall(file.read_bytes())})
 
 

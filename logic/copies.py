@@ -1,7 +1,7 @@
 """Rule files that state what another file states already: copies, whole or with changes."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Set
 from functools import cache
 from pathlib import Path
 
@@ -29,17 +29,20 @@ def statements(file: Path) -> frozenset[str]:
     return frozenset(part for part in each if part and not part.startswith("#program"))
 
 
-_of_core = cache(statements)
+def stated(files: Iterable[Path]) -> dict[Path, frozenset[str]]:
+    """The statements of each of these files."""
+    return {file: statements(file) for file in files}
+
+
+stated_once = cache(stated)
 """Those of files that do not change while the process runs."""
 
 
-def original(file: Path, own: Iterable[Path], core: Iterable[Path] = ()) -> Path | None:
-    """The first of these files that ``file`` is a copy of: more than half of the statements of both stand in
+def original(file: Path, mine: Set[str], others: Mapping[Path, Set[str]]) -> Path | None:
+    """The first of the ``others`` that a file is a copy of: more than half of the statements of both stand in
     both.
     """
-    mine = statements(file)
-    for read, others in ((statements, own), (_of_core, core)):
-        for other in others:
-            if other.suffix == file.suffix and 2 * len(mine & read(other)) > len(mine | read(other)):
-                return other
+    for other, theirs in others.items():
+        if other.suffix == file.suffix and 2 * len(mine & theirs) > len(mine | theirs):
+            return other
     return None

@@ -1,5 +1,6 @@
 """A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top.
 
+A file may include one of a shipped grammar: see ``includes.py``.
 It may name a topology, how rooms lie together: a file of ``rules/topologies``, or its own file of that name.
 """
 
@@ -7,11 +8,13 @@ import hashlib
 import os
 import re
 import stat
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from logic.copies import original
+from logic.copies import original, stated, stated_once
 from logic.errors import GrammarError
+from logic.includes import Reading, name_in
 from logic.spelling import printable, unknown
 
 SHIPPED = Path(__file__).parent / "grammars"
@@ -61,11 +64,12 @@ class Grammar:
     name: str
     directory: Path
     own: tuple[Path, ...]
-    """The ``.lp`` files of its directory."""
+    """The ``.lp`` files of its directory, each after those that it includes."""
     topology: tuple[Path, ...]
     """The shared ``.lp`` files that come with its topology."""
     topology_name: str
     prolog: tuple[Path, ...]
+    """The ``.pl`` files, likewise."""
     hash: str
 
     @property
@@ -77,6 +81,10 @@ class Grammar:
     def shares_walls(self) -> bool:
         """Whether its houses are plans of rooms that share walls: all but stars are."""
         return set(PLANS) <= set(self.topology)
+
+    def name_of(self, file: Path) -> str:
+        """One of its files in short: see ``name_in``."""
+        return name_in(file, self.directory, SHIPPED.resolve())
 
     def for_own_plan(self) -> "Grammar":
         """The same rules without their topology: those of a user's plan (``logic.request.given_plan``)."""
@@ -93,8 +101,8 @@ def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
     Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
-    that lie elsewhere, cannot be read, are devices or pipes, are copies of others, or hold more than
-    ``MOST_BYTES``.
+    that lie elsewhere, cannot be read, are devices or pipes, are copies of others, hold more than
+    ``MOST_BYTES``, or include what they may not.
     """
     directory = folder(grammar)
     # Editors leave hidden files beside those that they edit.
@@ -113,24 +121,34 @@ def find(grammar: str | Path) -> Grammar:
             raise GrammarError(
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'home'} and edit it", directory
             )
-    digest = _hash(asp + prolog)  # Refuses what is not to be read.
-    _require_no_copies(asp + prolog)
+    reading = reading_of(directory)
+    asp, prolog = reading.follow(asp), reading.follow(prolog)
+    for error in reading.errors:
+        raise error
+    digest = _hash((file, reading.contents[file]) for file in asp + prolog)
+    _require_no_copies(asp + prolog, directory)
     topology, name = _topology(asp)
     _require_nothing_of_the_core(asp + prolog, name)
     return Grammar(directory.name, directory, asp, topology, name, prolog, digest)
 
 
-def _require_no_copies(files: tuple[Path, ...]) -> None:
-    for number, file in enumerate(files):
-        if first := original(file, files[:number]):
-            what = f"states what {first.name} states, and all rule files of the folder are read"
+def _require_no_copies(files: tuple[Path, ...], directory: Path) -> None:
+    before: dict[Path, frozenset[str]] = {}
+    for file, mine in stated(files).items():
+        if first := original(file, mine, before):
+            name = name_in(first, directory, SHIPPED.resolve())
+            what = f"states what {name} states, and all rule files of the folder are read"
+            if first.parent != directory:
+                what = f"states what {name} states, which is included"
             raise GrammarError(f"{what}: keep one of the two", file)
+        before[file] = mine
 
 
 def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str) -> None:
     """Raise ``GrammarError`` for copies of shared files, but that a topology of a user's may be one."""
-    for file in files:
-        if not (copied := original(file, (), sorted(RULES.rglob("*.[lp][lp]")))):
+    core = stated_once(tuple(sorted(RULES.rglob("*.[lp][lp]"))))
+    for file, mine in stated(files).items():
+        if not (copied := original(file, mine, core)):
             continue
         # A star has no walls, and what comes with another file is no single topology.
         usable = (
@@ -143,6 +161,19 @@ def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str) -> None
             own = "make it a topology of your own: topology(mine) names a file mine.lp"
             why = f"is a copy of {copied}, and the topology here is {topology}: take it away, or {own}"
             raise GrammarError(why, file)
+
+
+def reading_of(directory: Path) -> Reading:
+    """What is to read a grammar's files and all that they include; it refuses what is not to be read."""
+    left = MOST_BYTES
+
+    def read(file: Path) -> bytes:
+        nonlocal left
+        content = _content(file, left)
+        left -= len(content)
+        return content
+
+    return Reading(directory, SHIPPED, read)
 
 
 def _is_utf8(path: Path) -> bool:
@@ -198,21 +229,26 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
     return (*plans, GUARD if named[0] in own else known[named[0]]), named[0]
 
 
-def _hash(files: tuple[Path, ...]) -> str:
+def _content(file: Path, most: int) -> bytes:
+    """What a rule file holds, of at most so many bytes."""
+    try:
+        # Not to wait where it is a pipe: what is read is what was opened.
+        with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:
+            if not stat.S_ISREG(os.fstat(rules.fileno()).st_mode):
+                raise GrammarError("is a device or a pipe, and no file of rules", file)
+            content = rules.read(most + 1)
+    except OSError as error:
+        raise GrammarError(f"cannot be read: {error.strerror}", file) from None
+    if len(content) > most:
+        size = f"{MOST_BYTES >> 20} MiB"
+        raise GrammarError(f"with this file the grammar holds more than {size}: it is not read", file)
+    return content
+
+
+def _hash(rules: Iterable[tuple[Path, bytes]]) -> str:
     """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
-    digest, left = hashlib.sha256(), MOST_BYTES
-    for file in (*files, *sorted(RULES.rglob("*.[lp][lp]"), key=lambda file: file.name)):
-        try:
-            # Not to wait where it is a pipe: what is read is what was opened.
-            with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:
-                if not stat.S_ISREG(os.fstat(rules.fileno()).st_mode):
-                    raise GrammarError("is a device or a pipe, and no file of rules", file)
-                content = rules.read(left + 1)
-        except OSError as error:
-            raise GrammarError(f"cannot be read: {error.strerror}", file) from None
-        left -= len(content)
-        if left < 0:
-            most = f"{MOST_BYTES >> 20} MiB"
-            raise GrammarError(f"with this file the grammar holds more than {most}: it is not read", file)
+    digest = hashlib.sha256()
+    core = sorted(RULES.rglob("*.[lp][lp]"), key=lambda file: file.name)
+    for file, content in (*rules, *((each, each.read_bytes()) for each in core)):
         digest.update(f"{file.name} {len(content)}\n".encode() + content)
     return digest.hexdigest()

@@ -17,7 +17,7 @@ PACKAGES = ("logic", "sim", "agent", "benchmarks", "vitruvius")
 
 FOLDERS = {
     "logic": (
-        *("encoding", "errors", "spelling", "stopping", "copies", "grammar", "terminal"),
+        *("encoding", "errors", "spelling", "stopping", "copies", "includes", "grammar", "terminal"),
         *("house", "checking", "request", "layout", "placement", "language", "generation", "proofs", "why"),
         *("workers", "drawing", "exports", "browser"),
     ),

@@ -105,6 +105,6 @@ def _watching(folder: Path, grammar: str) -> Iterator[tuple[Path, SplitResult]]:
         assert process.stderr
         found = next(filter(None, (re.search(r"http://\S+", line) for line in process.stderr)))
         try:
-            yield copy / rules.own[0].name, urlsplit(found[0])
+            yield copy / rules.own[-1].name, urlsplit(found[0])
         finally:
             process.terminate()

@@ -9,6 +9,7 @@ from clingo.ast import ASTType
 
 from logic.encoding import illegible, shown
 from logic.errors import GrammarError
+from logic.includes import EXAMPLES, SAYS, below
 from logic.language.integers import too_large
 from logic.language.statements import Statement
 from logic.spelling import closest
@@ -29,9 +30,9 @@ DIRECTIVES = {
     "heuristic": "layouts are sampled by picks, whatever the heuristic: use the weights of option/3",
     "edge": "a grammar holds rules: leave #edge out, and forbid cycles by a constraint",
     "theory": "a grammar holds rules without theories",
-    "include": "all .lp files of the grammar's directory are read: leave #include out, copy the file there",
+    "include": SAYS["elsewhere"].format(example=EXAMPLES[".lp"]),
 }
-"""Why a grammar has none of these."""
+"""Why a grammar has none of these: of includes, below its first rule."""
 
 CHOICE = "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
 """What is said of a choice in a head."""
@@ -95,6 +96,7 @@ def unreadable(file: Path) -> Iterator[GrammarError]:
             "a byte order mark, which clingo does not read: save as UTF-8 without it", file, 1, 1
         )
         return
+    text = below(text, file.suffix)
     code = UNREAD.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
     yield from too_large(code, file)
     for number, line in enumerate(code.split("\n"), start=1):

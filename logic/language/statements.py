@@ -1,13 +1,14 @@
 """The statements of ``.lp`` files, each with the ``#program`` that it belongs to."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from clingo.ast import ASTType, parse_files
+from clingo.ast import ASTType
 
 from logic.errors import GrammarError
 from logic.layout.messages import clingo_error
+from logic.layout.reading import parse
 
 
 class Statement(NamedTuple):
@@ -21,7 +22,7 @@ class Statement(NamedTuple):
         return error_at(self.node, text)
 
 
-def read(files: Iterable[Path]) -> list[Statement]:
+def read(files: Sequence[Path]) -> list[Statement]:
     """All statements of these files and of what they include, in order.
 
     Raises ``GrammarError`` for the first syntax error.
@@ -37,7 +38,7 @@ def read(files: Iterable[Path]) -> list[Statement]:
         found.append(Statement(node, program))
 
     try:
-        parse_files([str(file) for file in files], take, logger=lambda _, text: remarks.append(text))
+        parse(files, take, lambda _, text: remarks.append(text))
     except RuntimeError as error:
         raise clingo_error(remarks, str(error)) from None
     return sorted(found, key=lambda each: place(each.node))

@@ -9,14 +9,13 @@ constraint is a ``#program`` part, grounded when what it joins is known.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import clingo
 from clingo import Function, ast
 from clingo.ast import ASTType
 
 from logic.errors import GrammarError
-from logic.grammar import RULES, Grammar
+from logic.grammar import Grammar
 from logic.language.audit import audit, unreadable
 from logic.language.linter import SIZES
 from logic.language.loaded import furniture_of
@@ -42,7 +41,7 @@ def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
         if not sizes:
             yield from _reading(grammar)
         for rooms in sizes or SIZES:
-            yield from _grounding(grammar.asp, {"rooms": rooms}, [("house", [])])
+            yield from _grounding(grammar, {"rooms": rooms}, [("house", [])])
         placer = Placer(grammar)
         pieces = {} if placer.problems else furniture_of(Program(grammar.asp, {"rooms": 1}, [("house", [])]))
         for type_, each in pieces.items():
@@ -52,7 +51,7 @@ def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
         extremes, wrong, absent = placer.lengths(pieces)
         for type_, facts in {}.items() if wrong or absent else length_facts(extremes).items():
             room = [("room", []), *parts(fact for fact, _ in facts)]
-            yield from _grounding(grammar.asp, {"this_room": type_}, room)
+            yield from _grounding(grammar, {"this_room": type_}, room)
     except GrammarError:
         return
 
@@ -78,16 +77,15 @@ def _clause(placer: Placer, type_: str, *piece: str) -> GrammarError:
 
 
 def _grounding(
-    files: Sequence[Path], constants: Mapping[str, object], parts: Sequence[Part]
+    grammar: Grammar, constants: Mapping[str, object], parts: Sequence[Part]
 ) -> Iterator[GrammarError]:
-    """Ground these parts of the core and the files."""
-    shared, own = ([file for file in files if (RULES in file.parents) == known] for known in (True, False))
+    """Ground these parts of the core and the grammar's files."""
     # Differences restrict what is ground, and add little to it.
-    core = _by_kind(read(file for file in shared if file not in STATING))
-    given, derived, constraints = _by_kind(read(own))
+    core = _by_kind(read([file for file in grammar.topology if file not in STATING]))
+    given, derived, constraints = _by_kind(read(grammar.own))
     given = [*core[0], *core[1], *given]
     for number in range(len(derived) + 1):
-        yield _slow(derived[number - 1]) if number else _large(own[0].parent)
+        yield _slow(derived[number - 1]) if number else _large(grammar)
         control = clingo.Control([f"-c{name}={value}" for name, value in constants.items()], logger=_silent)
         control.load(str(CORE))
         with ast.ProgramBuilder(control) as builder:
@@ -99,7 +97,7 @@ def _grounding(
         control.ground([("base", []), *parts, ("pick", [])])
         if number == len(derived):
             programs = {"base", *(name for name, _ in parts)}
-            yield _large(own[0].parent)
+            yield _large(grammar)
             control.ground([(f"constraint_0_{program}", []) for program in sorted(programs)])
             for place, each in enumerate(constraints, start=1):
                 if each.program in programs:
@@ -128,10 +126,10 @@ def _add(builder: ast.ProgramBuilder, node: ast.AST, program: str) -> None:
     builder.add(node)
 
 
-def _large(directory: Path) -> GrammarError:
+def _large(grammar: Grammar) -> GrammarError:
     """What is wrong where the shared rules take too much with what the grammar states."""
     why = f"to ground the shared rules with what this grammar states {TOO_MUCH}"
-    return GrammarError(f"{why}: ask for fewer rooms, or state fewer types and pieces", directory)
+    return GrammarError(f"{why}: ask for fewer rooms, or state fewer types and pieces", grammar.directory)
 
 
 def _slow(rule: Statement) -> GrammarError:

@@ -15,6 +15,7 @@ from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
 from logic.grammar import ADJACENT, GUARD, RULES
+from logic.layout.reading import load, parse
 
 DIFFERENCES, HOUSE = RULES / "shared_walls" / "differences.lp", "house"
 """The file that states differences, and its part that does so."""
@@ -55,18 +56,16 @@ class Differences:
     def load(self) -> None:
         """Load the files."""
         if self._theory is None:
-            for file in self.files:
-                self._control.load(str(file))
+            load(self._control, self.files, lambda _, text: self._remark(text))
             return
         shared = tuple(file for file in self.files if RULES in file.parents)
         with ProgramBuilder(self._control) as builder:
             for statement in core_statements(shared):
                 builder.add(statement)
-            parse_files(
-                [str(file) for file in self.files if file not in shared],
+            parse(
+                [file for file in self.files if file not in shared],
                 lambda statement: self.add(statement, builder),
-                logger=lambda _, text: self._remark(text),
-                message_limit=1000,
+                lambda _, text: self._remark(text),
             )
 
     def add(self, statement: AST, builder: ProgramBuilder) -> None:

@@ -31,6 +31,7 @@ from logic.grammar import RULES
 from logic.layout.differences import Differences
 from logic.layout.messages import written
 from logic.layout.program import CORE, Conflict, Endless, Instances, Literals, Part
+from logic.layout.reading import parse
 
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
@@ -371,7 +372,7 @@ def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
         found.rules.append(statement)
 
     for file in files:
-        ast.parse_files([str(file)], take)
+        parse([file], take)
     return found
 
 

@@ -6,6 +6,7 @@ One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 from collections import defaultdict
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
@@ -15,6 +16,7 @@ from clingo import Function, Symbol, parse_term
 from logic.errors import GrammarError, OutOfInferences, Reason
 from logic.grammar import LENGTHS, RULES, Grammar
 from logic.house.parts import OUTSIDE, Rect
+from logic.includes import height
 from logic.layout import account
 from logic.layout.account import Account
 from logic.layout.program import Conflict
@@ -83,7 +85,7 @@ class Placer:
         self._directory = grammar.directory
         self.account = Account(self._located)
         prolog.load(RULES / "core.pl")
-        files = [str(file) for file in grammar.prolog]
+        files = [_below_its_includes(file) for file in grammar.prolog]
         self._walls = "shared" if grammar.shares_walls else "apart"
         self.problems: list[list[Any]] = self._ask("grammar_problems", files, self._walls, cell)
 
@@ -382,6 +384,12 @@ def located(file: str, line: int) -> Reason:
         if text.endswith("."):
             break
     return Reason(" ".join(text.split()), file, line, 1)
+
+
+def _below_its_includes(file: Path) -> str | Term:
+    """A file for ``rules/language/written.pl``."""
+    lines = height(file.read_text("utf-8", "replace"), file.suffix)
+    return Term("-", str(file), lines) if lines else str(file)
 
 
 def _first_at_each_place(wrong: Iterable[Sequence[Any]]) -> list[GrammarError]:

@@ -83,8 +83,8 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 %!  grammar_problems(+Files, +Walls, +Cell, -Json) is det.
 %
 %   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
-%   not known, or "". Where there is none they are loaded, for houses on a grid of such cells (m) if not 0.0. Walls are
-%   shared or apart, as the grammar's topology has them.
+%   not known, or "". Files are as in written.pl. Where nothing is wrong they are loaded, for houses on a grid of
+%   such cells (m) if not 0.0. Walls are shared or apart, as the grammar's topology has them.
 %   Of a grammar loaded before nothing is left.
 
 grammar_problems(Files, Walls, Cell, Json) :-

@@ -20,6 +20,7 @@ from logic.errors import Reason
 from logic.language.reference import asp_entries
 from logic.layout.messages import written
 from logic.layout.program import CORE, Program
+from logic.layout.reading import parse
 from logic.layout.relaxed import HERE
 from logic.why.alternatives import Chosen
 from logic.why.answer import Derivation
@@ -54,8 +55,7 @@ class Support:
             builder.add(ast.Program(HERE, "base", []))
             for atom in holds:
                 builder.add(ast.Rule(HERE, ast.Literal(HERE, ast.Sign.NoSign, _fact(atom)), []))
-            files = [str(CORE), *map(str, program.files)]
-            ast.parse_files(files, lambda statement: self._add(statement, builder))
+            parse([CORE, *program.files], lambda statement: self._add(statement, builder))
         control.ground([("base", []), *program.parts, ("pick", [])])
         self._instances: dict[Symbol, list[_Instance]] = {atom: [] for atom in holds}
         for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):

@@ -124,7 +124,7 @@ class Grammar(Named, tag="grammar", frozen=True):
     topology: str
     checksum: str
     lines: dict[str, int]
-    """Of each of its files."""
+    """Of each of its files, and of those that they include."""
     shipped: bool
 
 

@@ -207,14 +207,13 @@ def read_trace(name: str, record: dict[str, Any]) -> Trace:
 def read_grammar(name: str, folder: str | Path) -> Grammar:
     """A shipped grammar or a folder of rules."""
     found = find(folder)
-    files = sorted({*found.own, *found.prolog})
-    inside = [file for file in files if file.parent == found.directory]
+    files = sorted({*found.own, *found.prolog}, key=lambda file: (file.parent != found.directory, file))
     return Grammar(
         name=name,
         folder=str(found.directory),
         topology=found.topology_name,
         checksum=found.hash,
-        lines={file.name: len(file.read_bytes().splitlines()) for file in inside},
+        lines={found.name_of(file): len(file.read_bytes().splitlines()) for file in files},
         shipped=found.directory.name in shipped() and found.directory == find(found.name).directory,
     )
 

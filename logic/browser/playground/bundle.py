@@ -27,6 +27,7 @@ from logic.grammar import (
 )
 from logic.house.looks import folder_looks
 from logic.house.promises import PASSAGE
+from logic.includes import EXAMPLES, LINES, SAYS
 from logic.language.audit import CHOICE, DIRECTIVES, STAGES
 from logic.language.facts import NAME, NO_NAME
 from logic.language.heads import BY_CONSTRAINT, ELSEWHERE, MOVED, TAKEN, UNNAMED, choices, closed, why_closed
@@ -54,6 +55,10 @@ def bundle() -> dict[str, object]:
         "grammars": {
             name: {file.name: _text(file) for file in _rule_files(SHIPPED / name)} for name in names
         },
+        "shipped": {
+            f"{name}/{file.name}": _text(file) for name in shipped() for file in _rule_files(SHIPPED / name)
+        },
+        "includes": {"lines": LINES, "examples": EXAMPLES},
         "others": {name: _others(SHIPPED / name) for name in names},
         "topologies": _topologies(),
         "adjacent": _path(ADJACENT),
@@ -80,6 +85,7 @@ def bundle() -> dict[str, object]:
             "choice": CHOICE,
             "directives": DIRECTIVES,
             "elsewhere": ELSEWHERE,
+            "includes": SAYS,
             "moved": MOVED,
             "noName": NO_NAME,
             "noPlan": NO_PLAN,

@@ -1,6 +1,7 @@
 """A grammar that is being edited: its rule files as they are now, and the answers about them."""
 
 import asyncio
+import contextlib
 import os
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -15,7 +16,7 @@ from logic.drawing.canvas import svg
 from logic.drawing.draw import plan
 from logic.drawing.palettes import style
 from logic.errors import Finding, GrammarError, RequestError, VitruviusError, to_record
-from logic.grammar import MOST_BYTES
+from logic.grammar import MOST_BYTES, reading_of
 from logic.house import looks
 from logic.house.house import House
 from logic.request.request import MOST_ROOMS, Request
@@ -59,6 +60,7 @@ class Session:
     def __init__(self, directory: Path, name: str, seconds: float) -> None:
         """Start spare processes; raises ``MissingProgram``. ``seconds`` bound each answer."""
         self._directory, self._name, self._seconds = directory, name, seconds
+        self._files: dict[str, str] = {}
         self._ended = False
         self._changed = asyncio.Event()
         self._spares = Spares(directory)
@@ -114,11 +116,11 @@ class Session:
         except GrammarError as error:
             where = str(error.file or self._directory)
             finding = Finding("error", where, error.line or 1, error.column or 1, error.message)
-            return {"findings": _named([finding])}
+            return {"findings": self._named([finding])}
         except VitruviusError as error:
-            return {"index": 0, "problem": problem(error)}
+            return {"index": 0, "problem": self._named(to_record(error))}
         if isinstance(said, Judged):
-            return {"findings": _named(said.findings)}
+            return {"findings": self._named(said.findings)}
         return {"kinds": {"types": said.types, "most_rooms": said.most_rooms}}
 
     async def lint(self, version: int) -> list[dict[str, Any]]:
@@ -126,7 +128,7 @@ class Session:
         pool = self._pool_of(version)
         late = "lint reached its limit: raise it with --seconds"
         found = await pool.ask(lambda worker: worker.asked(Lint(), Judged, self._seconds, late))
-        return _named(found.findings)
+        return self._named(found.findings)
 
     async def why(self, version: int, house: dict[str, Any], part: str) -> dict[str, Any]:
         """Why a part of a house that these rules made is as it is; raises as ``explain_house`` does."""
@@ -143,7 +145,7 @@ class Session:
         )
         for more in parts:
             whole = whole.joined(more)
-        return _short_names(msgspec.to_builtins(whole))
+        return self._named(whole)
 
     def _pool_of(self, version: int) -> Pool:
         if version != self.rules.version:
@@ -160,7 +162,7 @@ class Session:
             house = House.from_dict(made.house)
             drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
-            return {"index": index, "problem": problem(error)}
+            return {"index": index, "problem": self._named(to_record(error))}
         types = {room.name: room.type for room in house.counted}
         drawn = svg([((0, 0), drawing)], PLAN, PLAN)
         return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
@@ -168,13 +170,13 @@ class Session:
     async def _watch(self) -> None:
         """Take each change of the files, also where the directory is removed and comes back."""
         while True:
-            place = _identity(self._directory)
+            place, folders = _identity(self._directory), self._folders()
             if place is None:
                 self._take()
                 await asyncio.sleep(LOOK / 1000)
                 continue
             events = awatch(
-                self._directory,
+                *folders,
                 step=STEP,
                 debounce=DEBOUNCE,
                 recursive=False,
@@ -183,7 +185,7 @@ class Session:
             )
             async for _ in events:
                 self._take()
-                if _identity(self._directory) != place:
+                if (_identity(self._directory), self._folders()) != (place, folders):
                     break
 
     def _take(self) -> None:
@@ -196,36 +198,50 @@ class Session:
         self._changed.set()
         self._changed.clear()
 
+    def _folders(self) -> set[Path]:
+        """Where the files lie."""
+        return {self._directory, *(Path(file).parent for file in self._files)}
+
     def _read(self, version: int) -> Rules:
-        """The rule files, ``.lp`` before ``.pl``, then the looks."""
-        files = []
-        for file in _rule_files(self._directory):
-            try:
-                files.append({"name": file.name, "text": file.read_text("utf-8", "replace")})
-            except OSError:
-                continue  # What is wrong with it, the solver process says.
-        return Rules(version, self._name, tuple(files))
+        """The rule files, ``.lp`` before ``.pl``, then the looks, and then what the files include."""
+        reading = reading_of(self._directory)
+        own = [file for suffix in (".lp", ".pl") for file in _shown(self._directory, f"*{suffix}")]
+        reading.follow(own)
+        contents = {file: reading.contents[file] for file in own if file in reading.contents}
+        for file in _shown(self._directory, looks.NAME):
+            with contextlib.suppress(OSError):  # What is wrong with it, the solver process says.
+                contents[file] = file.read_bytes()
+        contents |= reading.contents
+        self._files = {str(file): reading.name(file) for file in contents}
+        texts = [content.decode("utf-8", "replace").replace("\r\n", "\n") for content in contents.values()]
+        named = zip(self._files.values(), texts, strict=True)
+        return Rules(version, self._name, tuple({"name": name, "text": text} for name, text in named))
+
+    def _named(self, said: Any) -> Any:
+        """What is said as JSON, with rule files in short: ``rooms.lp``, ``home/furniture.lp``."""
+        return self._short(msgspec.to_builtins(said))
+
+    def _short(self, record: Any) -> Any:
+        if isinstance(record, dict):
+            return {
+                key: self._files.get(value, file_name(value))
+                if key == "file" and value
+                else self._short(value)
+                for key, value in record.items()
+            }
+        return [self._short(each) for each in record] if isinstance(record, list | tuple) else record
 
 
-def problem(error: VitruviusError) -> dict[str, Any]:
-    """An error as the page shows it."""
-    return _short_names(to_record(error))
-
-
-def _rule_files(directory: Path) -> list[Path]:
+def _shown(directory: Path, pattern: str) -> list[Path]:
     """Files whose text may be shown: ``grammar.find`` refuses others, and says so."""
-    found = []
-    for pattern in ("*.lp", "*.pl", looks.NAME):
-        for file in sorted(directory.glob(pattern)):
-            inside = Path(os.path.realpath(file)).parent == directory
-            if (
-                inside
-                and not file.name.startswith(".")
-                and file.is_file()
-                and file.stat().st_size <= MOST_BYTES
-            ):
-                found.append(file)
-    return found
+    return [
+        file
+        for file in sorted(directory.glob(pattern))
+        if Path(os.path.realpath(file)).parent == directory
+        and not file.name.startswith(".")
+        and file.is_file()
+        and file.stat().st_size <= MOST_BYTES
+    ]
 
 
 def _identity(directory: Path) -> tuple[int, int] | None:
@@ -234,17 +250,3 @@ def _identity(directory: Path) -> tuple[int, int] | None:
     except OSError:
         return None
     return found.st_dev, found.st_ino
-
-
-def _named(findings: list[Any]) -> list[dict[str, Any]]:
-    return _short_names(msgspec.to_builtins(findings))
-
-
-def _short_names(record: Any) -> Any:
-    """The same JSON with rule files in short, as in ``rooms.lp`` and ``rules/room/room.lp``."""
-    if isinstance(record, dict):
-        return {
-            key: file_name(value) if key == "file" and value else _short_names(value)
-            for key, value in record.items()
-        }
-    return [_short_names(each) for each in record] if isinstance(record, list | tuple) else record

@@ -1,16 +1,8 @@
-%   The lengths of a building of flats, in metres, and its areas in square metres.
+:- include('home/furniture.pl').     % how large a flat's furniture is
+:- include('home/lengths.pl').       % and its doors, windows and passages
+
+%   How large the rooms of a building of flats are, in metres, and their floors, in square metres.
 %   Each clause states linear CLP(R) constraints between its variables.
-
-door_width(0.8).
-door_margin(0.1).
-window_margin(0.65).        % as deep as a wardrobe at the next wall
-door_clearance(0.45).       % nothing stands nearer to a door
-passage(0.42).              % a body of 0.394 m across its diagonal walks there
-room_gap(0.0).              % rooms share walls
-
-%!  house_size(-Width, -Depth)
-
-house_size(W, D) :- { W =< 2.2*D, D =< 2.2*W }.
 
 %!  unit_depth(-Depth)
 
@@ -43,8 +35,3 @@ room_area(bathroom,  3.4,  9.5).
 room_area(wc,        1.2,  3.5).
 room_area(storage,   1.2,  6.0).
 room_area(study,     6.0, 14.0).
-
-%!  window_size(?Type, -Length, +Wall)
-
-window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }.
-

@@ -113,8 +113,8 @@ or several.
 
 %!  load_grammar(+Files, -Problems) is det.
 %
-%   Problems are those of the files' terms (lint.pl). Where there are none, these terms are the grammar, and what was loaded
-%   before is dropped.
+%   Files are as in written.pl. Problems are those of the files' terms (lint.pl). Where there are none, these terms are
+%   the grammar, and what was loaded before is dropped.
 
 load_grammar(Files, Problems) :-
     drop_grammar,

@@ -57,7 +57,9 @@ problem(error(Text), _, _, P, P, Text).
 problem(syntax(What), _, _, P, P, Text) :- format(string(Text), "syntax error: ~w", [What]).
 problem(directive(Goal), _, _, P, P, Text) :-
     \+ ( nonvar(Goal), harmless(Goal) ),
-    (   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
+    (   nonvar(Goal), reads_file(Goal)
+    ->  Text = "an include stands at the top of its file, alone on its line, as in :- include('home/furniture.pl')."
+    ;   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
     ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
     ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file holds clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).
 problem(clause(Head,_,_,_,_,_), _, _, P, P, Text) :- bad_head(Head, Text), !.
@@ -88,6 +90,10 @@ harmless(use_module(library(clpr), _)).
 harmless(discontiguous(_)).
 harmless(dynamic(_)).
 harmless(multifile(_)).
+
+%   reads_file(+Goal) is semidet: the directive has SWI-Prolog read a file of rules, at this place.
+
+reads_file(include(_)).   reads_file(consult(_)).   reads_file([_|_]).   reads_file(ensure_loaded(_)).
 
 %   lone(+Name, +Variable, +Head, +Others, -Text): what a variable that stands once means.
 

@@ -16,6 +16,7 @@ from the start of the text. What looks like a constraint, but is none, is read t
 
 %!  written_terms(+Files, -Terms) is det.
 %
+%   One of the Files that includes others is File-Lines: so many lines at its top, down to the last include, are read as blank.
 %   Terms are term(Source,Position,Kind), in order: Kind is clause(Head,Body,HeadPosition,BodyPosition,Names,Singletons),
 %   directive(Goal), error(Text), or syntax(What), whose Position is where reading failed. Names are 'Name'=Variable.
 
@@ -23,9 +24,20 @@ written_terms(Files, Terms) :-
     maplist(file_terms, Files, Each),
     append(Each, Terms).
 
-file_terms(File, Terms) :-
-    setup_call_cleanup(open(File, read, Rules, [encoding(utf8)]), read_string(Rules, _, Text), close(Rules)),
+file_terms(File-Lines, Terms) :- !, file_terms(File, Lines, Terms).
+file_terms(File, Terms) :- file_terms(File, 0, Terms).
+
+file_terms(File, Lines, Terms) :-
+    setup_call_cleanup(open(File, read, Rules, [encoding(utf8)]), read_string(Rules, _, Written), close(Rules)),
+    blank_above(Lines, Written, Text),
     setup_call_cleanup(open_string(Text, In), stream_terms(In, source(File,Text), Terms), close(In)).
+
+blank_above(0, Text, Text) :- !.
+blank_above(Number, Written, Text) :-
+    split_string(Written, "\n", "", Lines),
+    length(Above, Number), append(Above, Below, Lines),
+    length(Blank, Number), maplist(=(""), Blank), append(Blank, Below, Left),
+    atomic_list_concat(Left, '\n', Atom), atom_string(Atom, Text).
 
 stream_terms(In, Source, Terms) :-
     catch(read_term(In, Term, [module(written), subterm_positions(Position), variable_names(Names), singletons(Singletons),

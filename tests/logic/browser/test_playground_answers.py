@@ -18,6 +18,7 @@ from logic.house.house import House
 from logic.language.linter import findings
 from logic.spelling import closest
 from tests.logic.browser.answers import answered
+from tests.logic.grammars.test_includes import LP, PL, WRONG
 from tests.logic.language.test_own_topology import RULES, SIZES, TOPOLOGIES
 from tests.logic.proofs import test_plan_proofs as proofs
 from tests.logic.workers import in_process
@@ -76,7 +77,7 @@ def made(folder: Path, files: Mapping[str, str], rooms: int, types: Mapping[str,
     try:
         [house] = in_process.generate(rooms, types=types, grammar=folder, seed=1)
     except GrammarError as error:
-        return "mistake", str(error).removeprefix(f"{folder}/")
+        return "mistake", str(error).removeprefix(f"{folder}/").removeprefix(f"{SHIPPED}/")
     except Unsatisfiable as error:
         return "proof", {reason.text for reason in error.reasons}
     return "house", json.loads(json.dumps(house.converted().to_dict()))
@@ -197,3 +198,37 @@ def test_names_are_taken_for_those_that_python_takes_them_for(opened):
         [misspelt, names],
     )
     assert found == [closest(name, names) or "" for name in misspelt]
+
+
+def test_files_that_include_others_are_read_in_the_page_as_by_python(opened, tmp_path):
+    family = {
+        "rooms.lp": "".join(
+            f"{LP.format(f'family/{name}.lp')}\n" for name in ("rooms", "furniture", "arrangement")
+        ),
+        "sizes.pl": f"% nothing else\n{PL.format('family/sizes.pl')}",
+    }
+    cases = {
+        title: {"rooms.lp": proofs.ROOMS, "sizes.pl": proofs.SIZES} | files
+        for title, (files, *_) in WRONG.items()
+        if "/" not in "".join(files)
+    }
+    cases["a mistake below an include"] = family | {
+        "rooms.lp": f"{family['rooms.lp']}#program house.\n:- rom(0,hall).\n"
+    }
+    cases["a mistake of syntax below an include"] = family | {
+        "rooms.lp": f"{family['rooms.lp']}mine(1)).\nmine(2).\n"
+    }
+    cases["a mistake of lengths below an include"] = family | {
+        "sizes.pl": f"{family['sizes.pl']}\n  mine(1).\n"
+    }
+    for number, (title, files) in enumerate(cases.items()):
+        if not all(text.isprintable() for text in "".join(files.values()).split("\n")):
+            continue  # The page shows what it is given.
+        answer = asked(opened, files, 3, {})
+        assert answer == made(tmp_path / str(number), files, 3, {}), title
+        assert answer[0] == "mistake"
+    kind, house = asked(opened, family, 3, {})
+    expected = made(tmp_path / "family", family, 3, {})
+    assert kind == "house"
+    assert house["provenance"]["grammar_hash"] == find(tmp_path / "family").hash
+    assert house["rooms"] == expected[1]["rooms"]

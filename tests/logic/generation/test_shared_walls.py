@@ -202,7 +202,7 @@ def test_another_topology_of_the_core_serves_the_same_rules(tmp_path: Path) -> N
 
 
 def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
-    long = ("sizes.pl", "W =< 2.2*D", "W =< 4*D")
+    long = ("lengths.pl", "W =< 2.2*D", "W =< 4*D")
     ring = ("rooms.lp", "topology(ring).", "topology(row).")
     common = ("rooms.lp", ":- not common.", ":- not common, rooms > 4.")
     folder = copied(tmp_path, ring, common, long, row=ROW)

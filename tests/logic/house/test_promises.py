@@ -28,22 +28,29 @@ ROOMS = {"home": 5, "family": 4, "clinic": 6}
 """As few as show most of what a grammar states."""
 
 LENGTHS = {
-    "home": [("door_clearance(0.45)", "door_clearance(0.4)"), ("door_width(0.8)", "door_width(0.7)")],
-    "family": [
-        ("passage(0.42)", "passage(0.6)"),
-        ("bathroom, W, D) :- { W >= 2.4, W =< 3.7", "bathroom, W, D) :- { W >= 4.0, W =< 4.6"),
-    ],
+    "home": (
+        "lengths.pl",
+        [("door_clearance(0.45)", "door_clearance(0.4)"), ("door_width(0.8)", "door_width(0.7)")],
+    ),
+    "family": (
+        "sizes.pl",
+        [
+            ("passage(0.42)", "passage(0.6)"),
+            ("bathroom, W, D) :- { W >= 2.4, W =< 3.7", "bathroom, W, D) :- { W >= 4.0, W =< 4.6"),
+        ],
+    ),
 }
-"""Copies of these grammars have other lengths."""
+"""Copies of these grammars have other lengths, in one of their files."""
 
 
 def copy(grammar: str, folder: Path) -> Path:
     shutil.copytree(SHIPPED / grammar, folder / "mine")
-    text = (folder / "mine" / "sizes.pl").read_text()
-    for old, new in LENGTHS[grammar]:
+    file, changes = LENGTHS[grammar]
+    text = (folder / "mine" / file).read_text()
+    for old, new in changes:
         assert text.count(old) == 1
         text = text.replace(old, new)
-    (folder / "mine" / "sizes.pl").write_text(text)
+    (folder / "mine" / file).write_text(text)
     return folder / "mine"
 
 

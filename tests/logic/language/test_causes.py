@@ -53,15 +53,15 @@ MISSPELT = [
         "sizes.pl",
         "%!  room_area",
         "/*  room_area",
-        "30:1: error: syntax error: end_of_file_in_block_comment: a comment",
+        "19:1: error: syntax error: end_of_file_in_block_comment: a comment",
     ),
     (
-        "sizes.pl",
+        "lengths.pl",
         "door_width(0.8)",
         "door_width(0,8)",
         "door_width/2: 0,8 is two terms: write 0.8",
     ),
-    ("sizes.pl", "door_margin(0.1)", f"door_margin({10**400})", "is larger than any house"),
+    ("lengths.pl", "door_margin(0.1)", f"door_margin({10**400})", "is larger than any house"),
     (
         "sizes.pl",
         "room_area(kitchen,   6.0, 16.0)",
@@ -75,7 +75,8 @@ MISSPELT = [
 GONE = {
     "rooms.lp": "no .lp file states type/1: is a file gone?",
     "furniture.lp": "no .lp file states may/4: is a file gone?",
-    "sizes.pl": "no .pl file states room_size/3, door_width/1, ",
+    "sizes.pl": "no .pl file states room_size/3: is a file gone?",
+    "lengths.pl": "no .pl file states door_width/1, ",
     "furniture.pl": "no .pl file states piece_size/4: is a file gone?",
 }
 

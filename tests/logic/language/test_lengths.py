@@ -27,11 +27,11 @@ WINDOW = "window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }."
 def edited(folder: Path, edits: dict[str, str], grammar: str = "home") -> Path:
     """A copy of a shipped grammar with other clauses in its sizes."""
     shutil.copytree(SHIPPED / grammar, folder)
-    text = (folder / "sizes.pl").read_text()
     for old, new in edits.items():
+        (file,) = (each for each in folder.glob("*.pl") if old in each.read_text())
+        text = file.read_text()
         assert text.count(old) == 1
-        text = text.replace(old, new)
-    (folder / "sizes.pl").write_text(text)
+        file.write_text(text.replace(old, new))
     return folder
 
 

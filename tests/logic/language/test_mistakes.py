@@ -83,8 +83,10 @@ def of_the_core(grammar: str) -> set[tuple[str, int]]:
     return {(name, arity) for name, arity, _ in control.symbolic_atoms.signatures if name in named}
 
 
-@pytest.mark.parametrize("file", ["furniture.lp", "rooms.lp", "arrangement.lp"])
-@pytest.mark.parametrize("grammar", shipped())
+@pytest.mark.parametrize(
+    ("grammar", "file"),
+    [(name, file.name) for name in shipped() for file in sorted((SHIPPED / name).glob("*.lp"))],
+)
 def test_a_fact_of_each_predicate_of_the_core_is_refused_or_an_input(
     grammar: str, file: str, solver: ProcessPoolExecutor, tmp_path: Path
 ) -> None:

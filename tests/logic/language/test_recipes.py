@@ -289,9 +289,15 @@ def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) 
         if not examples:  # Few topologies have units.
             continue
         (folder / f"examples_{part}.lp").write_text("\n".join([f"#program {part}.", *examples, ""]))
+    # What a grammar includes is changed in a copy.
+    lengths, included = folder / "sizes.pl", ":- include('home/lengths.pl')."
+    if included in lengths.read_text():
+        shutil.copy(SHIPPED / "home" / "lengths.pl", folder)
+        lengths.write_text(lengths.read_text().replace(included, ""))
     # A clause for every type does not stand beside the page's, which is of one.
-    stated = (folder / "sizes.pl").read_text().replace("window_size(_,", "window_size(kitchen,")
-    (folder / "sizes.pl").write_text(stated)
+    for file in folder.glob("*.pl"):
+        file.write_text(file.read_text().replace("window_size(_,", "window_size(kitchen,"))
+    stated = "".join(file.read_text() for file in folder.glob("*.pl"))
     sizes = [entry.example for entry in prolog_entries() if entry.name in clauses]
     (folder / "more.pl").write_text("\n".join(example for example in sizes if example not in stated))
     return folder

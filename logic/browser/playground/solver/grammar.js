@@ -2,6 +2,7 @@
 
 import { Program, RuleError } from "./program.js";
 import { blank, misspeltName, placeOf, refused, unknownPredicate } from "./audit.js";
+import { withIncluded } from "./includes.js";
 import { unknown } from "./spelling.js";
 import { statements } from "./statements.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
@@ -54,11 +55,14 @@ const millimetres = (extremes) => extremes.map((metres, place) => (place % 2 ? M
 export class Grammar {
   /** `files`: the user's, by name. `bundle`: rules.json. Throws RuleError for the first mistake. */
   constructor(files, bundle, clingo, prolog) {
-    Object.assign(this, { clingo, prolog, bundle, files });
-    const named = (ending) => Object.keys(files).filter((name) => name.endsWith(ending)).sort();
-    for (const ending of [".lp", ".pl"])
-      if (!named(ending).length) throw new RuleError(`the grammar has no ${ending} file`);
-    this.own = named(".lp").map((name) => ({ name, text: files[name] }));
+    const [own, lengths] = [".lp", ".pl"].map((ending) => withIncluded(files, ending, bundle));
+    for (const [ending, found] of [[".lp", own], [".pl", lengths]])
+      if (!found.length) throw new RuleError(`the grammar has no ${ending} file`);
+    /** All rule files by name, as the solvers read them. */
+    files = Object.fromEntries([...own, ...lengths].map(({ name, text }) => [name, text]));
+    Object.assign(this, { clingo, prolog, bundle, files, own });
+    /** The same in the order of a grammar's hash, as they are written. */
+    this.written = [...own, ...lengths].map(({ name, written }) => [name, written]);
     this.core = withIncludes(bundle.rules, "core.lp");
     this.topology = topologyOf(this.own, bundle);
     this.sharesWalls = this.topology.name !== "star";
@@ -67,7 +71,7 @@ export class Grammar {
     this.programs = new Map();
     this.furnishable = new Map(); // by type and what is asked of it: see proof.js
     this.audit();
-    this.loadLengths(named(".pl"));
+    this.loadLengths(lengths.map(({ name }) => name));
     this.loadTypes();
     this.loadExtremes();
     this.walls = [...(this.sharesWalls ? this.wallFacts() : []), ...this.areaFacts()];
@@ -165,7 +169,7 @@ export class Grammar {
   }
 
   get prologFile() {
-    return Object.keys(this.files).filter((name) => name.endsWith(".pl")).sort().at(-1);
+    return Object.keys(this.files).filter((name) => name.endsWith(".pl")).at(-1);
   }
 
   /** What stage 1 knows of walls that rooms share: facts of shared_walls/differences.lp, each with its clauses. */

@@ -29,8 +29,8 @@ export class Houses {
   /** What a house file says of its rules; null where the page's address is no secure one, as browsers have no hashes there. */
   async sourceOf(files, name) {
     if (!globalThis.crypto?.subtle) return null;
-    const own = [".lp", ".pl"].flatMap((ending) => Object.keys(files).filter((each) => each.endsWith(ending)).sort());
-    const all = [...own.map((each) => [each, files[each]]), ...Object.entries(this.bundle.rules)];
+    const own = Object.keys(files).filter((each) => /\.(lp|pl)$/.test(each));
+    const all = [...this.grammar.written, ...Object.entries(this.bundle.rules)];
     const content = new TextEncoder();
     const parts = all.flatMap(([path, text]) => {
       const bytes = content.encode(text);

@@ -465,7 +465,7 @@ MISTAKES = (
         "rooms.lp",
         old="",
         new='#include "more.lp".',
-        says="leave #include out, copy the file there",
+        says="an include stands at the top of its file, alone on its line",
     ),
     Mistake(
         "a letter that is not plain",

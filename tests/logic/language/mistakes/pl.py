@@ -23,9 +23,9 @@ def bounds(title: str, bounds: str, says: str, at: str = "") -> Mistake:
     return bathroom(title, new=f"room_size(bathroom, W, D) :- {{ {bounds} }}.", says=says, at=at)
 
 
-def plan(title: str, old: str, new: str, says: str, at: str = "") -> Mistake:
+def plan(title: str, old: str, new: str, says: str, at: str = "", file: str = "sizes.pl") -> Mistake:
     """An edit of the lengths of the home grammar, where rooms share walls."""
-    return Mistake(title, "sizes.pl", old=old, new=new, says=says, at=at, grammar="home")
+    return Mistake(title, file, old=old, new=new, says=says, at=at, grammar="home")
 
 
 def appended(title: str, new: str, says: str) -> Mistake:
@@ -41,13 +41,15 @@ def kitchen(title: str, new: str, says: str, at: str = "") -> Mistake:
 def window(title: str, bounds: str, says: str, at: str = "") -> Mistake:
     """Other bounds of its windows."""
     clause = "window_size(_, L, Wall) :- {{ {} }}."
-    return plan(title, clause.format("L >= 0.6, L =< 0.6*Wall, L =< 2.4"), clause.format(bounds), says, at)
+    old, new = (clause.format(each) for each in ("L >= 0.6, L =< 0.6*Wall, L =< 2.4", bounds))
+    return plan(title, old, new, says, at, file="lengths.pl")
 
 
 def house(title: str, bounds: str, says: str, at: str = "") -> Mistake:
     """Other bounds of its houses."""
     clause = "house_size(W, D) :- {{ {} }}."
-    return plan(title, clause.format("W =< 2.2*D, D =< 2.2*W"), clause.format(bounds), says, at)
+    old, new = (clause.format(each) for each in ("W =< 2.2*D, D =< 2.2*W", bounds))
+    return plan(title, old, new, says, at, file="lengths.pl")
 
 
 MISTAKES = (
@@ -529,17 +531,17 @@ door_width(0.762).          % the paper's 2.5 feet
     kitchen(
         "an area above the size",
         "room_area(kitchen,30.0,40.0).",
-        "30.0 m2 at least, and room_size(kitchen, W, D) in line 23 allows 17.64 m2 at most",
+        "30.0 m2 at least, and room_size(kitchen, W, D) in line 12 allows 17.64 m2 at most",
     ),
     kitchen(
         "an area below the size",
         "room_area(kitchen, 0.5, 3.0).",
-        "3.0 m2 at most, and room_size(kitchen, W, D) in line 23 allows 4.0 m2 at least",
+        "3.0 m2 at most, and room_size(kitchen, W, D) in line 12 allows 4.0 m2 at least",
     ),
     kitchen(
         "an area of an oblong size",
         "room_area(kitchen, 6.0, 16.0).\nroom_area(corridor, 15.0, 20.0).",
-        "room_size(corridor, W, D) in line 19 allows 14.4 m2 at most",
+        "room_size(corridor, W, D) in line 8 allows 14.4 m2 at most",
         at="room_area(corridor",
     ),
     kitchen(
@@ -581,7 +583,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a second area",
         "room_area(kitchen,3.0,5.0).",
-        "room_area(kitchen,3.0,5.0) is a second clause: the first stands in line 35. State one",
+        "room_area(kitchen,3.0,5.0) is a second clause: the first stands in line 24. State one",
     ),
     appended(
         "an area for all types beside others",
@@ -601,7 +603,7 @@ door_width(0.762).          % the paper's 2.5 feet
     window(
         "a window longer than any wall",
         "L >= 5.0, L =< Wall",
-        "with window_margin(0.65) in line 6 on both sides no such window fits in room_size(",
+        "with window_margin(0.65) in line 5 on both sides no such window fits in room_size(",
     ),
     window("a window without a least length", "L =< 0.6*Wall", "L has no lower bound"),
     plan(
@@ -625,7 +627,7 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "a house smaller than each room",
         "W =< 0.7, D =< 8",
-        "house_size(W, D): no room fits in it, not even room_size(wc, W, D) in line 26",
+        "house_size(W, D): no room fits in it, not even room_size(wc, W, D) in line 15 of sizes.pl",
     ),
     house(
         "an area of the house by a product",
@@ -641,7 +643,7 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "sides of the house that do not allow its area",
         "W =< 7, D =< 7 }.\nhouse_area(L, M) :- { L = 50.0, M = 60.0",
-        "50.0 m2 at least, and house_size(W, D) in line 13 allows 49.0 m2 at most",
+        "50.0 m2 at least, and house_size(W, D) in line 12 allows 49.0 m2 at most",
         at="house_area",
     ),
     *(
@@ -699,7 +701,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a second size of the house",
         "house_size(W, D) :- { W =< 20, D =< 20 }.",
-        "house_size(W, D) is a second clause: the first stands in line 13. State one",
+        "house_size(W, D) is a second clause: the first stands in line 12 of lengths.pl. State one",
     ),
     appended(
         "a depth of units where there are none",
@@ -727,31 +729,35 @@ door_width(0.762).          % the paper's 2.5 feet
         "a door wider than walls",
         "door_width(0.8).",
         "door_width(3.9).",
-        "with door_margin(0.1) in line 5, and room_size(wc, W, D) in line 26 allows 2.0 m at most",
+        "door_margin(0.1) in line 4, and room_size(wc, W, D) in line 15 of sizes.pl allows 2.0 m at most",
+        file="lengths.pl",
     ),
     plan(
         "a door of no width",
         "door_width(0.8).",
         "door_width(0).",
         "door_width(0) is not a number of metres more than 0",
+        file="lengths.pl",
     ),
     plan(
         "a room that no door fits",
         "room_size(wc,       W, D) :- { W >= 0.9, W =< 2.0, D >= 0.9, D =< 2.0 }.",
         "room_size(wc, W, D) :- { W = 0.9, D = 0.9 }.",
-        "door_width(0.8) in line 4 with door_margin(0.1) in line 5, and this allows 0.9 m at most",
+        "3 of lengths.pl with door_margin(0.1) in line 4 of lengths.pl, and this allows 0.9 m at most",
     ),
     plan(
         "a margin below zero",
         "door_margin(0.1).",
         "door_margin(-0.1).",
         "door_margin(-0.1) is not a number of metres, 0 or more",
+        file="lengths.pl",
     ),
     plan(
         "a word for a margin",
         "door_margin(0.1).",
         "door_margin(wide).",
         "door_margin(wide) is not a number of metres, 0 or more",
+        file="lengths.pl",
     ),
     plan(
         "a second margin",
@@ -759,18 +765,21 @@ door_width(0.762).          % the paper's 2.5 feet
         "door_margin(0.1). door_margin(0.2).",
         "door_margin(0.2) is a second clause",
         at="door_margin(0.2)",
+        file="lengths.pl",
     ),
     plan(
         "a margin as long as the walls",
         "window_margin(0.65).",
         "window_margin(20.0).",
-        "window_margin(20.0): no window has it on both sides in room_size(living, W, D) in line 21",
+        "no window has it on both sides in room_size(living, W, D) in line 10 of sizes.pl",
+        file="lengths.pl",
     ),
     plan(
         "a gap between rooms that share walls",
         "room_gap(0.0).",
         "room_gap(0.6).",
         "rooms share walls in this topology: state room_gap(0.0)",
+        file="lengths.pl",
     ),
     Mistake(
         "a door wider than the rooms around a main room",

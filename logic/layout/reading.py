@@ -1,0 +1,92 @@
+"""Rule files read by clingo, each by itself: what a grammar's files include is not clingo's to read."""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from itertools import groupby
+from pathlib import Path
+
+from clingo import Control, MessageCode
+from clingo.ast import AST, ASTSequence, Location, Position, ProgramBuilder, parse_files, parse_string
+
+from logic.grammar import RULES
+from logic.includes import below, height
+
+Logger = Callable[[MessageCode, str], None]
+
+MESSAGES = 1000
+"""How many remarks are passed on."""
+
+
+def parse(files: Sequence[Path], take: Callable[[AST], None], logger: Logger = lambda *_: None) -> None:
+    """Give all statements of these files, in order; raises ``RuntimeError`` as ``parse_files`` does."""
+    for includes, some in groupby(files, _includes):
+        if not includes:
+            parse_files([str(file) for file in some], take, logger=logger, message_limit=MESSAGES)
+            continue
+        for file in some:
+            _parse(file, take, logger)
+
+
+def load(control: Control, files: Sequence[Path], logger: Logger) -> None:
+    """Load these files."""
+    for file in files:
+        if not _includes(file):
+            control.load(str(file))
+            continue
+        with ProgramBuilder(control) as builder:
+            _parse(file, builder.add, logger)
+
+
+def _includes(file: Path) -> bool:
+    """Whether a file of a grammar's includes others; the core's are clingo's to follow."""
+    return RULES not in file.parents and height(_text(file), file.suffix) > 0
+
+
+def _text(file: Path) -> str:
+    return file.read_text("utf-8", "replace")
+
+
+def _parse(file: Path, take: Callable[[AST], None], logger: Logger) -> None:
+    """Give what stands below a file's includes."""
+    statements, remarks, error = _statements(str(file), below(_text(file), file.suffix))
+    for code, remark in remarks:
+        logger(code, remark)
+    if error:
+        raise error
+    for statement in statements:
+        take(statement)
+
+
+@lru_cache
+def _statements(file: str, text: str) -> tuple[list[AST], list[tuple[MessageCode, str]], RuntimeError | None]:
+    """The statements of a text, with their places in this file, what clingo remarks, and what ends it.
+
+    A process makes a dozen programs of the same.
+    """
+    found: list[AST] = []
+    remarks: list[tuple[MessageCode, str]] = []
+
+    def remark(code: MessageCode, said: str) -> None:
+        remarks.append((code, said.replace("<string>:", f"{file}:")))
+
+    try:
+        parse_string(text, found.append, logger=remark, message_limit=MESSAGES)
+    except RuntimeError as error:
+        return found, remarks, error
+    for statement in found:
+        _place(statement, file)
+    return found, remarks, None
+
+
+def _place(node: AST, file: str) -> None:
+    """Say that a statement and all its parts stand in this file."""
+    if "location" in node.keys():  # noqa: SIM118 (a node is no mapping)
+        begin, end = node.location.begin, node.location.end
+        node.location = Location(
+            Position(file, begin.line, begin.column), Position(file, end.line, end.column)
+        )
+    for key in node.child_keys:
+        child = getattr(node, key)
+        for part in child if isinstance(child, ASTSequence) else [child]:
+            if isinstance(part, AST):
+                _place(part, file)
