@@ -205,7 +205,13 @@ line(source(File,_)-_, Clause, Words) :-
     head(Clause, Source-P), place(Source, P, Line, _), Source = source(Other,_),
     (   Other == File
     ->  format(string(Words), "line ~w", [Line])
-    ;   file_base_name(Other, Name), format(string(Words), "line ~w of ~w", [Line, Name]) ).
+    ;   file_name(File, Other, Name), format(string(Words), "line ~w of ~w", [Line, Name]) ).
+
+%   file_name(+File, +Other, -Name): what Other is called beside a File, with its folder where that is another one.
+
+file_name(File, Other, Name) :-
+    file_directory_name(File, Here), file_directory_name(Other, There), file_base_name(Other, Base),
+    ( Here == There -> Name = Base ; file_base_name(There, Folder), atomic_list_concat([Folder,/,Base], Name) ).
 
 %   step_words(+Clause, +Step, -Words): with its line where that is another than the line of the Clause.
 

@@ -251,6 +251,17 @@ def test_shipped_grammars_share_no_file_by_copy() -> None:
         texts[rules] = file
 
 
+def test_what_contradicts_an_included_file_names_it_with_its_folder(
+    solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    folder = grammar(
+        tmp_path / "mine", {"parts/sizes.pl": "room_gap(1.0).", "a.pl": PL.format("parts/sizes.pl")}
+    )
+    ((found, *_), _) = solver.submit(linted, folder).result(timeout=60)
+    assert (found.file, found.line) == (str(folder / "sizes.pl"), 4)
+    assert "the first stands in line 1 of parts/sizes.pl" in found.text
+
+
 def test_a_copy_of_a_grammar_that_includes_another_one_is_read_wherever_it_lies(tmp_path: Path) -> None:
     copy = Path(shutil.copytree(SHIPPED / "apartments", tmp_path / "deep" / "flats"))
     assert find(copy).hash == find("apartments").hash
