@@ -12,6 +12,7 @@ from logic.errors import Reason
 from logic.generation.builder import Builder
 from logic.grammar import RULES, SHIPPED
 from logic.house.part_names import doors_by_name, part_names, windows_by_name
+from logic.layout.reading import parse
 from logic.request.request import Request
 from logic.why.answer import Why, as_text
 from logic.why.shared_walls import PlanWitness
@@ -89,7 +90,7 @@ def options() -> Iterator[Reason]:
     """The rules of all choices in all files that we ship."""
     for file in (*RULES.rglob("*.lp"), *SHIPPED.rglob("*.lp")):
         found: list[ast.AST] = []
-        ast.parse_files([str(file)], found.append)
+        parse([file], found.append)
         for statement in found:
             if statement.ast_type == ast.ASTType.Rule and str(statement.head).startswith("option("):
                 begin = statement.location.begin
