@@ -90,7 +90,7 @@ TWICE = {
         ("option(wet,(a;b),1).  picks(wet,2).  picks(wet,1).", "picks(wet,2) is stated too, at zz.lp:1:23"),
         ("beside(bed,chair,0,1).  at_head(bed,chair).  at_head(bed,bedside).", "is stated too, at zz.lp:1:"),
     ],
-    "apartments": [("units(4,6).", "units(5,9) is stated too, at rooms.lp:3:1")],
+    "apartments": [("units(4,6).", "units(5,9) is stated too, at rooms.lp:5:1")],
 }
 """What is said of a second statement of what is stated once, in a file of its own."""
 
