@@ -28,7 +28,7 @@ near(Report, Numbers) :- maplist([X,Y]>>(abs(X-Y) < 1.0e-9), Report, Numbers).
 test(a_length_is_reported_in_metres, Report == 0.4) :- length_report(passage, Report).
 test(on_a_grid_it_is_rounded_up_to_cells, [setup(set_cell(0.25)), cleanup(set_cell(0)), true(Report == 0.5)]) :- length_report(passage, Report).
 test(a_length_that_is_not_stated_is_null, Report == null) :- length_report(height, Report).
-test(a_length_stated_twice, Line/Column-Text == 1/1-"passage(0.5) is a second clause: the first stands in line 5 of grammar.pl. State one") :-
+test(a_length_stated_twice, Line/Column-Text == 1/1-"passage(0.5) is a second clause: the first stands in line 5 of rules/grammar.pl. State one") :-
     stated("passage(0.5).", length_report(passage, wrong(_,Line,Column,Text))).
 test(extremes_of_a_room) :- room_report(cell, Report), near(Report, [3,4,3,3]).
 test(a_room_without_a_clause_is_null, Report == null) :- room_report(hall, Report).
@@ -52,7 +52,7 @@ test(a_size_that_is_empty_is_not_an_absent_one, true(says(Text, "W >= 5 and W =<
     stated("room_size(hall, W, 3.0) :- { W >= 5, W =< 4 }.", room_report(hall, wrong(_,1,1,Text))).
 test(a_piece_longer_than_its_wall, true(says(Text, "L >= 1.1*V and L =< V exclude each other"))) :-
     stated("piece_size(pole, L, 0.2, V) :- { L >= 1.1*V, L =< 2*V }.", piece_report(cell, pole, false, wrong(_,1,1,Text))).
-test(a_piece_longer_than_the_walls_of_one_type_names_it, true(says(Text, "4.5, L =< Wall and Wall =< 4 (in cell, line 8 of grammar.pl) exclude each other"))) :-
+test(a_piece_longer_than_the_walls_of_one_type_names_it, true(says(Text, "4.5, L =< Wall and Wall =< 4 (in cell, line 8 of rules/grammar.pl) exclude each other"))) :-
     stated("piece_size(pole, L, 0.2, _) :- { L >= 4.5, L =< 4.8 }.", piece_report(cell, pole, false, wrong(_,1,1,Text))).
 test(a_piece_that_is_larger_than_the_room_allows_by_both_its_sides, true(says(Text, "L >= 1.1*V and L =< its wall exclude each other"))) :-
     stated("piece_size(pole, L, D, V-A) :- { L >= 1.1*V, L =< 2*V, D = A/2 }.", piece_report(cell, pole, false, wrong(_,1,1,Text))).
