@@ -150,6 +150,13 @@ def test_proofs_of_stars_have_the_fewest_reasons_as_those_of_python(opened, tmp_
         assert asked(opened, files, rooms, types) == made(tmp_path / str(number), files, rooms, types)
 
 
+def test_the_area_of_a_star_is_what_python_makes_of_it(opened, tmp_path):
+    files = {file.name: file.read_text() for file in (SHIPPED / "family").glob("*.[lp][lp]")}
+    files["area.pl"] = "house_area(60.0, 61.0)."
+    kind, answer = asked(opened, files, 3, {})
+    assert (kind, answer["rooms"]) == ("house", made(tmp_path / "mine", files, 3, {})[1]["rooms"])
+
+
 UNKNOWN: tuple[dict[str, dict[str, int]], ...] = (
     {"types": {"kitchn": 1}, "furniture": {}},
     {"types": {}, "furniture": {"bedroom.bd": 1}},
