@@ -5,14 +5,16 @@ from typing import Any
 
 from logic.errors import RequestError
 from logic.house.house import House
-from logic.house.parts import Door, Window
+from logic.house.parts import OUTSIDE, Door, Window
 from logic.spelling import closest
 
 DOOR, ENTRANCE, WINDOW = "door", "entrance", "window"
 """Names of parts that are no pieces."""
 
 Part = int | str | Door | Window | None
-"""A piece by its index in its room, a star's ``door``, a plan's door or window; None: the room itself."""
+"""A piece by its index in its room, a star's ``door``, a plan's door or window, a unit's name; None: the room
+itself.
+"""
 
 
 def target_in(house: House, target: str) -> tuple[int | None, Part]:
@@ -41,8 +43,13 @@ def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
     outside = {"-".join(door.between): door for door in doors.values() if door.is_entrance}
     if door := (either_way | outside | doors).get(target):
         return None, door
-    name, part = _split(target, [*rooms, *doors])
-    _require(name, [*rooms, *doors], house)
+    units = units_of(house)
+    if target in units:
+        return None, target
+    name, part = _split(target, [*rooms, *doors, *units])
+    _require(name, [*rooms, *doors, *units], house)
+    if name in units:
+        raise RequestError(f"{target}: ask for {name}, or for a room of it by its name in the house")
     if name not in rooms:
         raise RequestError(f"{target}: a door has no parts: ask for {name}")
     windows = _numbered((WINDOW, window) for window in house.windows if window.room == name)
@@ -50,6 +57,18 @@ def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
     if part == DOOR:
         raise RequestError(f"{target}: ask for a door by both its rooms: {name} has {', '.join(own)}")
     return rooms.index(name), _part(name, part, windows | _pieces(house, name))
+
+
+def units_of(house: House) -> list[str]:
+    """The names of a house's units, ``U1``, ``U2``... in the order of their rooms: each has one door to a
+    room that is public, as its rules say.
+    """
+    made = house.provenance
+    if made is None or made.promises is None or made.request.get("plan"):
+        return []
+    public = {OUTSIDE, *(room.name for room in house.rooms if room.type in made.promises.public)}
+    entered = [each for each in house.doors if not each.is_entrance and len(public & {*each.between}) == 1]
+    return [f"U{number}" for number, _ in enumerate(entered, 1)]
 
 
 def _split(target: str, names: Iterable[str]) -> tuple[str, str]:

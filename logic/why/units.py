@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from functools import cache, cached_property
 from typing import Any
 
-from clingo import Number
+from clingo import Number, parse_term
 from msgspec import structs
 
 from logic.errors import Reason
@@ -15,7 +15,7 @@ from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import OUTSIDE, Door
 from logic.why.alternatives import Search
-from logic.why.answer import Derivation, Why
+from logic.why.answer import Derivation, Length, Why
 from logic.why.shared_walls import MOST, PlanWitness
 from logic.why.witness import Lengths
 
@@ -59,6 +59,9 @@ class UnitsWitness(PlanWitness):
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
         """Why a room, a door, the entrance, a window or a piece is as it is."""
         room, part = target_in(self._house, target)
+        if isinstance(part, str):
+            yield from self._unit_itself(target, int(part.removeprefix("U")) - 1, until)
+            return
         index = self._unit_of(room, part)
         if index is None:
             yield from self._parts(target, room, part, until)
@@ -76,6 +79,22 @@ class UnitsWitness(PlanWitness):
                 derivations=(*why.derivations, *self._derived(self._maker.units[index].unit.number)),
             )
         yield from found
+
+    def _unit_itself(self, target: str, index: int, until: float) -> Iterator[Why]:
+        """Why there is a unit, of so many rooms, at this place and as deep."""
+        unit = self._maker.units[index].unit
+        about = f"{self._unit(index).name}, {unit} ({self._origin})"
+        depths, stated = self._builder.loaded.depths, self._reasons([("clause", "unit_depth")])
+        assert depths is not None
+
+        def lengths() -> Lengths:
+            return (Length("depth", unit.depth, *depths, stated, stated),), ()
+
+        why = Why(target, about, self._derived(unit.number))
+        atoms = [parse_term(each.atom) for tree in why.derivations for each in tree.all() if each.options]
+        picked = dict.fromkeys(atom.arguments[0] for atom in atoms if atom.name == "pick")
+        variables = [each for each in picked if len(self._support.chosen.options[each]) > 1]
+        yield from self._answer(why, self._support, variables, lengths, lambda: self._search, until)
 
     def _makings(self, maker: Any) -> Iterator[Making]:
         yield maker.making

@@ -25,7 +25,8 @@ def explain_house(
 
     ``target`` is a room (``R3``), a piece or a companion (``R3.bed``; ``R3.bed2`` or ``R3.bed.2`` for the
     second in the file's order); of a star a room's door (``R3.door``) or the main room (``main``); of a plan
-    a door between two rooms (``R1-R3``), the ``entrance``, or a window (``R3.window``). The house is made
+    a door between two rooms (``R1-R3``), the ``entrance``, a window (``R3.window``), or a unit (``U1``, that
+    of the first rooms). The house is made
     again from its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
 
     Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without

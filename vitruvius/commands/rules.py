@@ -26,7 +26,7 @@ class Explain:
 
     why: str | None = None
     """The part: a room (R3) or a piece (R3.bed, R3.bed2 for the second); of a star a door (R3.door) or main;
-    of a plan a door (R1-R3), the entrance, or a window (R3.window)."""
+    of a plan a door (R1-R3), the entrance, a window (R3.window) or a whole unit (U1)."""
 
     house: int = 0
     """Index of the house in the file, counted from 0."""

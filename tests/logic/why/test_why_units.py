@@ -4,7 +4,7 @@ from time import monotonic
 
 import pytest
 
-from logic import House
+from logic import House, RequestError
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.part_names import doors_of_plan, part_names
@@ -88,6 +88,36 @@ def flats(house: House) -> list[set[str]]:
             joined = [flat for flat in found if flat & beyond]
             found = [flat for flat in found if flat not in joined] + [{room.name}.union(*joined)]
     return [flat - {house.hub} for flat in found]
+
+
+def test_a_whole_flat_is_asked_for_by_its_name(witness: UnitsWitness) -> None:
+    """Its rooms are those behind its door to a public room, and what made it is derived."""
+    house = witness._house
+    own = {room.name for room in house.rooms if room.type != "commonCorridor"}
+    named = []
+    while left := sorted(own, key=lambda name: int(name[1:])):
+        flat = {left[0]}
+        while (
+            more := {name for door in house.doors if flat & {*door.between} for name in {*door.between} & own}
+            - flat
+        ):
+            flat |= more
+        own -= flat
+        target = f"U{len(named) + 1}"
+        why = first(witness, target)
+        require_whole([node for tree in why.derivations for node in tree.all()], target)
+        last = max(flat, key=lambda name: int(name[1:]))
+        assert why.about.startswith(f"the unit of {left[0]} to {last}, {len(flat)} rooms, ")
+        (depth,) = why.lengths
+        boxes = [house.room(name).box for name in flat]
+        sides = [max(box[k + 2] for box in boxes) - min(box[k] for box in boxes) for k in (0, 1)]
+        assert min(abs(side - depth.value) for side in sides) < 1e-6
+        assert depth.least <= depth.value <= depth.greatest
+        assert why.others, "other numbers of rooms or places"
+        named.append(target)
+    assert len(named) == 3
+    with pytest.raises(RequestError, match=r"there is no U4: .*the house has R0, .*U3"):
+        first(witness, "U4")
 
 
 def test_the_outline_of_a_flat_stays_where_it_is(witness: UnitsWitness) -> None:
