@@ -1,7 +1,7 @@
 """What is wrong with the facts of a grammar's .lp files, and with what is not stated, each by its place."""
 
 import re
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ from clingo.ast import ASTType
 
 from logic.errors import GrammarError
 from logic.grammar import Grammar
+from logic.house.parts import OUTSIDE
 from logic.language.causes import Mistake
 from logic.language.statements import error_at
 from logic.language.vocabulary import Use, Words, alternatives
@@ -26,6 +27,10 @@ NO_NAME = {
     "piece": "a piece is named by a word that begins in lower case, as in bed",
 }
 """What is said of other names."""
+
+
+PREDICATE = re.compile(r"\b[a-z]\w*/\d")
+"""In what is said of a fact: which predicate states what is not there."""
 
 
 class Facts:
@@ -87,28 +92,32 @@ class Facts:
         which explain the ``strange`` names among them, and with what is not there. Of several facts that name
         one unknown thing, the first.
         """
-        types = {str(symbol.arguments[0]) for symbol in probe.atoms("type", 1)}
-        values: list[Mistake] = []
+        types = {OUTSIDE, *(str(symbol.arguments[0]) for symbol in probe.atoms("type", 1))}
+        of_values: dict[tuple[Any, ...], Mistake] = {}  # One statement may state many facts.
         absent: dict[tuple[str, str], Mistake] = {}
-        for symbol in probe.atoms("wrong", 2):
-            fact, why = stated(symbol.arguments[0]), symbol.arguments[1].string
+        said = [(stated(each.arguments[0]), each.arguments[1].string) for each in probe.atoms("wrong", 2)]
+        with_values = {fact for fact, why in said if not PREDICATE.search(why)}
+        for fact, why in said:
             names = [str(each) for each in fact.arguments]
             error = self.at(fact, f"{fact}: {why}")
-            if ": see " not in why:
-                values.append(Mistake(error, frozenset(names) & strange))
-                continue
-            known = types if "type/1" in why else ()
-            name = next((each for each in names if each not in known), names[0])
-            absent.setdefault((name, why), Mistake(error, frozenset({name})))
+            if not PREDICATE.search(why):
+                place = (error.file, error.line, error.column, why)
+                of_values.setdefault(place, Mistake(error, frozenset(names) & strange))
+            elif fact not in with_values:
+                known = types if "type/1" in why else ()
+                name = next((each for each in names if each not in known), names[0])
+                explains = {name} if ": see " in why else set[str]()
+                absent.setdefault((name, why), Mistake(error, frozenset(explains)))
+        values = list(of_values.values())
         for symbol in probe.atoms("twice", 2):
             facts = sorted(map(stated, symbol.arguments), key=self._place)
             first = self.at(facts[0], "")
             place = f", at {Path(str(first.file)).name}:{first.line}:{first.column}" if first.line else ""
             why = f"{facts[1]}: {facts[0]} is stated too{place}: keep one of them"
             values.append(Mistake(self.at(facts[1], why)))
-        return values, list(absent.values())
+        return values, _renamed(absent)
 
-    def misnamed(self, probe: Program) -> Iterator[GrammarError]:
+    def misnamed(self, probe: Program) -> Iterator[Mistake]:
         """Types and pieces whose names are no plain words."""
         pieces = [fact for name in ("may", "beside", "around") for fact in probe.atoms(name, 4)]
         for facts, place, what in (
@@ -116,8 +125,29 @@ class Facts:
             (pieces, 1, NO_NAME["piece"]),
         ):
             for fact in sorted(facts):
-                if not re.fullmatch(NAME, str(fact.arguments[place])):
-                    yield self.at(fact, f"{fact.arguments[place]}: {what}")
+                name = str(fact.arguments[place])
+                if not re.fullmatch(NAME, name):
+                    yield Mistake(self.at(fact, f"{name}: {what}"), frozenset(re.findall(r"\w+", name)))
+
+
+def _renamed(absent: Mapping[tuple[str, str], Mistake]) -> list[Mistake]:
+    """What is absent, by name and why. Where one type is not known and one has no furniture, they are likely
+    to be one, renamed in some places.
+    """
+    unknown = {name for name, why in absent if "type/1" in why}
+    bare = {name for name, why in absent if why.startswith("it has no furniture")}
+    if not (len(unknown) == len(bare) == 1):
+        return list(absent.values())
+    meant = f". Did you mean {min(bare)}, which has no furniture?"
+    found = []
+    for (name, _), mistake in absent.items():
+        if name in unknown:
+            error = mistake.error
+            error = GrammarError(error.message + meant, error.file, error.line, error.column)
+            found.insert(0, Mistake(error, frozenset(unknown | bare)))
+        else:
+            found.append(mistake)
+    return found
 
 
 def stated(fact: Symbol) -> Symbol:

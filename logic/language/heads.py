@@ -13,6 +13,7 @@ from logic.language.audit import STAGES, UNITS
 from logic.language.statements import Statement, place
 from logic.language.vocabulary import Signature, Use, Words, core_words
 from logic.layout.messages import written
+from logic.spelling import closest
 
 CHOICES = {("option", 3), ("picks", 2)}
 """What states a choice by its name, the first argument."""
@@ -106,7 +107,10 @@ def why_closed(signature: Signature, core: Words) -> tuple[str, list[str]]:
 def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
     why, stages = why_closed(signature, core)
     if not stages:
-        return why
+        # What a grammar states before any #program may be meant: units/2 for unit/2.
+        inputs = {name for name, arity in core.opened.keys() - own.derived.keys() if arity == signature[1]}
+        meant = closest(signature[0], inputs) if use.statement.program == "base" else None
+        return f"{why}: did you mean {meant}/{signature[1]}?" if meant else why
     stage = use.statement.program if use.statement.program in stages else stages[0]
     rule = _constraint(use, stage, own)
     where = "" if stage == use.statement.program else f" after #program {stage}."

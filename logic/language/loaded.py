@@ -177,7 +177,7 @@ class LoadedGrammar:
             return
         names = {name for mistake in strange for name in mistake.about or ()}
         values, wrong = self._facts.wrong(probe, names)
-        wrong += map(Mistake, self._facts.misnamed(probe))
+        wrong = [*self._facts.misnamed(probe), *wrong]
         types, empty = ({each.arguments[0] for each in probe.atoms(name, 1)} for name in ("type", "empty"))
         absent = self._gone(strange, ("may", 4)) if wrong and types - empty else []
         yield from [*gone, *values, *meant, *absent, *wrong, *others]
@@ -215,18 +215,22 @@ class LoadedGrammar:
             found = self._facts.at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
             of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
         self._of_no_room += of_rules.values()
-        for predicate, name, file, line, column in sized:
-            known = pieces if predicate == "piece_size" else set(self.furniture)
-            if name in known:
-                continue
-            kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
-            text = f"{predicate}: {name} is no {kind}{_meant(name, known)}"
-            error = unknown(name, text, file, line, column)
-            # A name that no piece can have is no piece of another grammar's.
-            if known is not pieces or closest(name, known) in lacking or not re.fullmatch(NAME, name):
-                yield misspelt_name(error, name, closest(name, known) or "")
-            else:
-                self._of_no_room.append(error)
+        for known in (set(self.furniture), pieces):
+            rows = [each for each in sized if (each[0] == "piece_size") == (known is pieces)]
+            rows = [each for each in rows if each[1] not in known]
+            # Of one name without a meaning and one without a size, the first is likely to be the other.
+            lacks = lacking & known
+            only = min(lacks) if len({name for _, name, *_ in rows}) == len(lacks) == 1 else ""
+            for predicate, name, file, line, column in rows:
+                kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
+                meant = closest(name, known) or only
+                text = f"{predicate}: {name} is no {kind}{f'. Did you mean {meant}?' if meant else ''}"
+                error = unknown(name, text, file, line, column)
+                # A name that no piece can have is no piece of another grammar's.
+                if known is not pieces or meant in lacking or not re.fullmatch(NAME, name):
+                    yield misspelt_name(error, name, meant)
+                else:
+                    self._of_no_room.append(error)
 
     def _mismeasured(
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]]

@@ -69,7 +69,42 @@ MISSPELT = [
         "is larger than any house",
     ),
     ("sizes.pl", "room_size(kitchen,", "room_size(kichen,", "Did you mean kitchen?"),
+    ("sizes.pl", "room_size(wc, ", "room_size(toilette, ", "no room type: see type/1. Did you mean wc?"),
+    (
+        "rooms.lp",
+        "corridor; living; dining;",
+        "corridor; lounge; dining;",
+        "Did you mean lounge, which has no",
+    ),
+    (
+        "rooms.lp",
+        "degree(hall,1,4)",
+        "degree(hall,few,many)",
+        "18:24: error: degree(hall,few,many): counts are",
+    ),
+    ("rooms.lp", "degree(hall,1,4)", "degree(1,4,hall)", "degree(1,4,hall): counts are whole numbers"),
+    ("rooms.lp", "notches(2)", "notches(two)", "notches(two): a number of corners is a whole number"),
+    ("rooms.lp", "type(hall;", "type(7; hall;", "7: a type is named by a word"),
+    ("furniture.lp", "may(bedroom,bed,1,2)", "may(bedroom,12,0,1)", "12: a piece is named by a word"),
+    (
+        "rooms.lp",
+        "central(corridor; hall; living)",
+        "central(corridor, hall, living)",
+        "did you mean central/1?",
+    ),
+    (
+        "rooms.lp",
+        "opens(outside, (hall; corridor; living))",
+        "opens((hall; corridor; living), outside)",
+        "7:1: error: opens(hall,outside): outside comes first",
+    ),
     ("furniture.pl", "piece_size(bed, ", "piece_size(bde, ", "Did you mean bed?"),
+]
+
+OF_UNITS = [
+    ("public(", "pubic(", "did you mean public/1?"),
+    ("units(5,9)", "unit(5,9)", "did you mean units/2?"),
+    ("units(5,9)", "units(few,many)", "units(few,many): counts are whole numbers"),
 ]
 
 GONE = {
@@ -113,6 +148,18 @@ def test_a_misspelt_name_is_one_error(
     (folder / file).write_text(text.replace(old, new, 1))
     found = findings_of(folder, solver)
     assert [says in each for each in found] == [True], found
+
+
+@pytest.mark.parametrize(("old", "new", "says"), OF_UNITS)
+def test_a_mistake_in_a_grammar_of_units_is_one_error(
+    old: str, new: str, says: str, solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "apartments", folder)
+    text = (folder / "rooms.lp").read_text()
+    (folder / "rooms.lp").write_text(text.replace(old, new, 1))
+    (found,) = findings_of(folder, solver)
+    assert says in found
 
 
 @pytest.mark.parametrize("file", GONE)
