@@ -10,7 +10,7 @@ from pathlib import Path
 import gymnasium
 
 _logic = find_spec("logic")
-if _logic and Path(_logic.origin or "").parent.parent != Path(__file__).parent.parent:
+if _logic and Path(_logic.origin or "").resolve().parent.parent != Path(__file__).resolve().parent.parent:
     raise ImportError(f"{_logic.origin}: hides the package logic of Vitruvius: give it another name")
 
 from sim.baselines.oracle import Oracle, shortest_path
