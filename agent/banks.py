@@ -56,7 +56,7 @@ def geometry_hash(house: House) -> str:
 
     Of a star it is that of its ``floor`` and ``rooms``, by which ``test-v1`` was frozen.
     """
-    star = house.star if house.is_star else None
+    star = house.star if house.main_room else None
     shape = (star.floor, star.rooms) if star else (house.rooms, house.doors, house.windows)
     return hashlib.sha256(msgspec.json.encode(shape)).hexdigest()
 

@@ -66,7 +66,7 @@ def walls(house: House) -> shapely.Geometry:
     where no room is.
     """
     # Doors and covers are a little wide, so that rounding leaves no splinter of a wall.
-    if not house.is_star:
+    if not house.main_room:
         doors = [box(*door.box).buffer(1e-9) for door in house.doors if "outside" not in door.between]
         outlines = [box(*room.box).boundary for room in house.rooms]
         return shapely.union_all(outlines).difference(shapely.union_all(doors))

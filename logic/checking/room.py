@@ -1,35 +1,82 @@
-"""What the check asks of a room by its promises: sizes, counts, fronts of pieces, how they stand together."""
+"""What the check asks of a room by its promises: which pieces stand where, sizes, counts, fronts of pieces,
+how they stand together. All say what is wrong, without the room.
+"""
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import combinations
 
+from logic.checking.doors import near_doors
 from logic.checking.figures import figure, number, percent
-from logic.house.boxes import BACK, TOLERANCE, distance, excess, overlap, walls_touched
+from logic.checking.names import named_pieces
+from logic.house.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
+from logic.house.house import House
 from logic.house.parts import Piece, Room
 from logic.house.promises import Promises, Sizes
 
 
-def size_violations(room: Room, side: str | None, names: list[str], promises: Promises) -> Iterator[str]:
-    """Sizes out of their bounds: of a room, whose door is towards that side, and of its pieces.
+def unfurnished(_: House, room: Room, promises: Promises) -> Iterator[str]:
+    """A room without furniture that may not be empty."""
+    if not room.pieces and room.type not in promises.empty:
+        yield "has no furniture"
 
-    ``side`` is empty for a room of no star: then a piece without a front may lie either way.
-    """
-    along_x = side in {"north", "south"}
-    if side != "" and room.type in promises.room_size:
-        width, depth = (room.width, room.height) if along_x else (room.height, room.width)
-        yield from out_of("the room", width, depth, promises.room_size[room.type])
-    for piece, name in zip(room.pieces, names, strict=True):
+
+def misplaced(house: House, room: Room, promises: Promises) -> Iterator[str]:
+    """Pieces that do not suit the room, jut out of it, stand too near to doors or away from walls."""
+    for piece, name in named_pieces(room):
+        if not promises.suits(room.type, piece.type):
+            yield f"{name} does not suit the room"
+        juts = excess(piece.box, room.box)
+        if juts > TOLERANCE:
+            yield f"{name} juts {figure(juts)} m out of the room"
+        yield from (f"{name} {near}" for near in near_doors(house, room, piece, promises))
+        if piece.type in promises.at_wall and not walls_touched(piece, room):
+            yield f"{name} stands in the middle of the room (must touch a wall)"
+
+
+def overlapping(_: House, room: Room, __: Promises) -> Iterator[str]:
+    """Pieces that overlap each other."""
+    for (one, a), (other, b) in combinations(named_pieces(room), 2):
+        depth = overlap(one.box, other.box)
+        if depth > TOLERANCE:
+            yield f"{a} overlaps {b} by {figure(depth)} m"
+
+
+def wrong_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
+    """A piece at a wall has its back to it, or a side if it turns; children turn to their parent."""
+    for piece, name in named_pieces(room):
+        if piece.orientation not in {"", *BACK}:
+            yield f"{name} faces {piece.orientation!r} (must be N, E, S, W or empty)"
+        elif piece.orientation and piece in room.children:
+            walls = walls_touched(piece, room)
+            back = BACK[piece.orientation]
+            sides = (
+                {back, (back + 1) % 4, (back + 3) % 4}
+                if promises.turns is None or piece.type in promises.turns
+                else {back}
+            )
+            if walls and not sides & set(walls):
+                at = " and ".join(WALLS[wall] for wall in walls)
+                yield f"{name} faces {piece.orientation}, not away from its wall ({at})"
+
+
+def wrong_sizes(_: House, room: Room, promises: Promises) -> Iterator[str]:
+    """Sizes of pieces out of their bounds; one without a front may lie either way."""
+    return sizes_of_pieces(room, promises, None)
+
+
+def sizes_of_pieces(room: Room, promises: Promises, along_x: bool | None) -> Iterator[str]:
+    """Sizes of pieces out of their bounds; one without a front lies along x, along y, or (None) either way."""
+    for piece, name in named_pieces(room):
         yield from _share_violations(room, piece, name, promises)
         sizes = promises.piece_size.get(piece.type)
         if sizes is None:
             continue
-        length, depth = (
-            (piece.width, piece.height) if piece.orientation in {"N", "S"} else (piece.height, piece.width)
-        )
-        if not piece.orientation:  # It may lie either way.
-            length, depth = (piece.width, piece.height) if along_x else (piece.height, piece.width)
-            if side == "" and not list(out_of(name, depth, length, sizes)):
-                continue
+        lies_along_x = piece.orientation in {"N", "S"} if piece.orientation else along_x
+        sides = piece.width, piece.height
+        length, depth = sides if lies_along_x else sides[::-1]
+        if lies_along_x is None and not list(out_of(name, depth, length, sizes)):
+            continue
         yield from out_of(name, length, depth, sizes)
         if piece.type in promises.spans:
             wall = room.width if piece.orientation in {"N", "S"} else room.height
@@ -65,7 +112,7 @@ def _beside(value: float, least: float, most: float, unit: str) -> str:
     return f"{figure(value, least, most, digits=3)} {unit} ({number(least, 3)} to {number(most, 3)})"
 
 
-def count_violations(room: Room, promises: Promises) -> Iterator[str]:
+def wrong_counts(_: House, room: Room, promises: Promises) -> Iterator[str]:
     """Pieces and companions out of their numbers."""
     yield from _counted("it", room.children, promises.counts.get(room.type, {}))
     for piece in room.children:
@@ -89,10 +136,10 @@ def is_turned(piece: Piece, room: Room) -> bool:
     return bool(side)
 
 
-def front_violations(room: Room, names: list[str], promises: Promises) -> Iterator[str]:
+def blocked_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
     """What stands too near in front of a piece that is used from there, or its wall."""
     passage = promises.passage if promises.front is None else promises.front
-    named = list(zip(room.pieces, names, strict=True))
+    named = named_pieces(room)
     for piece, name in named:
         if piece.type not in promises.clear_front or not piece.orientation:
             continue
@@ -112,9 +159,9 @@ def front_violations(room: Room, names: list[str], promises: Promises) -> Iterat
             yield f"{name} has a wall {away} m in front of it (at least {number(passage)})"
 
 
-def arrangement_violations(room: Room, names: list[str], promises: Promises) -> Iterator[str]:
+def wrong_arrangement(_: House, room: Room, promises: Promises) -> Iterator[str]:
     """How pieces stand to each other: those that meet round corners, and turned ones with a free foot."""
-    tops = [(piece, name) for piece, name in zip(room.pieces, names, strict=True) if piece in room.children]
+    tops = [(piece, name) for piece, name in named_pieces(room) if piece in room.children]
     for type_ in promises.meet:
         walls: dict[int, Piece] = {}
         for piece, name in tops:

@@ -9,6 +9,7 @@ from typing import Any
 import shapely
 
 from logic.checking.figures import figure, number
+from logic.checking.names import named
 from logic.checking.room import out_of
 from logic.house.boxes import TOLERANCE, Box, distance, is_on_wall, overlap
 from logic.house.house import House
@@ -25,7 +26,7 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
     for one, other in combinations(house.rooms, 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
-            yield f"{_name(one)} overlaps {_name(other)} by {figure(depth)} m"
+            yield f"{named(one)} overlaps {named(other)} by {figure(depth)} m"
     if (parts := shapely.get_num_geometries(_floor(house))) > 1:
         yield f"house: its rooms lie in {parts} parts that do not touch"
     if (gap := gaps(house).area) > 1e-3:
@@ -34,12 +35,12 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
         least, most = promises.room_area.get(room.type, (0.0, room.area))
         if not least - TOLERANCE <= room.area <= most + TOLERANCE:
             area = figure(room.area, least, most)
-            yield f"{_name(room)} is of {area} m² ({number(least)} to {number(most)})"
+            yield f"{named(room)} is of {area} m² ({number(least)} to {number(most)})"
         side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
         if side < narrowest - TOLERANCE:
             width = figure(side, narrowest, digits=3)
-            yield f"{_name(room)} is {width} m wide at its shorter side (at least {number(narrowest)})"
-        yield from (f"{_name(room)}: {line}" for line in _size_violations(room, promises))
+            yield f"{named(room)} is {width} m wide at its shorter side (at least {number(narrowest)})"
+        yield from (f"{named(room)}: {line}" for line in _size_violations(room, promises))
 
 
 def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
@@ -102,7 +103,7 @@ def plan_units(house: House, promises: Promises) -> Iterator[str]:
             new = {name for names in joined for name in names} - unit - ends
         left -= unit
         doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
-        name = _name(house.room(min(unit, key=lambda each: (len(each), each))))
+        name = named(house.room(min(unit, key=lambda each: (len(each), each))))
         if len(doors) != 1:
             yield f"{name}: its unit is entered by {numbered(len(doors), 'door')} (must be one)"
         elif doors[0].is_entrance:
@@ -114,7 +115,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[str]:
     rooms = {room.name: room for room in house.rooms}
     for index, window in enumerate(house.windows):
         room = rooms[window.room]
-        name = f"{_name(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
+        name = f"{named(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
         yield from (f"{name} {fault}" for fault in _not_outer(house, window, room))
         for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
             if any(_meet(window, other) for other in openings):
@@ -124,7 +125,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[str]:
                 yield f"{name} is behind a {piece.type}"
     for room in house.rooms:
         if room.type in promises.lit and not any(window.room == room.name for window in house.windows):
-            yield f"{_name(room)}: has no window"
+            yield f"{named(room)}: has no window"
 
 
 def _is_shared(door: Door, one: Room, other: Room) -> bool:
@@ -143,7 +144,7 @@ def _not_outer(house: House, opening: Rect, room: Room) -> Iterator[str]:
         yield "is not on a wall of the room"
     for other in house.rooms:
         if other is not room and _shared(opening.box, other.box) > TOLERANCE:
-            yield f"leads into {_name(other)}, not outside"
+            yield f"leads into {named(other)}, not outside"
 
 
 def _shared(segment: Box, box: Box) -> float:
@@ -167,10 +168,6 @@ def _before(window: Window) -> Box:
     return west - by_x, north - by_y, east + by_x, south + by_y
 
 
-def _name(room: Room) -> str:
-    return f"{room.name} ({room.type})"
-
-
 def _between(house: House, door: Door) -> str:
-    names = (_name(house.room(name)) if name != OUTSIDE else OUTSIDE for name in door.between)
+    names = (named(house.room(name)) if name != OUTSIDE else OUTSIDE for name in door.between)
     return f"door between {' and '.join(names)}"

@@ -1,4 +1,8 @@
-"""What the check asks of a star: its doors, its sides, its main room and the rooms around it."""
+"""What the check asks of a star: its doors, its sides, its main room and the rooms around it.
+
+The original's houses are stars too, which are judged by the paper's constraints. They do not promise how far
+rooms stand apart, nor the least area of the main room.
+"""
 
 import math
 import operator
@@ -8,9 +12,12 @@ from itertools import combinations
 
 from logic.checking.figures import apart, figure, number
 from logic.checking.least_main_room import ELONGATION, least_area, side_of
+from logic.checking.names import named
+from logic.checking.room import out_of, sizes_of_pieces
 from logic.house.boxes import TOLERANCE, distance, is_on_wall, overlap
 from logic.house.house import House
-from logic.house.parts import STAR
+from logic.house.kinds import Kind
+from logic.house.parts import Room
 from logic.house.promises import Promises
 from logic.spelling import numbered
 
@@ -27,7 +34,7 @@ def star_doors(house: House, promises: Promises) -> Iterator[str]:
         if abs(width - wanted) > TOLERANCE:
             found, must = figure(width, wanted, digits=3), number(wanted, 3)
             yield f"{name}: its door is {found} m wide (must be {must})"
-        if house.topology == STAR:
+        if house.kind is Kind.STAR:
             if side_of(star, room) is None:
                 yield f"{name}: its door is not on a wall that it shares with the main room"
         elif not any(is_on_wall(room.door, room, wall) for wall in range(4)):
@@ -40,7 +47,7 @@ def star_rooms(house: House, promises: Promises) -> Iterator[str]:
     slack = TOLERANCE * (floor.width + floor.height)
     for room, name in zip(rooms, names, strict=True):
         depth = overlap(room.box, floor.box)
-        if house.topology == STAR and depth > TOLERANCE:
+        if house.kind is Kind.STAR and depth > TOLERANCE:
             yield f"{name} overlaps the main room by {figure(depth)} m"
         if room.area > floor.area + slack:
             its, main = apart(room.area, floor.area, holds=operator.gt)
@@ -51,14 +58,14 @@ def star_rooms(house: House, promises: Promises) -> Iterator[str]:
             yield f"{name} overlaps {neighbour} by {figure(depth)} m"
             continue
         away, gap = distance(one.box, other.box), promises.room_gap
-        if gap is not None and house.topology == STAR and away < gap - TOLERANCE:
+        if gap is not None and house.kind is Kind.STAR and away < gap - TOLERANCE:
             yield f"{name} stands {figure(away, gap)} m from {neighbour} (at least {number(gap)})"
 
 
 def star_sides(house: House, promises: Promises) -> Iterator[str]:
     """Too many rooms on one side of the main room."""
     star = house.star
-    if promises.a_side is None or len(star.rooms) < 4 or house.topology != STAR:
+    if promises.a_side is None or len(star.rooms) < 4:
         return
     most = len(star.rooms) // promises.a_side + 1
     for side, count in Counter(side_of(star, room) for room in star.rooms).items():
@@ -67,24 +74,38 @@ def star_sides(house: House, promises: Promises) -> Iterator[str]:
             yield f"house: has {rooms} on the {side} side (at most {most} of {len(star.rooms)})"
 
 
-def star_main_room(house: House, promises: Promises) -> Iterator[str]:
-    """A main room that is too long or too large."""
-    star = house.star
-    short, long = sorted((star.floor.width, star.floor.height))
+def star_shape(house: House, _: Promises) -> Iterator[str]:
+    """A main room that is too long."""
+    floor = house.star.floor
+    short, long = sorted((floor.width, floor.height))
     if long > ELONGATION * short + TOLERANCE:
         a, b = apart(long, short, holds=lambda a, b: a > ELONGATION * b)
         yield f"main room: is {a} by {b} m (at most {ELONGATION:g} times as long as wide)"
+
+
+def star_main_room(house: House, promises: Promises) -> Iterator[str]:
+    """A main room that is too large."""
+    star = house.star
     if house.provenance and "keep" in house.provenance.request:
         return  # It reaches from one fixed room to the other, however far.
-    if house.topology != STAR or not star.rooms or any(side_of(star, room) is None for room in star.rooms):
+    if not star.rooms or any(side_of(star, room) is None for room in star.rooms):
         return
     gap = promises.room_gap
     least = least_area(star, math.inf if gap is None else max(gap, promises.door_clearance))
-    if star.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
+    if star.floor.area > SPACIOUSNESS * least + TOLERANCE * (star.floor.width + star.floor.height):
         area, needed = apart(star.floor.area, least, holds=lambda a, b: a > SPACIOUSNESS * b)
         most = f"{SPACIOUSNESS:g} times the {needed} m² that its rooms need"
         yield f"main room: is of {area} m² (at most {most})"
 
 
+def star_sizes(house: House, room: Room, promises: Promises) -> Iterator[str]:
+    """Sizes out of their bounds, as seen from the door: of a room, and of its pieces."""
+    along_x = side_of(house.star, house.star.rooms[house.counted.index(room)]) in {"north", "south"}
+    if room.type in promises.room_size:
+        width, depth = (room.width, room.height) if along_x else (room.height, room.width)
+        yield from out_of("the room", width, depth, promises.room_size[room.type])
+    yield from sizes_of_pieces(room, promises, along_x)
+
+
 def _names(house: House) -> list[str]:
-    return [f"{room.name} ({room.type})" for room in house.secondary]
+    return [named(room) for room in house.secondary]

@@ -34,12 +34,11 @@ def swept(space: BaseGeometry, side: float) -> BaseGeometry:
 
 
 def first_room(house: House) -> Room:
-    """The room from which a body walks through a house: a star's main room; else that of the first entrance,
-    else the hub, else the first.
+    """The room from which a body walks through a house: that of the first entrance, else the hub, else the
+    first.
     """
-    entered = [name for door in house.doors if door.is_entrance for name in door.between]
-    names = [house.hub] if house.is_star else [*(name for name in entered if name != OUTSIDE), house.hub]
-    return next((house.room(name) for name in names if name), house.rooms[0])
+    entered = [name for door in house.doors if door.is_entrance for name in door.between if name != OUTSIDE]
+    return next((house.room(name) for name in (*entered, house.hub) if name), house.rooms[0])
 
 
 def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
@@ -49,7 +48,7 @@ def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
     this side (metres) does not fit into the first room.
     """
     first = first_room(house)
-    others = [shapely.box(*room.box) for room in house.secondary] if house.is_star else []
+    others = [shapely.box(*room.box) for room in house.cut_from(first)]
     floor = shapely.difference(shapely.box(*first.box), shapely.union_all(others))
     places = _shrunk(floor, side)
     inside = [space for space in spaces if space.intersects(places)]
@@ -92,9 +91,9 @@ def _walls(house: House) -> Iterator[Box]:
     """Every wall as boxes without thickness: the rooms' but for the doors between them. Of a star's main room
     they are where no room is.
     """
-    if house.is_star:
-        rooms = shapely.union_all([_grown(room.box, TOLERANCE) for room in house.secondary])
-        for edge in _edges(house.main):
+    if main := house.main_room:
+        rooms = shapely.union_all([_grown(room.box, TOLERANCE) for room in house.cut_from(main)])
+        for edge in _edges(main):
             yield from _segments(shapely.difference(edge, rooms))
     for room in house.counted:
         doors = [door.box for door in house.doors_of(room.name) if not door.is_entrance]

@@ -75,7 +75,7 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
     ends = (door.x, door.y), (door.x + door.width, door.y + door.height)
     names = sorted(
         (name for name in door.between if name != OUTSIDE),
-        key=lambda name: house.is_star and name == house.hub,
+        key=lambda name: rooms[name] is house.main_room,
     )
     # A star's main room may reach under the room, so that one says on which side it is, and the other lies
     # beyond.

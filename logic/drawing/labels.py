@@ -51,13 +51,12 @@ def room_names(
         names.append(
             _name(texts, _area(room.area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
         )
-    if not house.is_star:
-        return names
-    main, rooms = house.main.box, [room.box for room in house.counted]
-    taken = [frame.place(room) for room in rooms], swings
-    free = house.main.area - sum(_shared(main, room) for room in rooms)
-    colours = style.inks.edge, style.inks.paper
-    return [*names, _name(["main room"], _area(free), frame.place(main), taken, sizes, colours, False)]
+    if main := house.main_room:
+        taken = [frame.box(room) for room in house.cut_from(main)], swings
+        free = main.area - sum(_shared(main.box, room.box) for room in house.cut_from(main))
+        colours = style.inks.edge, style.inks.paper
+        names.append(_name(["main room"], _area(free), frame.box(main), taken, sizes, colours, False))
+    return names
 
 
 def background(house: House, frame: Frame, least: float = LEAST) -> tuple[Shape, ...]:

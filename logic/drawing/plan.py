@@ -74,8 +74,8 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     """
     inks, beyond = style.inks, max(BEYOND * frame.scale, 2.0)
     shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.rooms]
-    if house.is_star:
-        shapes.append(Part(house.hub, (Block(frame.box(house.main), inks.paper),)))
+    if main := house.main_room:
+        shapes.append(Part(main.name, (Block(frame.box(main), inks.paper),)))
     for room in house.counted:
         shapes.append(Part(room.name, tuple(floor(frame.box(room), style.fill(room.type), inks))))
     for room in house.counted:

@@ -107,8 +107,7 @@ def _free_place(house: House) -> tuple[float, float]:
     def polygon(box: Box) -> shapely.Polygon:
         return shapely.box(*box)
 
-    others = [other.box for other in house.counted if house.is_star and other is not room]
-    taken = shapely.union_all([polygon(box) for box in (*others, *(piece.box for piece in room.pieces))])
+    taken = shapely.union_all([polygon(rect.box) for rect in (*house.cut_from(room), *room.pieces)])
     free = polygon(room.box).difference(taken)
     # A line from the circle's centre outwards.
     line = shapely.maximum_inscribed_circle(free)  # pyright: ignore[reportCallIssue, reportArgumentType]

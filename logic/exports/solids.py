@@ -65,11 +65,11 @@ def solids(house: House, thickness: float = 0.1) -> list[Solid]:
 
 
 def _floors(house: House) -> Iterator[Solid]:
-    look = style([house])
+    look, main = style([house]), house.main_room
     for room in house.rooms:
-        colour = INKS.paper if house.is_star and room is house.main else look.fill(room.type).colour
+        colour = INKS.paper if room is main else look.fill(room.type).colour
         # A floor that lies over the main room's, as the original's do, is seen above it.
-        top = 0.001 if house.is_star and room is not house.main else 0.0
+        top = 0.001 if main and room is not main else 0.0
         yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)
 
 

@@ -7,12 +7,11 @@ looked at in each plan, by the same geometry as in the check.
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from itertools import chain
+from collections.abc import Iterable
 
 from clingo import Symbol
 
-from logic.checking.shared_walls import plan_doors, plan_rooms, plan_windows
+from logic.checking.check import violations
 from logic.house.house import House
 from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
@@ -22,10 +21,13 @@ NO_PLAN = (
     "lines one comes first by the rooms between them or by court/2: see docs/plans.md"
 )
 
+OF_PLANS = ("rooms", "doors", "windows")
+"""Of the check's, what is asked of a plan."""
+
 
 def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar) -> None:
     """Raise ``GrammarError`` where the rooms of a layout are no plan, at the rules that lay them out so."""
-    for fault in _faults(house):
+    for fault in violations(house, Promises(), OF_PLANS):
         named = {room.name for room in house.rooms if re.search(rf"\b{room.name}\b", fault)}
         edges = [atom for atom in layout if atom.name == "edge"]
         edges = [atom for atom in edges if f"R{atom.arguments[0]}" in named] or edges
@@ -44,8 +46,3 @@ def _apart(edges: Iterable[Symbol], rooms: int) -> list[Symbol]:
         if not atom.arguments[2].match("outline", 1)
         and not sides[tuple(map(str, atom.arguments[1:]))] == rooms > 1
     ]
-
-
-def _faults(house: House) -> Iterator[str]:
-    nothing = Promises()
-    return chain(plan_rooms(house, nothing), plan_doors(house, nothing), plan_windows(house, nothing))

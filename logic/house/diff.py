@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 
 from logic.house.boxes import Box
 from logic.house.house import House
 from logic.house.part_names import doors_by_name, part_names, windows_by_name
+from logic.house.parts import Room
 
 TOLERANCE = 1e-3
 """Metres: what differs by less is the same."""
@@ -76,9 +77,8 @@ def changes(before: House, after: House) -> list[Change]:
     return [change for was, now in found if (change := _change(was, now))]
 
 
-def _room(house: House, room: Any) -> Item:
-    hub = house.is_star and room.name == house.hub
-    return Item(room.name, "main room" if hub else room.type, room.box)
+def _room(house: House, room: Room) -> Item:
+    return Item(room.name, "main room" if room is house.main_room else room.type, room.box)
 
 
 def _parts(house: House, same: dict[str, str]) -> Iterator[tuple[Hashable, Item]]:

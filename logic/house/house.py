@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import msgspec
 
+from logic.house.kinds import Kind, kind_of
 from logic.house.parts import (
     FORMAT,
     MAIN,
@@ -45,9 +46,16 @@ class House(msgspec.Struct, frozen=True):
     """Draws it, as SVG so many CSS pixels wide: set by the package, since what draws houses imports this."""
 
     @property
-    def is_star(self) -> bool:
-        """Whether the rooms stand around a main room, each with one door to it: ``star.py``."""
-        return self.topology in (STAR, ORIGINAL)
+    def kind(self) -> Kind:
+        """How its rooms lie together: by it all is chosen that stars and others do not have in common."""
+        return kind_of(self.topology)
+
+    @property
+    def main_room(self) -> Room | None:
+        """The main room of a star, which the others stand around; None where rooms share walls."""
+        if self.kind is Kind.SHARED_WALLS:
+            return None
+        return next((room for room in self.rooms if room.name == self.hub), None)
 
     @property
     def main(self) -> Room:
@@ -69,7 +77,12 @@ class House(msgspec.Struct, frozen=True):
     @property
     def counted(self) -> tuple[Room, ...]:
         """The rooms that a request for rooms counts: a star's main room is none of them."""
-        return self.secondary if self.is_star else self.rooms
+        main = self.main_room
+        return tuple(room for room in self.rooms if room is not main)
+
+    def cut_from(self, room: Room) -> tuple[Room, ...]:
+        """The rooms that are cut out of a room's rectangle: of a star's main room all others."""
+        return self.counted if room is self.main_room else ()
 
     def room(self, name: str) -> Room:
         """The room of this name. Raises ``ValueError`` where there is none."""
@@ -91,8 +104,7 @@ class House(msgspec.Struct, frozen=True):
         """
         for name in names:
             self.room(name)
-        main = (self.hub,) if self.is_star else ()
-        rooms = tuple(room for room in self.rooms if room.name in (*names, *main))
+        rooms = tuple(room for room in self.rooms if room.name in names or room is self.main_room)
         left = {OUTSIDE, *(room.name for room in rooms)}
         doors = tuple(door for door in self.doors if left.issuperset(door.between))
         windows = tuple(window for window in self.windows if window.room in left)
@@ -101,7 +113,7 @@ class House(msgspec.Struct, frozen=True):
     @property
     def star(self) -> Star:
         """The house as a star. Raises ``ValueError`` where it is none."""
-        if not self.is_star:
+        if self.kind is Kind.SHARED_WALLS:
             raise ValueError(f"its topology is {self.topology or 'not named'}: only a star has a main room")
         return Star.of(self.rooms, self.doors, self.hub)
 
@@ -110,10 +122,9 @@ class House(msgspec.Struct, frozen=True):
         """The walls that run north to south, as (x, from y, to y), then those that run west to east: see
         ``walls.py``.
         """
-        if self.is_star:
-            star = self.star
-            return walls_of_star(star.floor, star.rooms)
-        return walls_of_rooms(self.rooms, self.doors)
+        if self.kind is Kind.SHARED_WALLS:
+            return walls_of_rooms(self.rooms, self.doors)
+        return walls_of_star(self.star.floor, self.star.rooms)
 
     def converted(self) -> House:
         """The same house as one that is written as ``vitruvius-2``. It simulates as before, bit for bit."""

@@ -5,7 +5,7 @@ from typing import Any
 
 from logic.errors import RequestError
 from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Window
+from logic.house.parts import OUTSIDE, Door, Room, Window
 from logic.spelling import closest
 
 DOOR, ENTRANCE, WINDOW = "door", "entrance", "window"
@@ -23,7 +23,7 @@ def target_in(house: House, target: str) -> tuple[int | None, Part]:
     No room is that of a star's main room, and of the doors of a plan. Raises ``RequestError`` for a target
     that the house does not have.
     """
-    return _in_star(house, target) if house.is_star else _in_plan(house, target)
+    return _in_star(house, target) if house.main_room else _in_plan(house, target)
 
 
 def _in_star(house: House, target: str) -> tuple[int | None, Part]:
@@ -38,7 +38,7 @@ def _in_star(house: House, target: str) -> tuple[int | None, Part]:
 
 
 def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
-    rooms, doors = [room.name for room in house.rooms], doors_of_plan(house)
+    rooms, doors = [room.name for room in house.rooms], doors_by_name(house)
     either_way = _numbered(("-".join(reversed(door.between)), door) for door in doors.values())
     outside = {"-".join(door.between): door for door in doors.values() if door.is_entrance}
     if door := (either_way | outside | doors).get(target):
@@ -80,18 +80,19 @@ def _split(target: str, names: Iterable[str]) -> tuple[str, str]:
     return name, part
 
 
-def doors_of_plan(house: House) -> dict[str, Door]:
-    """The doors of a plan by their names: ``R1-R3``, or ``entrance`` for one that leads outside."""
-    return _numbered((ENTRANCE if door.is_entrance else "-".join(door.between), door) for door in house.doors)
-
-
 def doors_by_name(house: House) -> dict[str, Door]:
-    """The doors of a house by their names, in its order: those of a star are ``R3.door``."""
-    if not house.is_star:
-        return doors_of_plan(house)
-    return {
-        f"{next(name for name in door.between if name != house.hub)}.{DOOR}": door for door in house.doors
-    }
+    """The doors of a house by their names, in its order: ``R1-R3``, or ``R3.door`` to a star's main room;
+    ``entrance`` for one that leads outside.
+    """
+    return _numbered((_door_name(door, house.main_room), door) for door in house.doors)
+
+
+def _door_name(door: Door, main: Room | None) -> str:
+    if door.is_entrance:
+        return ENTRANCE
+    if main is None:
+        return "-".join(door.between)
+    return f"{next(name for name in door.between if name != main.name)}.{DOOR}"
 
 
 def windows_by_name(house: House) -> dict[str, Window]:

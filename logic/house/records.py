@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from logic.house.kinds import Kind, kind_of
 from logic.house.parts import (
     BODY,
     FARTHEST,
@@ -107,7 +108,7 @@ def _require_names(house: Record) -> None:
     for index, door in enumerate(house.doors):
         if door.between[0] == door.between[1]:
             raise msgspec.ValidationError(f"doors[{index}]: joins {door.between[0]} with itself")
-    if house.topology in (STAR, ORIGINAL):
+    if kind_of(house.topology) is not Kind.SHARED_WALLS:
         try:
             Star.of(house.rooms, house.doors, house.hub or "")
         except ValueError as error:

@@ -9,7 +9,7 @@ import msgspec
 from logic.errors import RequestError
 from logic.house.boxes import WALLS, is_on_wall
 from logic.house.house import House
-from logic.house.parts import STAR
+from logic.house.kinds import Kind
 from logic.house.star import Star, StarRoom
 
 SIDES = ("north", "east", "south", "west")
@@ -37,9 +37,9 @@ def fixed_rooms(house: House) -> list[FixedRoom]:
 
     Raises ``RequestError`` where it is no star of ours or a door is on no wall of its room.
     """
-    if not house.is_star:
+    if house.kind is Kind.SHARED_WALLS:
         raise RequestError(f"keep: only rooms of a star can be fixed, not of the topology {house.topology!r}")
-    if house.topology != STAR:
+    if house.kind is Kind.ORIGINAL:
         raise RequestError("keep: rooms of the original's houses overlap the main room: they cannot be fixed")
     fixed = [_fixed(room, f"R{index}") for index, room in enumerate(house.star.rooms)]
     clockwise = {"north": 1, "east": 1, "south": -1, "west": -1}

@@ -93,7 +93,7 @@ def generate(
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
     own = None if plan is None else read_plan(plan, plan_unit, snap)
-    if keep is not None and not keep.is_star:
+    if keep is not None and keep.main_room is None:
         if own is None:
             raise RequestError(
                 "keep: rooms that share walls are kept in their plan: give it too, as in "

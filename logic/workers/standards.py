@@ -52,7 +52,7 @@ def promises_of(house: House) -> Promises:
     """
     made = house.provenance
     if made is None:
-        return PROMISES[DEFAULT] if house.is_star else Promises()
+        return PROMISES[DEFAULT] if house.main_room else Promises()
     said = PROMISES.get(made.grammar, Promises())
     if made.promises is None:
         return said

@@ -219,8 +219,8 @@ def _row(box: Box) -> np.ndarray:
 def _name(space: Box, house: House) -> str:
     """A space in words."""
     names = {room.box: f"room {room.name} ({room.type})" for room in reversed(house.rooms)}
-    if house.is_star:
-        names = {house.main.box: "the main room"} | {room.box: names[room.box] for room in house.secondary}
+    if main := house.main_room:
+        names = {main.box: "the main room"} | {room.box: names[room.box] for room in house.cut_from(main)}
     return names.get(space, "the rectangle ({:.2f}, {:.2f}, {:.2f}, {:.2f})".format(*space))
 
 

@@ -194,7 +194,7 @@ class Generate:
         from msgspec.structs import replace
 
         house = self._house_kept
-        if house is None or house.is_star:
+        if house is None or house.main_room:
             return None
         names = self.keep_rooms or [room.name for room in house.rooms]
         rooms = (room if room.name in names else replace(room, type="") for room in house.rooms)

@@ -22,13 +22,13 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     """Bring houses to the device: boxes, lines and lists."""
     shapes = [geometry(house) for house in houses]
     for index, house in enumerate(houses):
-        if config.collision == "original" and not house.is_star:
+        if config.collision == "original" and house.main_room is None:
             raise ValueError(
                 f"house {index} of {len(houses)}: the original's collision rule is for rooms with one door, "
                 f"to a main room, not for the topology {house.topology!r}: use the preset 'default'"
             )
     parts = [
-        _Part.of(shape, house.is_star, codes(house, config.kinds))
+        _Part.of(shape, house.main_room is not None, codes(house, config.kinds))
         for shape, house in zip(shapes, houses, strict=True)
     ]
     count = len(parts)

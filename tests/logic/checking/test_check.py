@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given, settings
 from msgspec.structs import replace
 
-from logic import House, Piece, StarRoom, check, load
-from logic.checking.check import Promises
+from logic import Door, House, Piece, StarRoom, check, load
+from logic.checking.check import CHECKS, IN_A_ROOM, Promises
 from logic.house.boxes import distance
+from logic.house.kinds import Kind, kind_of
+from logic.house.part_names import doors_by_name
 from logic.house.parts import ORIGINAL, Provenance
 from tests.logic.house.handmade import (
     DOOR,
@@ -180,6 +182,30 @@ def front_to_the_wall(house: House) -> tuple[House, list[str]]:
     wall = {"N": "north", "S": "south", "E": "east", "W": "west"}[opposite]
     wrong = with_piece(house, HALL, 0, replace(sofa, orientation=opposite))
     return wrong, [f"R3 (hall): sofa faces {opposite}, not away from its wall ({wall})"]
+
+
+@settings(max_examples=10, deadline=None)
+@given(house=houses())
+def test_a_star_may_have_an_entrance_which_furniture_keeps_clear_of(house: House) -> None:
+    """Its door is the main room's, and no other room's."""
+    main = house.main
+    entrance = Door(main.x, main.y, DOOR, 0.0, ("main", "outside"))
+    entered = replace(house, format="vitruvius-2", doors=(*house.doors, entrance))
+    assert House.from_dict(entered.to_dict()) == entered
+    assert "entrance" in doors_by_name(entered)
+    assert all(line.endswith("(at least 0.45)") for line in check(entered))
+    first = house.rooms[0]
+    on_it = replace(first, children=(Piece(main.x, main.y, 0.2, 0.2, type="wardrobe"),))
+    lines = check(replace(entered, rooms=(on_it, *house.rooms[1:])))
+    assert "R0 (bedroom): wardrobe stands 0 m from the door of the main room (at least 0.45)" in lines
+
+
+def test_each_check_is_asked_of_some_kind_of_topology_and_named_once_for_each() -> None:
+    for table in (CHECKS, IN_A_ROOM):
+        asked = [(kind, each.name) for each in table for kind in each.kinds]
+        assert all(each.kinds for each in table)
+        assert len({*asked}) == len(asked)
+    assert {kind_of(each) for each in ("", "star", "original", "ring")} == {*Kind}
 
 
 MISTAKES: list[Callable[[House], tuple[House, list[str]]]] = [

@@ -6,7 +6,7 @@ from clingo import Function, parse_term
 
 from logic import House, HouseFileError, RequestError
 from logic.generation.builder import Builder
-from logic.house.part_names import doors_of_plan, target_in
+from logic.house.part_names import doors_by_name, target_in
 from logic.house.parts import OUTSIDE, Door, Window
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
@@ -33,7 +33,7 @@ class Explained:
         return self.answers[target]
 
     def door(self) -> str:
-        return next(name for name, door in doors_of_plan(self.house).items() if not door.is_entrance)
+        return next(name for name, door in doors_by_name(self.house).items() if not door.is_entrance)
 
     def window(self) -> Window:
         return self.house.windows[0]

@@ -7,7 +7,7 @@ import pytest
 from logic import House, RequestError
 from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.house.part_names import doors_of_plan, part_names
+from logic.house.part_names import doors_by_name, part_names
 from logic.request.request import Request
 from logic.why.answer import Why
 from logic.why.kinds import witness_of
@@ -42,7 +42,7 @@ def targets(house: House) -> list[str]:
         f"{room.name}.{name}" for room in house.rooms for name in part_names([p.type for p in room.pieces])
     ]
     windows = dict.fromkeys(f"{window.room}.window" for window in house.windows)
-    return [*(room.name for room in house.rooms), *doors_of_plan(house), *windows, *pieces]
+    return [*(room.name for room in house.rooms), *doors_by_name(house), *windows, *pieces]
 
 
 def test_every_part_of_a_building_is_derived_from_facts_and_picks_by_rules_in_files(

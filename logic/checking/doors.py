@@ -1,0 +1,60 @@
+"""What stands too near to a door: which doors count, and how near is measured, is the topology's."""
+
+from collections.abc import Callable, Iterator
+
+from logic.checking.figures import figure, number
+from logic.checking.names import space_name
+from logic.house.boxes import TOLERANCE, distance, front, overlap
+from logic.house.house import House
+from logic.house.kinds import Kind
+from logic.house.parts import OUTSIDE, Door, Piece, Room
+from logic.house.promises import FRONTAL, Promises
+
+
+def near_doors(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:
+    """The doors that a piece stands too near to, each as what the piece does."""
+    return NEAR[house.kind](house, room, piece, promises)
+
+
+def _near_any(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:
+    return _nearer(house, room, piece, house.doors, promises.door_clearance)
+
+
+def _near_its_own(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:
+    """Rooms that share walls stand back to back: what is near to others' doors is behind a wall."""
+    return _nearer(house, room, piece, house.doors_of(room.name), promises.door_clearance)
+
+
+def _nearer(house: House, room: Room, piece: Piece, doors: tuple[Door, ...], least: float) -> Iterator[str]:
+    for door in doors:
+        away = distance(piece.box, door.box)
+        if away < least - TOLERANCE:
+            yield _stands(away, "from", _whose(house, room, door), least)
+
+
+def _in_front(house: House, room: Room, piece: Piece, _: Promises) -> Iterator[str]:
+    """The original keeps clear of a door in front of it and behind it, not beside it."""
+    for door in house.doors:
+        if overlap(piece.box, front(door.box, FRONTAL)) > TOLERANCE:
+            away = distance(piece.box, door.box)
+            yield _stands(away, "in front of", _whose(house, room, door), FRONTAL)
+
+
+NEAR: dict[Kind, Callable[[House, Room, Piece, Promises], Iterator[str]]] = {
+    Kind.STAR: _near_any,
+    Kind.ORIGINAL: _in_front,
+    Kind.SHARED_WALLS: _near_its_own,
+}
+
+
+def _stands(away: float, where: str, whose: str, least: float) -> str:
+    """How near something stands to a door, and how near it may."""
+    return f"stands {figure(away, least)} m {where} {whose} (at least {number(least)})"
+
+
+def _whose(house: House, room: Room, door: Door) -> str:
+    """A door as it is called in a room: by the first of its rooms, a main room's only if it has no other."""
+    if room.name in door.between:
+        return "its door"
+    rooms = [house.room(name) for name in door.between if name != OUTSIDE]
+    return f"the door of {space_name(house, min(rooms, key=lambda each: each is house.main_room))}"

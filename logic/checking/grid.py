@@ -1,0 +1,74 @@
+"""Houses on a grid of cells: what is promised of them, and edges off the grid."""
+
+import math
+from collections.abc import Iterator
+
+import msgspec
+
+from logic.checking.figures import apart, figure, number
+from logic.checking.names import named, named_pieces
+from logic.house.boxes import TOLERANCE
+from logic.house.house import House
+from logic.house.promises import Promises
+
+
+def cell_of(house: House) -> float:
+    """The side of its grid's cells, metres; 0 where it lies on none."""
+    return house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
+
+
+def on_grid(promises: Promises, cell: float) -> Promises:
+    """What is promised of a house on a grid: fixed lengths, and least ones, in whole cells."""
+
+    def up(length: float) -> float:
+        return math.ceil(length / cell - TOLERANCE) * cell
+
+    def down(length: float) -> float:
+        return math.floor(length / cell + TOLERANCE) * cell
+
+    door = None if promises.door_width is None else up(promises.door_width)
+    gap = None if promises.room_gap is None else up(promises.room_gap)
+    rooms, pieces = (
+        {
+            name: (up(a), max(up(a), down(aa)), up(b), max(up(b), down(bb)))
+            for name, (a, aa, b, bb) in sizes.items()
+        }
+        for sizes in (promises.room_size, promises.piece_size)
+    )
+    clearance = up(promises.door_clearance)
+    # A side is rounded by itself, so a share of the room's and an area are not kept to.
+    rounded = {"room_size": rooms, "piece_size": pieces, "shares": {}, "tops": {}}
+    return msgspec.structs.replace(
+        promises, door_width=door, door_clearance=clearance, room_gap=gap, **rounded
+    )
+
+
+def off_grid(house: House, _: Promises) -> Iterator[str]:
+    """Edges that do not lie on the grid of the main room's corner, or without one of the outline's corner."""
+    cell = cell_of(house)
+    if not cell:
+        return
+    corners = [room.box[:2] for room in ([house.main_room] if house.main_room else house.rooms)]
+    origins = tuple(map(min, zip(*corners, strict=True))) * 2
+    for room in house.counted:
+        parts = [("the room", room), *(("its door", door) for door in house.doors_of(room.name))]
+        parts += (("its window", window) for window in house.windows if window.room == room.name)
+        parts += ((name, piece) for piece, name in named_pieces(room))
+        for name, rect in parts:
+            for edge, origin in zip(rect.box, origins, strict=True):
+                off = abs((edge - origin) / cell - round((edge - origin) / cell)) * cell
+                if off > TOLERANCE:
+                    off_it = figure(off, digits=3)
+                    yield f"{named(room)}: {name} stands {off_it} m off the grid of {number(cell)} m"
+                    break
+
+
+def broken_cells(house: House, _: Promises) -> Iterator[str]:
+    """A main room that is not whole cells wide and deep."""
+    cell, main = cell_of(house), house.main_room
+    for size, name in ((main.width, "wide"), (main.height, "deep")) if cell and main else ():
+        if abs(size / cell - round(size / cell)) * cell > TOLERANCE:
+            text = apart(
+                size, digits=3, holds=lambda read: abs(read / cell - round(read / cell)) * cell > 1e-7
+            )[0]
+            yield f"main room: is {text} m {name}, not whole cells of {number(cell)} m"

@@ -1,0 +1,86 @@
+"""What the check asks of the ways through a house: that the body gets through, and squares as wide as a
+passage.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from logic.checking.figures import figure, number, percent
+from logic.checking.names import named, space_name
+from logic.checking.walk import (
+    doorway,
+    first_room,
+    first_space,
+    free_floor,
+    joins_all,
+    places_inside,
+    spaces,
+    swept,
+)
+from logic.house.house import House
+from logic.house.parts import BODY, Door, Room
+from logic.house.promises import Promises
+
+REACHABLE = 0.6
+"""The least share of a room's free floor that the body reaches from the room's doors."""
+SLIVER = 1e-4
+"""Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
+
+
+def unentered(house: House, _: Promises) -> Iterator[str]:
+    """Rooms that the body cannot get into from the first room."""
+    first = first_space(house, spaces(house, BODY), BODY)
+    return (_unentered(house, room) for room in house.counted if not _enters(first, room))
+
+
+def impassable(house: House, promises: Promises) -> Iterator[str]:
+    """The same, and of the rooms that it gets into those whose floor it does not reach, or by narrow ways."""
+    passage = max(promises.passage, SLIVER)
+    bodies, squares = spaces(house, BODY), spaces(house, passage)
+    first = first_space(house, bodies, BODY)
+    covered = [(space, swept(space, BODY)) for space in bodies]
+    for room in house.counted:
+        if not _enters(first, room):
+            yield _unentered(house, room)
+            continue
+        doors = house.doors_of(room.name)
+        ways = shapely.union_all([doorway(door, BODY) for door in doors])
+        reached = shapely.union_all([floor for space, floor in covered if space.intersects(ways)])
+        yield from (f"{named(room)}: {fault}" for fault in _unreached(room, doors, reached))
+        yield from (f"{named(room)}: {fault}" for fault in _narrow(room, doors, squares, passage))
+
+
+def _enters(first: Polygon, room: Room) -> bool:
+    return first.intersects(places_inside(room, BODY))
+
+
+def _unentered(house: House, room: Room) -> str:
+    start = space_name(house, first_room(house))
+    return f"{named(room)}: the body ({BODY} m square) cannot get into it from {start}"
+
+
+def _unreached(room: Room, doors: Sequence[Door], reached: BaseGeometry) -> Iterator[str]:
+    """A room of whose floor too little is ``reached``."""
+    free = free_floor(room)
+    share = reached.intersection(free).area / free.area
+    its = "its door" if len(doors) == 1 else "its doors"
+    if share < REACHABLE:
+        reach = f"{percent(share, REACHABLE)} of its free floor from {its}"
+        yield f"the body reaches {reach} (at least {percent(REACHABLE)})"
+
+
+def _narrow(room: Room, doors: Sequence[Door], squares: Sequence[Polygon], passage: float) -> Iterator[str]:
+    """A room with places that a square gets to from no door, or from one door and not from the others."""
+    free, by_square = free_floor(room), [doorway(door, passage) for door in doors]
+    wide = shapely.union_all(by_square)
+    closed = [space for space in squares if space.intersection(free).area > SLIVER]
+    closed = [space for space in closed if not space.intersects(wide)]
+    if closed:
+        area = shapely.union_all([swept(space, passage) for space in closed]).intersection(free).area
+        behind = f"{figure(area)} m² of its floor lie"
+        yield f"{behind} behind passages narrower than {number(passage)} m"
+    elif not joins_all(room, by_square, squares):
+        yield f"no passage of {number(passage)} m joins its doors inside it"
