@@ -66,7 +66,7 @@ def wrong_sizes(_: House, room: Room, promises: Promises) -> Iterator[str]:
 
 
 def sizes_of_pieces(room: Room, promises: Promises, along_x: bool | None) -> Iterator[str]:
-    """Sizes of pieces out of their bounds; one without a front lies along x, along y, or (None) either way."""
+    """Sizes of pieces out of their bounds; without a front it lies along x, along y, or (None) either way."""
     for piece, name in named_pieces(room):
         yield from _share_violations(room, piece, name, promises)
         sizes = promises.piece_size.get(piece.type)
