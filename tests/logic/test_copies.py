@@ -13,7 +13,7 @@ from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import INFERENCES, builder
 
 CORE = sorted(RULES.rglob("*.[lp][lp]"))
-OWN = ["ring", "corridor", "cuts"]
+OWN = ["ring", "corridor", "dissection"]
 """Shipped topologies of one file, of rooms that share walls: a copy of each may be a grammar's own."""
 
 EDITS = {

@@ -194,10 +194,10 @@ def test_an_outline_may_lack_corners(home: Builder) -> None:
 
 
 def test_another_topology_of_the_core_serves_the_same_rules(tmp_path: Path) -> None:
-    made = builder(copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(cuts).")))
+    made = builder(copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(dissection).")))
     for index in range(3):
         house = made.house(Request(5), 0, index, INFERENCES)
-        assert house.topology == "cuts"
+        assert house.topology == "dissection"
         assert check(house) == []
 
 
@@ -216,9 +216,9 @@ def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
     ("change", "says"),
     [
         (("rooms.lp", "topology(ring).", "topology(rign)."), "did you mean ring"),
-        (("rooms.lp", "topology(ring).", "topology(ring). topology(cuts)."), "one topology"),
+        (("rooms.lp", "topology(ring).", "topology(ring). topology(dissection)."), "one topology"),
         (("rooms.lp", "topology(ring).", "topology(X) :- X = ring."), "rooms.lp:2:1: .* by a fact alone"),
-        (("rooms.lp", "topology(ring).", "topology(ring;cuts)."), "rooms.lp:2:1: .* by a fact alone"),
+        (("rooms.lp", "topology(ring).", "topology(ring;dissection)."), "rooms.lp:2:1: .* by a fact alone"),
         (("rooms.lp", "topology(ring).", 'mine("topology(ring).").'), "is no fact where it stands"),
         (("rooms.lp", "opens(outside, (hall;", "opens(outside, (haal;"), "haal"),
     ],
@@ -233,9 +233,9 @@ def test_a_topology_or_type_that_there_is_not_is_named(
 @pytest.mark.parametrize(
     ("text", "name"),
     [
-        ("topology( cuts ) .", "cuts"),
-        ("topology(\n  cuts\n).", "cuts"),
-        ("%*\ntopology(ring).\n*% topology(cuts).", "cuts"),
+        ("topology( dissection ) .", "dissection"),
+        ("topology(\n  dissection\n).", "dissection"),
+        ("%*\ntopology(ring).\n*% topology(dissection).", "dissection"),
         ("% topology(ring).", "star"),
     ],
 )

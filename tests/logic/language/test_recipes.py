@@ -280,9 +280,9 @@ def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) 
     # Those of furniture speak of family's pieces.
     furniture = entries.pop("room") + entries.pop("pick")
     stated = entries.pop("topology")
-    if topology == "cuts":  # As a topology of the user's own, which alone may state more of it.
-        text = (TOPOLOGIES / "cuts.lp").read_text()
-        (folder / "cuts.lp").write_text("\n".join([text, *stated, ""]))
+    if topology == "dissection":  # As a topology of the user's own, which alone may state more of it.
+        text = (TOPOLOGIES / "dissection.lp").read_text()
+        (folder / "dissection.lp").write_text("\n".join([text, *stated, ""]))
     if topology == "star":
         entries["room"] = furniture
     for part, examples in entries.items():
@@ -315,7 +315,7 @@ def test_all_examples_of_the_page_together_are_a_grammar(solver: ProcessPoolExec
 
 @pytest.mark.parametrize(
     ("grammar", "topology"),
-    [("home", "ring"), ("home", "corridor"), ("home", "cuts"), ("apartments", "building")],
+    [("home", "ring"), ("home", "corridor"), ("home", "dissection"), ("apartments", "building")],
 )
 def test_all_examples_of_the_page_for_plans_together_are_a_grammar(
     grammar: str, topology: str, tmp_path: Path

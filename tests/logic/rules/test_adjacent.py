@@ -56,7 +56,7 @@ def pairs(atoms: Iterable, name: str) -> set[tuple[int, int]]:
     ("base", "topology", "sizes"),
     [
         ("home", "", (4, 7, 11)),
-        ("home", "cuts", (4, 5)),
+        ("home", "dissection", (4, 7)),
         ("home", "rows", (6, 8)),
         ("clinic", "", (3, 16)),
     ],

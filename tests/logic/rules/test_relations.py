@@ -162,14 +162,13 @@ def in_row(plan: Plan) -> None:
         assert any(whole - free == 0 < free for whole, free in (plan.free(room, side) for side in SIDES))
 
 
-def cut(plan: Plan) -> None:
-    for first, last, after, way in plan.said("cut", 4):
-        side = "west" if way == "down" else "north"
-        assert all(
-            plan.beyond(room, other, side)
-            for room in range(first, after + 1)
-            for other in range(after + 1, last + 1)
-        )
+def lies(plan: Plan) -> None:
+    ways = {side: plan.said(f"{side}_of", 2) for side in ("west", "north")}
+    for side, pairs in ways.items():
+        assert all(plan.beyond(room, other, side) for room, other in pairs)
+    assert sorted(pair for pairs in ways.values() for pair in pairs) == list(
+        combinations(range(len(plan.boxes)), 2)
+    )
 
 
 ALL: tuple[Callable[[Plan], None], ...] = (linked, from_, entrance, window, outer, runs, edge)
@@ -179,7 +178,7 @@ ALL: tuple[Callable[[Plan], None], ...] = (linked, from_, entrance, window, oute
     ("base", "topology", "sizes", "more"),
     [
         ("home", "", (5, 11), (band, behind, owns)),
-        ("home", "cuts", (5,), (cut,)),
+        ("home", "dissection", (5, 8), (lies,)),
         ("home", "rows", (7,), ()),
         ("clinic", "", (9, 16), (in_row,)),
     ],
