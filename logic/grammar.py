@@ -124,9 +124,14 @@ def find(grammar: str | Path) -> Grammar:
     reading = reading_of(directory)
     asp, prolog = reading.follow(asp), reading.follow(prolog)
     for error in reading.errors:
+        if error.file not in reading.contents:
+            raise error
+    _require_no_copies(asp + prolog, directory)
+    for error in reading.errors:
+        # What a copy includes is not beside it.
+        _require_nothing_of_the_core((Path(str(error.file)),), None)
         raise error
     digest = _hash((file, reading.contents[file]) for file in asp + prolog)
-    _require_no_copies(asp + prolog, directory)
     topology, name = _topology(asp)
     _require_nothing_of_the_core(asp + prolog, name)
     return Grammar(directory.name, directory, asp, topology, name, prolog, digest)
@@ -144,8 +149,10 @@ def _require_no_copies(files: tuple[Path, ...], directory: Path) -> None:
         before[file] = mine
 
 
-def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str) -> None:
-    """Raise ``GrammarError`` for copies of shared files, but that a topology of a user's may be one."""
+def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str | None) -> None:
+    """Raise ``GrammarError`` for copies of shared files, but that a topology of a user's may be one: that of
+    this name, if it is known.
+    """
     core = stated_once(tuple(sorted(RULES.rglob("*.[lp][lp]"))))
     for file, mine in stated(files).items():
         if not (copied := original(file, mine, core)):
@@ -157,7 +164,7 @@ def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str) -> None
         if not usable:
             why = f"is a copy of {copied}, which is loaded by itself where it is needed: take it away"
             raise GrammarError(why, file)
-        if file.stem != topology:
+        if topology and file.stem != topology:
             own = "make it a topology of your own: topology(mine) names a file mine.lp"
             why = f"is a copy of {copied}, and the topology here is {topology}: take it away, or {own}"
             raise GrammarError(why, file)

@@ -90,6 +90,7 @@ def test_rules_that_share_some_statements_are_no_copies(tmp_path: Path) -> None:
 @pytest.mark.parametrize("unread", ['"', "'", "%*", "/*", "\\'", '"\\', "0'", "%"])
 def test_a_file_of_anything_is_read_at_once(unread: str, tmp_path: Path) -> None:
     folder = mine(tmp_path)
+    files = len(find(folder).prolog)
     for suffix in ("lp", "pl"):
         (folder / f"strange.{suffix}").write_text(unread * 200_000)
-    assert len(find(folder).prolog) == 3
+    assert len(find(folder).prolog) == files + 1
