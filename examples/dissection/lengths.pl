@@ -1,0 +1,3 @@
+:- include('home/sizes.pl').
+:- include('home/lengths.pl').
+:- include('home/furniture.pl').
