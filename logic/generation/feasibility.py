@@ -14,9 +14,10 @@ from logic.errors import Reason
 from logic.generation.movable_doors import Refuted
 from logic.generation.question import Question
 from logic.grammar import Grammar
+from logic.layout.conditional import Source
 from logic.layout.program import Conflict
 from logic.layout.programs import GIVEN
-from logic.layout.relaxed import Relaxed, Source, Statement
+from logic.layout.relaxed import Relaxed, Statement
 from logic.layout.terms import (
     Lengths,
     granted,

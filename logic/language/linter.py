@@ -12,9 +12,10 @@ from logic.house.looks import DEFAULT, NAME, read_looks, unused
 from logic.language.audit import UNITS
 from logic.language.loaded import LoadedGrammar
 from logic.layout.account import GROUNDING
+from logic.layout.conditional import Source
 from logic.layout.program import Part
 from logic.layout.programs import GIVEN
-from logic.layout.relaxed import Relaxed, Source
+from logic.layout.relaxed import Relaxed
 
 SIZES = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms for which a rule is looked for to bind, in this order."""

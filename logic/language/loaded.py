@@ -30,9 +30,10 @@ from logic.language.vocabulary import (
     unknown_choices,
     words,
 )
+from logic.layout.conditional import Source
 from logic.layout.program import Endless, Program
 from logic.layout.programs import Programs
-from logic.layout.relaxed import Relaxed, Source
+from logic.layout.relaxed import Relaxed
 from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
 from logic.placement.placer import Placer
 from logic.request.request import MOST_ROOMS

@@ -22,10 +22,10 @@ from logic.language.loaded import furniture_of
 from logic.language.statements import Statement, read
 from logic.language.stratification import unstratified
 from logic.language.vocabulary import words
+from logic.layout.conditional import HERE
 from logic.layout.differences import STATING
 from logic.layout.messages import written
 from logic.layout.program import CORE, Part, Program
-from logic.layout.relaxed import HERE
 from logic.layout.terms import length_facts, parts
 from logic.placement.placer import Placer
 

@@ -2,50 +2,39 @@
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
 """Why there is no house: a minimal set of the user's own statements and choices in conflict.
 
-Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
-is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
-adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
-something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
-is anything from nothing to very much. What a fact bounds or allows is wider without it, and what no fact
-allows can be added, as ``why/left_out.lp`` says: so the fact that stands there, or that does not, is among
-the reasons.
+Every rule and fact of the grammar's files has one more condition (``conditional.py``), which is assumed.
+Without the assumption the statement may hold or not: that leaves all the houses there were and adds some, so
+leaving more out never makes a house impossible, and "take one away and there is a house" means something. The
+lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length is anything
+from nothing to very much.
 """
 
 import contextlib
-import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any
 
 import clingo
-from clingo import Function, Number, Symbol, SymbolType, ast
+from clingo import Symbol, ast
 from clingo.backend import HeuristicType
 from msgspec import structs
 
 from logic.errors import Reason
-from logic.grammar import RULES
+from logic.layout.conditional import (
+    ABSENT,
+    HERE,
+    LEFT_OUT,
+    Source,
+    atom_of,
+    literal,
+    stated,
+    stated_symbol,
+    unbound,
+)
 from logic.layout.differences import Differences
-from logic.layout.messages import written
 from logic.layout.program import CORE, Conflict, Endless, Instances, Literals, Part
-from logic.layout.reading import parse
-
-BEGIN = ast.Position("<explanation>", 1, 1)
-HERE = ast.Location(BEGIN, BEGIN)
-
-LEFT_OUT = RULES / "why" / "left_out.lp"
-"""What there could be where a fact is left out or added."""
-
-Signature = tuple[str, int]
-
-ABSENT = " is not stated"
-"""What is said of a fact that a grammar lacks, at the first of its facts of the same kind."""
-
-FAR = 1_000_000
-"""Millimetres, more than anything measures; small enough for clingo to add up."""
 
 
 @dataclass(frozen=True)
@@ -56,33 +45,6 @@ class Statement:
     literals: tuple[int, ...]
     clause: Symbol | None = None
     """Of a ``.pl`` file: see ``Conflict``."""
-
-
-class Source:
-    """Rule files, which are parsed once for all the programs that are made of them."""
-
-    def __init__(self, files: Sequence[Path]) -> None:
-        """Know the files: the core's own are read beside them."""
-        self.files = tuple(files)
-        self._read: dict[tuple[Any, ...], Conditional] = {}
-
-    def conditional(self, files: Sequence[Path], laws: bool) -> "Conditional":
-        """The statements of some of the files, each rule with its condition.
-
-        Of the core's rules, with ``laws``, those alone that require something.
-        """
-        key = tuple(files), laws
-        if key not in self._read:
-            self._read[key] = _conditional((CORE, *files) if laws else files, laws)
-        return self._read[key]
-
-
-class Conditional(NamedTuple):
-    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first."""
-
-    rules: list[ast.AST]
-    reasons: list[Reason]
-    first: dict[str, Reason]
 
 
 EVERYTHING = 15
@@ -146,14 +108,14 @@ class Relaxed:
                     if clause not in numbers:
                         numbers[clause] = len(found)
                         found.append((reason, clause))
-                stated = [_stated(numbers[clause]) for clause in clauses]
-                builder.add(ast.Rule(HERE, _literal(_atom(fact)), [_literal(atom) for atom in stated]))
+                conditions = [stated(numbers[clause]) for clause in clauses]
+                builder.add(ast.Rule(HERE, literal(atom_of(fact)), [literal(atom) for atom in conditions]))
                 # Without a clause a length has no bounds; what is no length does not hold.
-                for atom in stated if _unbound(fact) != fact else ():
-                    missing = _literal(atom, ast.Sign.Negation)
-                    builder.add(ast.Rule(HERE, _literal(_atom(_unbound(fact))), [missing]))
+                for atom in conditions if unbound(fact) != fact else ():
+                    missing = literal(atom, ast.Sign.Negation)
+                    builder.add(ast.Rule(HERE, literal(atom_of(unbound(fact))), [missing]))
             for number in range(len(found)):
-                free = ast.ConditionalLiteral(HERE, _literal(_stated(number)), [])
+                free = ast.ConditionalLiteral(HERE, literal(stated(number)), [])
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
@@ -165,9 +127,9 @@ class Relaxed:
         self.until = math.inf
         """When no more layouts are looked for, by ``time.monotonic``."""
         self.statements = [
-            Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
+            Statement(reason, (self._literal_of[stated_symbol(number)],), clause)
             for number, (reason, clause) in enumerate(found)
-            if _stated_symbol(number) in self._literal_of
+            if stated_symbol(number) in self._literal_of
         ]
         for atom in self._control.symbolic_atoms.by_signature("added'", 1):
             (fact,) = atom.symbol.arguments
@@ -266,9 +228,9 @@ class Relaxed:
         self._control.configuration.solver.heuristic = "Domain"
         self._known.update(literal for each in statements for literal in each.literals)
         with self._control.backend() as backend:
-            for literal in sorted(self._known):
-                kind = HeuristicType.True_ if literal > 0 else HeuristicType.False_
-                backend.add_heuristic(abs(literal), kind, 1, 1, [])
+            for each in sorted(self._known):
+                kind = HeuristicType.True_ if each > 0 else HeuristicType.False_
+                backend.add_heuristic(abs(each), kind, 1, 1, [])
 
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
         """Some of these statements, which have no layout, that have none by themselves."""
@@ -313,118 +275,3 @@ class Relaxed:
         with self._control.backend() as backend:
             for literals in conflicts:
                 backend.add_rule([], literals)
-
-
-def minimal(
-    statements: Sequence[Statement],
-    possible: Callable[[Sequence[Statement]], bool],
-    core: Callable[[Sequence[Statement]], list[Statement]],
-) -> list[Statement]:
-    """Statements that are impossible together, and possible with any one of them left out."""
-    needed = core(statements)
-    # A rule is more readily left out than the facts above it, which it may stand in for.
-    for statement in reversed(list(needed)):
-        if statement in needed:
-            fewer = [other for other in needed if other is not statement]
-            if not possible(fewer):
-                needed = core(fewer)
-    return needed
-
-
-def preferred(
-    statements: Sequence[Statement],
-    possible: Callable[[Sequence[Statement]], bool],
-    core: Callable[[Sequence[Statement]], list[Statement]],
-) -> list[Statement]:
-    """The same, of the first statements wherever these do: few steps where many are impossible by a few.
-
-    QuickXplain: Junker, AAAI 2004.
-    """
-
-    def needed(before: list[Statement], new: bool, some: list[Statement]) -> list[Statement]:
-        if new and not possible(before):
-            return []
-        if len(some) == 1:
-            return some
-        first, then = some[: len(some) // 2], some[len(some) // 2 :]
-        last = needed([*before, *first], True, then)
-        return needed([*before, *last], bool(last), first) + last
-
-    return needed([], False, core(statements))
-
-
-def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
-    """See ``Source.conditional``."""
-    found = Conditional([ast.Program(HERE, "base", [])], [], {})
-    kinds = left_out_facts()
-
-    def take(statement: ast.AST) -> None:
-        begin = statement.location.begin
-        own = RULES not in Path(begin.filename).parents
-        if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
-            stated = _stated(len(found.reasons))
-            found.reasons.append(Reason(written(statement), begin.filename, begin.line, begin.column))
-            if (signature := _signature(statement.head)) in kinds:
-                found.first.setdefault(signature[0], found.reasons[-1])
-                found.rules.append(_about("listed'", statement, []))
-                found.rules.append(_about("without'", statement, [_literal(stated, ast.Sign.Negation)]))
-            statement = statement.update(body=[*statement.body, _literal(stated)])
-        found.rules.append(statement)
-
-    for file in files:
-        parse([file], take)
-    return found
-
-
-@cache
-def left_out_facts() -> set[Signature]:
-    """The facts that ``rules/why/left_out.lp`` asks for."""
-    found = set[Signature]()
-
-    def take(statement: ast.AST) -> None:
-        for literal in statement.body if statement.ast_type == ast.ASTType.Rule else ():
-            if _signature(literal) in {("listed'", 1), ("without'", 1)}:
-                fact = literal.atom.symbol.arguments[0]
-                found.add((fact.name, len(fact.arguments)))
-
-    ast.parse_files([str(LEFT_OUT)], take)
-    return found
-
-
-def _signature(literal: ast.AST) -> Signature | None:
-    """Of an atom, or of all in a pool as ``lit(hall;study)``, in a head or a body; None for anything else."""
-    if literal.ast_type != ast.ASTType.Literal or literal.atom.ast_type != ast.ASTType.SymbolicAtom:
-        return None
-    symbol = literal.atom.symbol
-    one = symbol.arguments[0] if symbol.ast_type == ast.ASTType.Pool else symbol
-    return (one.name, len(one.arguments)) if one.ast_type == ast.ASTType.Function else None
-
-
-def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:
-    """The rule with its head as a term of an atom of this name, under more conditions."""
-    atom = ast.SymbolicAtom(ast.Function(HERE, name, [rule.head.atom.symbol], False))
-    return rule.update(head=_literal(atom), body=[*rule.body, *conditions])
-
-
-def _stated(number: int) -> ast.AST:
-    return _atom(_stated_symbol(number))
-
-
-def _stated_symbol(number: int) -> Symbol:
-    return Function("stated", [Number(number)])
-
-
-def _atom(symbol: Symbol) -> ast.AST:
-    terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
-    return ast.SymbolicAtom(ast.Function(HERE, symbol.name, terms, False))
-
-
-def _unbound(length: Symbol) -> Symbol:
-    """The fact of a length of which nothing is known: its numbers are least and greatest ones in turn."""
-    bounds = itertools.cycle([Number(0), Number(FAR)])
-    numbers = [a if a.type != SymbolType.Number else next(bounds) for a in length.arguments]
-    return Function(length.name, numbers)
-
-
-def _literal(atom: ast.AST, sign: ast.Sign = ast.Sign.NoSign) -> ast.AST:
-    return ast.Literal(HERE, sign, atom)

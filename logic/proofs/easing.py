@@ -12,7 +12,8 @@ from functools import cache
 from logic.generation.builder import Builder
 from logic.grammar import SHIPPED
 from logic.layout.account import LAYOUT
-from logic.layout.relaxed import ABSENT, Relaxed, Statement, TooMany
+from logic.layout.conditional import ABSENT
+from logic.layout.relaxed import Relaxed, Statement, TooMany
 from logic.request.request import Request
 
 FIRST, LARGER = 2_000, 4

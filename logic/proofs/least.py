@@ -13,7 +13,8 @@ import clingo
 
 from logic.generation.question import Question
 from logic.grammar import SHIPPED
-from logic.layout.relaxed import Relaxed, Statement, TooMany, minimal
+from logic.layout.conflicts import minimal
+from logic.layout.relaxed import Relaxed, Statement, TooMany
 
 MOST_LAYOUTS = 400
 """So many layouts are looked at for a smallest conflict; past them a minimal one has to do."""

@@ -10,7 +10,8 @@ from clingo import Function, Symbol
 
 from logic.errors import Reason
 from logic.generation.question import Question
-from logic.layout.relaxed import Late, Statement, minimal, preferred
+from logic.layout.conflicts import minimal, preferred
+from logic.layout.relaxed import Late, Statement
 from logic.why.answer import Alternative, Choice
 
 OTHERS = "other choices"

@@ -18,10 +18,10 @@ from msgspec import structs
 
 from logic.errors import Reason
 from logic.language.reference import asp_entries
+from logic.layout.conditional import HERE
 from logic.layout.messages import written
 from logic.layout.program import CORE, Program
 from logic.layout.reading import parse
-from logic.layout.relaxed import HERE
 from logic.why.alternatives import Chosen
 from logic.why.answer import Derivation
 

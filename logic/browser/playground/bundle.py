@@ -34,9 +34,9 @@ from logic.language.heads import BY_CONSTRAINT, ELSEWHERE, MOVED, TAKEN, UNNAMED
 from logic.language.integers import GREATEST
 from logic.language.statements import place
 from logic.language.vocabulary import Signature, Words, core_words
+from logic.layout.conditional import ABSENT, FAR, left_out_facts
 from logic.layout.messages import SYNTAX
 from logic.layout.programs import GIVEN
-from logic.layout.relaxed import ABSENT, FAR, left_out_facts
 from logic.proofs.least import MOST_LAYOUTS
 from logic.proofs.proof import NEAR, NEXT
 from logic.request.request import MOST_ROOMS

@@ -12,8 +12,9 @@ from logic import GrammarError, GrammarWarning, generate, lint
 from logic.grammar import SHIPPED, find, shipped
 from logic.language import linter
 from logic.language.linter import findings
+from logic.layout.conditional import Source
 from logic.layout.program import Part
-from logic.layout.relaxed import Relaxed, Source
+from logic.layout.relaxed import Relaxed
 from vitruvius.cli import main
 
 

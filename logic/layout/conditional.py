@@ -1,0 +1,143 @@
+# clingo.ast leaves the attributes of its nodes untyped.
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
+"""Rules under conditions: each of the user's own holds where ``stated(N)`` does, which is free to hold.
+
+What a fact bounds or allows is wider without it, and what no fact allows can be added, as
+``why/left_out.lp`` says: so the fact that stands there, or that does not, is among the reasons.
+"""
+
+import itertools
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from clingo import Function, Number, Symbol, SymbolType, ast
+
+from logic.errors import Reason
+from logic.grammar import RULES
+from logic.layout.messages import written
+from logic.layout.program import CORE
+from logic.layout.reading import parse
+
+BEGIN = ast.Position("<explanation>", 1, 1)
+HERE = ast.Location(BEGIN, BEGIN)
+
+LEFT_OUT = RULES / "why" / "left_out.lp"
+"""What there could be where a fact is left out or added."""
+
+Signature = tuple[str, int]
+
+ABSENT = " is not stated"
+"""What is said of a fact that a grammar lacks, at the first of its facts of the same kind."""
+
+FAR = 1_000_000
+"""Millimetres, more than anything measures; small enough for clingo to add up."""
+
+
+class Source:
+    """Rule files, which are parsed once for all the programs that are made of them."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        """Know the files: the core's own are read beside them."""
+        self.files = tuple(files)
+        self._read: dict[tuple[Any, ...], Conditional] = {}
+
+    def conditional(self, files: Sequence[Path], laws: bool) -> "Conditional":
+        """The statements of some of the files, each rule with its condition.
+
+        Of the core's rules, with ``laws``, those alone that require something.
+        """
+        key = tuple(files), laws
+        if key not in self._read:
+            self._read[key] = _conditional((CORE, *files) if laws else files, laws)
+        return self._read[key]
+
+
+class Conditional(NamedTuple):
+    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first."""
+
+    rules: list[ast.AST]
+    reasons: list[Reason]
+    first: dict[str, Reason]
+
+
+def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
+    """See ``Source.conditional``."""
+    found = Conditional([ast.Program(HERE, "base", [])], [], {})
+    kinds = left_out_facts()
+
+    def take(statement: ast.AST) -> None:
+        begin = statement.location.begin
+        own = RULES not in Path(begin.filename).parents
+        if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
+            condition = stated(len(found.reasons))
+            found.reasons.append(Reason(written(statement), begin.filename, begin.line, begin.column))
+            if (signature := _signature(statement.head)) in kinds:
+                found.first.setdefault(signature[0], found.reasons[-1])
+                found.rules.append(_about("listed'", statement, []))
+                found.rules.append(_about("without'", statement, [literal(condition, ast.Sign.Negation)]))
+            statement = statement.update(body=[*statement.body, literal(condition)])
+        found.rules.append(statement)
+
+    for file in files:
+        parse([file], take)
+    return found
+
+
+@cache
+def left_out_facts() -> set[Signature]:
+    """The facts that ``rules/why/left_out.lp`` asks for."""
+    found = set[Signature]()
+
+    def take(statement: ast.AST) -> None:
+        for each in statement.body if statement.ast_type == ast.ASTType.Rule else ():
+            if _signature(each) in {("listed'", 1), ("without'", 1)}:
+                fact = each.atom.symbol.arguments[0]
+                found.add((fact.name, len(fact.arguments)))
+
+    ast.parse_files([str(LEFT_OUT)], take)
+    return found
+
+
+def _signature(found: ast.AST) -> Signature | None:
+    """Of an atom, or of all in a pool as ``lit(hall;study)``, in a head or a body; None for anything else."""
+    if found.ast_type != ast.ASTType.Literal or found.atom.ast_type != ast.ASTType.SymbolicAtom:
+        return None
+    symbol = found.atom.symbol
+    one = symbol.arguments[0] if symbol.ast_type == ast.ASTType.Pool else symbol
+    return (one.name, len(one.arguments)) if one.ast_type == ast.ASTType.Function else None
+
+
+def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:
+    """The rule with its head as a term of an atom of this name, under more conditions."""
+    atom = ast.SymbolicAtom(ast.Function(HERE, name, [rule.head.atom.symbol], False))
+    return rule.update(head=literal(atom), body=[*rule.body, *conditions])
+
+
+def stated(number: int) -> ast.AST:
+    """The condition of a statement by its number."""
+    return atom_of(stated_symbol(number))
+
+
+def stated_symbol(number: int) -> Symbol:
+    """The same as a symbol."""
+    return Function("stated", [Number(number)])
+
+
+def atom_of(symbol: Symbol) -> ast.AST:
+    """A symbol in a rule."""
+    terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
+    return ast.SymbolicAtom(ast.Function(HERE, symbol.name, terms, False))
+
+
+def unbound(length: Symbol) -> Symbol:
+    """The fact of a length of which nothing is known: its numbers are least and greatest ones in turn."""
+    bounds = itertools.cycle([Number(0), Number(FAR)])
+    numbers = [a if a.type != SymbolType.Number else next(bounds) for a in length.arguments]
+    return Function(length.name, numbers)
+
+
+def literal(atom: ast.AST, sign: ast.Sign = ast.Sign.NoSign) -> ast.AST:
+    """An atom, or its negation, in a rule."""
+    return ast.Literal(HERE, sign, atom)
