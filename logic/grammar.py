@@ -124,23 +124,25 @@ def find(grammar: str | Path) -> Grammar:
     reading = reading_of(directory)
     asp, prolog = reading.follow(asp), reading.follow(prolog)
     for error in reading.errors:
-        if error.file not in reading.contents:
-            raise error
-    _require_no_copies(asp + prolog, directory)
-    for error in reading.errors:
-        # What a copy includes is not beside it.
-        _require_nothing_of_the_core((Path(str(error.file)),), None)
+        if error.file in reading.contents:
+            # What a copy includes is not beside it, or included already.
+            copy = Path(str(error.file))
+            others = [file for file in asp + prolog if file in reading.contents and file != copy]
+            _require_no_copies((*others, copy), directory, copy)
+            _require_nothing_of_the_core((copy,), None)
         raise error
+    _require_no_copies(asp + prolog, directory)
     digest = _hash((file, reading.contents[file]) for file in asp + prolog)
     topology, name = _topology(asp)
     _require_nothing_of_the_core(asp + prolog, name)
     return Grammar(directory.name, directory, asp, topology, name, prolog, digest)
 
 
-def _require_no_copies(files: tuple[Path, ...], directory: Path) -> None:
+def _require_no_copies(files: tuple[Path, ...], directory: Path, only: Path | None = None) -> None:
+    """Raise ``GrammarError`` for a file, or for this one ``only``, that is a copy of one before it."""
     before: dict[Path, frozenset[str]] = {}
     for file, mine in stated(files).items():
-        if first := original(file, mine, before):
+        if (only in (None, file)) and (first := original(file, mine, before)):
             name = name_in(first, directory, SHIPPED.resolve())
             what = f"states what {name} states, and all rule files of the folder are read"
             if first.parent != directory:

@@ -52,8 +52,8 @@ def moments(
     """
     if blocked is None:
         policy.begin(envs.num_envs)
-        blocked = torch.zeros(envs.num_envs, dtype=torch.bool, device=envs.device)
-    reward, ended = torch.zeros(envs.num_envs, device=envs.device), torch.zeros_like(blocked)
+        blocked = observation.new_zeros(envs.num_envs, dtype=torch.bool)
+    reward, ended = observation.new_zeros(envs.num_envs), torch.zeros_like(blocked)
     for step in count():
         if step == steps or (ended.all() and not through):
             yield Moment(step, observation, blocked, reward, ended, None)

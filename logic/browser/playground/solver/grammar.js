@@ -4,7 +4,7 @@ import { Program, RuleError } from "./program.js";
 import { blank, misspeltName, placeOf, refused, unknownPredicate } from "./audit.js";
 import { withIncluded } from "./includes.js";
 import { unknown } from "./spelling.js";
-import { statements } from "./statements.js";
+import { placesOf } from "./places.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
@@ -267,10 +267,13 @@ export class Grammar {
     return [...found.values()];
   }
 
-  /** A mistake of the topology of the user's own, where it first says on which lines rooms lie. */
-  topologyError(why) {
-    const first = this.own.flatMap((file) => [...statements(file)]).find(({ text }) => text.startsWith("edge("));
-    return new RuleError(why, first?.file, first?.line, first?.column);
+  /** A mistake of the topology of the user's own, at the rules by which it has these edges. */
+  topologyError(why, edges) {
+    const rules = edges.flatMap((edge) => placesOf(edge, this.own))
+      .sort((a, b) => (a.file < b.file ? -1 : a.file > b.file ? 1 : a.line - b.line || a.column - b.column));
+    const [first] = rules;
+    const others = [...new Set(rules.map(({ line }) => line))].filter((line) => line !== first?.line).sort((a, b) => a - b);
+    return new RuleError(others.length ? `${why} (lines ${others.join(", ")} too)` : why, first?.file, first?.line, first?.column);
   }
 
   /** A mistake at the place of a fact in the files. */

@@ -4,7 +4,7 @@ import { LimitReached, Unsatisfiable } from "./answers.js";
 import { granted, requirements, toFurnish } from "./grammar.js";
 import { nogood, terms } from "./star.js";
 import { faults } from "./tiling.js";
-import { atom, compound, list, parseTerm, real } from "./terms.js";
+import { atom, compound, list, parseTerm, real, termText } from "./terms.js";
 
 const TOLERANCE = 1e-6;
 
@@ -42,8 +42,21 @@ function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
 /** Refuse a topology of the user's own whose rooms are no plan. */
 function requireTiling(grammar, bare) {
   const made = house(bare, bare.plan.rooms.map(() => []));
-  for (const fault of faults(made, grammar.bundle.passage))
-    throw grammar.topologyError(grammar.bundle.says.noPlan.replace("{rooms}", made.rooms.length).replace("{fault}", fault));
+  for (const fault of faults(made, grammar.bundle.passage)) {
+    const named = made.rooms.map(({ name }) => name).filter((name) => new RegExp(`\\b${name}\\b`).test(fault));
+    const all = bare.layout.map(parseTerm).filter(({ name }) => name === "edge");
+    const theirs = all.filter(({ args: [room] }) => named.includes(`R${room}`));
+    const edges = theirs.length ? theirs : all, some = apart(edges, named.length);
+    const why = grammar.bundle.says.noPlan.replace("{rooms}", made.rooms.length).replace("{fault}", fault);
+    throw grammar.topologyError(why, some.length ? some : edges);
+  }
+}
+
+/** Edges that can bring rooms where they must not be: not those of the outline, nor of several rooms on one side of a line. */
+function apart(edges, rooms) {
+  const side = ({ args: [, side, line] }) => `${termText(side)} ${termText(line)}`;
+  const alike = (edge) => edges.filter((other) => side(other) === side(edge)).length;
+  return edges.filter((edge) => edge.args[2].name !== "outline" && !(rooms > 1 && alike(edge) === rooms));
 }
 
 function house({ plan: { rooms, doors, windows }, layout }, pieces) {
