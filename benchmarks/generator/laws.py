@@ -17,6 +17,7 @@ from logic import House
 from logic.generation.builder import Builder
 from logic.generation.star import StarMaker, house
 from logic.placement import prolog
+from logic.placement.lengths import stated_lengths
 from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
 from logic.request.request import Request
 
@@ -78,7 +79,7 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
     The first gap begins where the first room's door would touch the corner of the main room, or a gap past it
     where the corner is another side's; the last ends likewise.
     """
-    lengths: dict[str, float] = builder.placer.lengths({})[0]["lengths"]
+    lengths: dict[str, float] = stated_lengths(builder.placer, {})[0]["lengths"]
     between = max(lengths["room_gap"], lengths["door_clearance"])
     shares: dict[int, list[np.ndarray]] = defaultdict(list)
     maker = builder.maker

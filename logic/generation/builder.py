@@ -20,6 +20,7 @@ from logic.house.parts import Provenance
 from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
 from logic.layout.program import Program
+from logic.placement.lengths import metres
 from logic.request.request import Request, known
 from logic.spelling import unknown
 
@@ -103,7 +104,7 @@ class Builder:
         """What the houses of a request promise."""
         program = self.maker_of(request).stated(request)
         if program not in self._promises:
-            found = self.loaded.extremes, self.placer.metres(self.loaded.furniture)
+            found = self.loaded.extremes, metres(self.placer, self.loaded.furniture)
             self._promises[program] = promised(program, *found, self.grammar.shares_walls)
         return self._promises[program]
 

@@ -35,6 +35,14 @@ from logic.layout.program import Endless, Program
 from logic.layout.programs import Programs
 from logic.layout.relaxed import Relaxed
 from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
+from logic.placement.lengths import (
+    area_bounds,
+    disagreements,
+    size_clauses,
+    stated_lengths,
+    unit_depths,
+    wall_lengths,
+)
 from logic.placement.placer import Placer
 from logic.request.request import MOST_ROOMS
 from logic.spelling import closest
@@ -163,7 +171,7 @@ class LoadedGrammar:
             yield GrammarError(f"topology({name}). is no fact where it stands", self.grammar.directory)
 
     def _errors(self) -> Iterator[Mistake]:
-        sized = self.placer.sized()
+        sized = size_clauses(self.placer)
         strange = self._strange()
         gone = [] if strange else list(self._unstated({predicate for predicate, *_ in sized}))
         if not gone:
@@ -244,11 +252,11 @@ class LoadedGrammar:
         self.most_rooms = min([MOST_ROOMS, *limits])
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
-        self.extremes, errors, absent = self.placer.lengths(self.furniture, turned)
+        self.extremes, errors, absent = stated_lengths(self.placer, self.furniture, turned)
         lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
         sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
-        clashes = self.placer.disagreements(usable, whole is not probe, MOST_ROOMS)
+        clashes = disagreements(self.placer, usable, whole is not probe, MOST_ROOMS)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
         yield from map(Mistake, [*errors, *clashes, *self._facts.absent(absent)])
         if not errors and not absent:
@@ -256,17 +264,17 @@ class LoadedGrammar:
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share, and of the area of the house."""
-        total, rooms = self.placer.areas(self.furniture)
+        total, rooms = area_bounds(self.placer, self.furniture)
         areas = area_facts(total, rooms)
         if not self.grammar.shares_walls:
             return [*areas, berth_fact(self.extremes["lengths"], rooms)] if total else []
-        walls = wall_facts(*self.placer.wall_lengths(self.furniture))
+        walls = wall_facts(*wall_lengths(self.placer, self.furniture))
         depths = depth_steps(*self.depths) if self.depths else []
         return [*walls, *areas, *((step, ()) for step in depths)]
 
     def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
         """What is wrong where a grammar states that there are units, which its topology has if ``known``."""
-        self.depths = self.placer.unit_depths()
+        self.depths = unit_depths(self.placer)
         self.most_in_unit = stated.arguments[1].number
         if not known:
             name = self.grammar.topology_name

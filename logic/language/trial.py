@@ -27,6 +27,7 @@ from logic.layout.differences import STATING
 from logic.layout.messages import written
 from logic.layout.program import CORE, Part, Program
 from logic.layout.terms import length_facts, parts
+from logic.placement.lengths import stated_lengths
 from logic.placement.placer import Placer
 
 TOO_MUCH = "takes too much time or memory"
@@ -47,8 +48,8 @@ def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
         for type_, each in pieces.items():
             for names in [[], *([piece] for piece in each)]:
                 yield _clause(placer, type_, *names)
-                placer.lengths({type_: names})
-        extremes, wrong, absent = placer.lengths(pieces)
+                stated_lengths(placer, {type_: names})
+        extremes, wrong, absent = stated_lengths(placer, pieces)
         for type_, facts in {}.items() if wrong or absent else length_facts(extremes).items():
             room = [("room", []), *parts(fact for fact, _ in facts)]
             yield from _grounding(grammar, {"this_room": type_}, room)

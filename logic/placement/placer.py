@@ -4,18 +4,18 @@ One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 """
 
 from collections import defaultdict
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
-from clingo import Function, Symbol, parse_term
+from clingo import Symbol, parse_term
 
 from logic.errors import GrammarError, OutOfInferences, Reason
-from logic.grammar import LENGTHS, RULES, Grammar
-from logic.house.parts import OUTSIDE, Rect
+from logic.grammar import RULES, Grammar
+from logic.house.parts import OUTSIDE
 from logic.includes import height
 from logic.layout import account
 from logic.layout.account import Account
@@ -86,57 +86,8 @@ class Placer:
         self.account = Account(self._located)
         prolog.load(RULES / "core.pl")
         files = [_below_its_includes(file) for file in grammar.prolog]
-        self._walls = "shared" if grammar.shares_walls else "apart"
-        self.problems: list[list[Any]] = self._ask("grammar_problems", files, self._walls, cell)
-
-    def lengths(
-        self, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
-    ) -> tuple[dict[str, Any], list[GrammarError], list[Symbol]]:
-        """The named lengths, and the extremes of each room type and its pieces, in metres.
-
-        ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}}``, where
-        extremes are ``[least width, greatest width, least depth, greatest depth]``; an error for each clause
-        that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that may be
-        ``turned`` need no wall as long as they are.
-        """
-        wanted = [
-            Term("furniture", type_, [Term("piece", p, "true" if p in turned else "false") for p in pieces])
-            for type_, pieces in furniture.items()
-        ]
-        report = self._ask("grammar_lengths", wanted, LENGTHS)
-        wrong: list[Any] = []
-        absent: list[Symbol] = []
-
-        def used(kind: str, names: Iterable[str], value: Any) -> Any:
-            if value is None:
-                absent.append(Function(kind, [Function(name) for name in names]))
-            elif isinstance(value, dict):
-                wrong.append(value["wrong"])
-            return value
-
-        named = {name: used("length", [name], value) for name, value in report["lengths"]}
-        rooms, extents = {}, {}
-        for type_, room, each in report["types"]:
-            rooms[type_] = used("size", [type_], room)
-            extents[type_] = {piece: used("size", [type_, piece], extent) for piece, extent in each}
-        return {"lengths": named, "rooms": rooms, "pieces": extents}, _first_at_each_place(wrong), absent
-
-    def disagreements(self, types: Mapping[str, bool], units: bool, most_rooms: int) -> list[GrammarError]:
-        """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
-
-        ``types`` have a size, each with whether such rooms have windows; houses are with or without units.
-        """
-        topology = Term("topology", self._walls, "true" if units else "false", most_rooms)
-        rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
-        return _first_at_each_place(self._ask("grammar_disagreements", topology, rooms))
-
-    def metres(self, types: Iterable[str]) -> dict[str, Any]:
-        """``lengths`` by name (m), and ``areas`` of these room types (square metres), as they are written."""
-        return self._ask("grammar_metres", LENGTHS, list(types))
-
-    def sized(self) -> list[tuple[str, str, str, int, int]]:
-        """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
-        return [tuple(row) for row in self._ask("grammar_sized")]
+        self.kind_of_walls = "shared" if grammar.shares_walls else "apart"
+        self.problems: list[list[Any]] = self.ask("grammar_problems", files, self.kind_of_walls, cell)
 
     def place(
         self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
@@ -158,7 +109,7 @@ class Placer:
         ]
         self.account.at(account.LENGTHS, "the lengths of the rooms and of their furniture (CLP(R))")
         seed, proof = int(rng.integers(2**63)), "minimal" if minimal else "quick"
-        answer = self._ask("placed", Term("layout", rooms, layout.corners, seed, proof), inferences)
+        answer = self.ask("placed", Term("layout", rooms, layout.corners, seed, proof), inferences)
         if "wrong" in answer:
             file, line, column, text = answer["wrong"]
             raise GrammarError(text, file, line, column)
@@ -171,18 +122,6 @@ class Placer:
                 {room: _conflict(why) for room, why in answer["infeasible"]}, answer["inferences"]
             )
         return msgspec.convert(answer, StarPlan)
-
-    def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """How much wall a door takes, how much rooms share that share one, and the extremes of each room
-        type's size, metres: ``plans.pl``.
-        """
-        return self._ask("plan_lengths", types)
-
-    def areas(self, types: Iterable[str]) -> list[Any]:
-        """The least and greatest area of the house; type, areas and widths of each type of room. In metres
-        and square metres, and empty where no area of the house is stated: ``totals.pl``.
-        """
-        return self._ask("house_areas", types)
 
     def area_conflict(
         self,
@@ -208,7 +147,7 @@ class Placer:
             else:
                 its = fixed[place.number]
                 rooms.append(Term("fixed", place.number, number, side, float(its.width), float(its.depth)))
-        reasons = self._ask("layout_area_conflict", rooms, corners, types, without)
+        reasons = self.ask("layout_area_conflict", rooms, corners, types, without)
         return None if reasons is None else _conflict(reasons)
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()) -> Plan:
@@ -230,14 +169,9 @@ class Placer:
         unit = Term("unit", layout, axis, depth, "minimal")
         return self._solved("unit_extremes", unit, inferences, UnitRange)
 
-    def unit_depths(self) -> tuple[float, float] | None:
-        """How deep units may be, metres; None where no clause bounds it."""
-        range_ = self._ask("unit_depths")
-        return range_ and tuple(range_)
-
     def _solved(self, predicate: str, asked: Term, inferences: int, kind: type[S]) -> S:
         """What walls are, as a predicate of ``plans.pl`` answers."""
-        answer = self._ask(predicate, asked, inferences)
+        answer = self.ask(predicate, asked, inferences)
         if "limit" in answer:
             raise OutOfInferences
         if "infeasible" in answer:
@@ -246,7 +180,7 @@ class Placer:
 
     def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
         """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
-        reasons = self._ask("plan_conflict", layout, without)
+        reasons = self.ask("plan_conflict", layout, without)
         return None if reasons is None else _conflict(reasons)
 
     def own_plan_faults(self, plan: OwnPlan, types: Iterable[str]) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
@@ -262,7 +196,7 @@ class Placer:
             if wall := plan.wall_of(door):
                 behind = wall.side if wall.behind is None else wall.behind
                 doors.append(Term("door", wall.room, behind, float(door.length)))
-        found = self._ask("own_plan_faults", size, rooms, _walls(plan), doors, types)
+        found = self.ask("own_plan_faults", size, rooms, _walls(plan), doors, types)
         return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
 
     def own_openings(
@@ -270,7 +204,7 @@ class Placer:
     ) -> tuple[list[PlanDoor], list[PlanWindow]]:
         """Doors and windows with their places in a plan of the user's, metres: see ``own_plan.pl``."""
         types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
-        found = self._ask("own_openings", layout, types, _walls(plan), seed)
+        found = self.ask("own_openings", layout, types, _walls(plan), seed)
         return msgspec.convert((found["doors"], found["windows"]), tuple[list[PlanDoor], list[PlanWindow]])
 
     def furnish(
@@ -283,7 +217,7 @@ class Placer:
         ``LimitReached`` past this number of them.
         """
         proof = "minimal" if minimal else "quick"
-        answer = self._ask("rooms_furnished", rooms, proof, inferences)
+        answer = self.ask("rooms_furnished", rooms, proof, inferences)
         if "limit" in answer:
             raise OutOfInferences
         conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
@@ -291,63 +225,21 @@ class Placer:
 
     def loose_conflict(self, room: Term, without: Iterable[Symbol] = ()) -> Conflict | None:
         """A minimal conflict of a room of given size whose doors may move, some clauses left out, or None."""
-        reasons = self._ask("loose_room_conflict", room, without)
+        reasons = self.ask("loose_room_conflict", room, without)
         return None if reasons is None else _conflict(reasons)
 
     def loose_starts(self, room: Term, seed: int) -> list[list[float]]:
         """Where the doors of such a room start on each of its walls, metres, if it has no conflict."""
-        return self._ask("loose_room_starts", room, seed)
+        return self.ask("loose_room_starts", room, seed)
 
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
         """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
-        found = self._ask("room_pieces", room.type, room.furniture, room.given)
+        found = self.ask("room_pieces", room.type, room.furniture, room.given)
         return [(type_, parse_term(atom)) for type_, atom in found]
-
-    def bounds(self, room: RoomLayout, target: Symbol, taken: float | None = None) -> dict[str, Any]:
-        """What the lengths of a target in a room could have been, and which constraints bind: see core.pl.
-
-        ``taken``: the area of all other rooms of a star, square metres, of whose area the room has the rest.
-        """
-        others = "any" if taken is None else float(taken)
-        return self._ask("room_lengths", room.type, room.furniture, room.given, others, room.seed, target)
-
-    def wall_bounds(
-        self, layout: Iterable[Symbol], rooms: Sequence[Rect], number: int, outlined: bool = False
-    ) -> dict[str, Any]:
-        """What the sizes of a plan's room could have been, and which constraints bind: ``plan_bounds.pl``.
-
-        ``outlined``: where the outline of the plan stays as it is.
-        """
-        west, north = min(room.x for room in rooms), min(room.y for room in rooms)
-        boxes = [
-            Term(
-                "box",
-                place,
-                *(float(x - west) for x in room.box[::2]),
-                *(float(y - north) for y in room.box[1::2]),
-            )
-            for place, room in enumerate(rooms)
-        ]
-        ends = {"west": 0.0, "north": 0.0}
-        ends["east"] = float(max(room.x + room.width for room in rooms) - west)
-        ends["south"] = float(max(room.y + room.height for room in rooms) - north)
-        lines = [Term("at", Function("outline", [Function(side)]), place) for side, place in ends.items()]
-        return self._ask("plan_room_lengths", layout, lines if outlined else [], boxes, number)
-
-    def opening_lengths(self, type_: str, start: float, end: float) -> dict[str, Any]:
-        """Lengths (m) of a door, and of a window of a room of this type, in a wall: ``plan_bounds.pl``."""
-        return self._ask("opening_lengths", type_, float(start), float(end))
-
-    def main_bounds(
-        self, rooms: Iterable[FixedRoom], corners: Iterable[Symbol], width: float
-    ) -> dict[str, Any]:
-        """What the main room's lengths could have been around rooms of these sizes: see core.pl."""
-        outlines = [Term("outline", room.side, room.width, room.depth, room.door) for room in rooms]
-        return self._ask("main_lengths", outlines, corners, width)
 
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
         """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
-        found = self._ask("grammar_origins", clauses)
+        found = self.ask("grammar_origins", clauses)
         return {parse_term(clause): (file, line) for clause, file, line in found}
 
     def _located(self, clauses: Iterable[Symbol]) -> dict[Symbol, Reason]:
@@ -358,15 +250,15 @@ class Placer:
         self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
     ) -> Conflict | None:
         """A minimal conflict of a room with this furniture, some clauses left out; None if it has places."""
-        reasons = self._ask("room_conflict", type_, furniture, without)
+        reasons = self.ask("room_conflict", type_, furniture, without)
         return None if reasons is None else _conflict(reasons)
 
     def version(self) -> str:
         """SWI-Prolog's version, as in 9.0.4."""
-        number = self._ask("solver_version")
+        number = self.ask("solver_version")
         return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
 
-    def _ask(self, predicate: str, *arguments: Any) -> Any:
+    def ask(self, predicate: str, *arguments: Any) -> Any:
         """As ``prolog.ask``; an error that a predicate raises is a fault of the grammar's."""
         try:
             return prolog.ask(predicate, *arguments)
@@ -390,14 +282,6 @@ def _below_its_includes(file: Path) -> str | Term:
     """A file for ``rules/language/written.pl``."""
     lines = height(file.read_text("utf-8", "replace"), file.suffix)
     return Term("-", str(file), lines) if lines else str(file)
-
-
-def _first_at_each_place(wrong: Iterable[Sequence[Any]]) -> list[GrammarError]:
-    """Errors of ``[file, line, column, text]``: one clause may be wrong in each of several types of room."""
-    errors = {}
-    for file, line, column, text in wrong:
-        errors.setdefault((file, line, column), GrammarError(text, file, line, column))
-    return list(errors.values())
 
 
 def _fixed(number: int, room: FixedRoom) -> Term:

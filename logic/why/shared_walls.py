@@ -14,6 +14,7 @@ from logic.generation.shared_walls import Making
 from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import OUTSIDE, Door, Provenance, Window
+from logic.placement.bounds import opening_lengths, wall_bounds
 from logic.request.given_plan import OwnPlan, Wall
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
@@ -94,7 +95,7 @@ class PlanWitness(Witness):
         """The lengths of a room."""
         if self._request.plan:
             return (), ()
-        found = self._builder.placer.wall_bounds(self._making.layout, self._house.rooms, room, self.OUTLINED)
+        found = wall_bounds(self._builder.placer, self._making.layout, self._house.rooms, room, self.OUTLINED)
         return self._bounds(found, {})
 
     def _door(self, target: str, door: Door, until: float) -> Iterator[Why]:
@@ -151,7 +152,7 @@ class PlanWitness(Witness):
         """How long a door or window could be in its wall, and where it could begin at its length."""
         wall = self._wall(opening)
         type_ = self._house.rooms[wall.room].type
-        found = self._builder.placer.opening_lengths(type_, wall.start, wall.end)
+        found = opening_lengths(self._builder.placer, type_, wall.start, wall.end)
         axis = "y" if wall.side in ("west", "east") else "x"
         place = Reason(f"a wall from {axis} {wall.start:.3f} to {wall.end:.3f} m")
         if isinstance(opening, Door):

@@ -11,6 +11,7 @@ from logic.errors import Reason
 from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import Provenance
+from logic.placement.bounds import main_bounds
 from logic.placement.placer import Layout, RoomLayout
 from logic.request.fixed_rooms import fixed_rooms
 from logic.why.alternatives import Search
@@ -111,7 +112,7 @@ class StarWitness(Witness):
         about = f"the main room, {floor.width:.3f} by {floor.height:.3f} m ({self._origin})"
         if self._request.fixed:
             return Why(target, f"{about}, between the rooms that the request keeps (keep)")
-        found = self._builder.placer.main_bounds(rooms, self._layout.corners, floor.width)
+        found = main_bounds(self._builder.placer, rooms, self._layout.corners, floor.width)
         gaps = self._reasons([("clause", "length(room_gap)"), ("clause", "length(door_clearance)")])
         largest = max(rooms, key=lambda room: room.width * room.depth).room
         file, line = found["law"]

@@ -18,6 +18,7 @@ from logic.generation.feasibility import Feasibility
 from logic.house.house import House
 from logic.house.part_names import part_names
 from logic.house.parts import Provenance
+from logic.placement.bounds import room_bounds
 from logic.placement.placer import RoomLayout, located
 from logic.proofs.answer import unsatisfiable
 from logic.request.request import Request
@@ -135,7 +136,7 @@ class Witness(ABC):
         """The lengths of a target in a room, and the bounds on it that are tight: see ``Placer.bounds``."""
         types, atoms = zip(*self._builder.placer.pieces(room), strict=True)
         names = dict(zip(map(str, atoms), part_names(types), strict=True))
-        return self._bounds(self._builder.placer.bounds(room, target, taken), names)
+        return self._bounds(room_bounds(self._builder.placer, room, target, taken), names)
 
     def _bounds(self, found: Mapping[str, Any], names: Mapping[str, str]) -> Lengths:
         """Lengths and tight bounds as SWI-Prolog gives them (``why/bounds.pl``), with names in words."""

@@ -8,6 +8,7 @@ from logic import House, RequestError
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.part_names import doors_by_name, part_names
+from logic.placement.bounds import wall_bounds
 from logic.request.request import Request
 from logic.why.answer import Why
 from logic.why.kinds import witness_of
@@ -130,7 +131,7 @@ def test_the_outline_of_a_flat_stays_where_it_is(witness: UnitsWitness) -> None:
         for place, room in enumerate(unit._house.rooms):
             width, _ = first(witness, room.name).lengths
             placer, layout = witness._builder.placer, unit._making.layout
-            alone, _ = unit._bounds(placer.wall_bounds(layout, unit._house.rooms, place), {})
+            alone, _ = unit._bounds(wall_bounds(placer, layout, unit._house.rooms, place), {})
             assert alone[0].least - 1e-6 <= width.least <= width.greatest <= alone[0].greatest + 1e-6
             assert width.greatest <= longest + 1e-6
             narrower += width.greatest - width.least < alone[0].greatest - alone[0].least - 0.01

@@ -1,0 +1,94 @@
+"""What the lengths of a grammar say by themselves: extremes, areas, contradictions."""
+
+from collections.abc import Container, Iterable, Mapping, Sequence
+from typing import Any
+
+from clingo import Function, Symbol
+
+from logic.errors import GrammarError
+from logic.grammar import LENGTHS
+from logic.placement.placer import Placer
+from logic.placement.prolog import Term
+
+
+def stated_lengths(
+    placer: Placer, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
+) -> tuple[dict[str, Any], list[GrammarError], list[Symbol]]:
+    """The named lengths, and the extremes of each room type and its pieces, in metres.
+
+    ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}}``, where
+    extremes are ``[least width, greatest width, least depth, greatest depth]``; an error for each clause
+    that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that may be
+    ``turned`` need no wall as long as they are.
+    """
+    wanted = [
+        Term("furniture", type_, [Term("piece", p, "true" if p in turned else "false") for p in pieces])
+        for type_, pieces in furniture.items()
+    ]
+    report = placer.ask("grammar_lengths", wanted, LENGTHS)
+    wrong: list[Any] = []
+    absent: list[Symbol] = []
+
+    def used(kind: str, names: Iterable[str], value: Any) -> Any:
+        if value is None:
+            absent.append(Function(kind, [Function(name) for name in names]))
+        elif isinstance(value, dict):
+            wrong.append(value["wrong"])
+        return value
+
+    named = {name: used("length", [name], value) for name, value in report["lengths"]}
+    rooms, extents = {}, {}
+    for type_, room, each in report["types"]:
+        rooms[type_] = used("size", [type_], room)
+        extents[type_] = {piece: used("size", [type_, piece], extent) for piece, extent in each}
+    return {"lengths": named, "rooms": rooms, "pieces": extents}, _first_at_each_place(wrong), absent
+
+
+def disagreements(
+    placer: Placer, types: Mapping[str, bool], units: bool, most_rooms: int
+) -> list[GrammarError]:
+    """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
+
+    ``types`` have a size, each with whether such rooms have windows; houses are with or without units.
+    """
+    topology = Term("topology", placer.kind_of_walls, "true" if units else "false", most_rooms)
+    rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
+    return _first_at_each_place(placer.ask("grammar_disagreements", topology, rooms))
+
+
+def metres(placer: Placer, types: Iterable[str]) -> dict[str, Any]:
+    """``lengths`` by name (m), and ``areas`` of these room types (square metres), as they are written."""
+    return placer.ask("grammar_metres", LENGTHS, list(types))
+
+
+def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
+    """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
+    return [tuple(row) for row in placer.ask("grammar_sized")]
+
+
+def wall_lengths(placer: Placer, types: Iterable[str]) -> list[Any]:
+    """How much wall a door takes, how much rooms share that share one, and the extremes of each room
+    type's size, metres: ``plans.pl``.
+    """
+    return placer.ask("plan_lengths", types)
+
+
+def area_bounds(placer: Placer, types: Iterable[str]) -> list[Any]:
+    """The least and greatest area of the house; type, areas and widths of each type of room. In metres
+    and square metres, and empty where no area of the house is stated: ``totals.pl``.
+    """
+    return placer.ask("house_areas", types)
+
+
+def unit_depths(placer: Placer) -> tuple[float, float] | None:
+    """How deep units may be, metres; None where no clause bounds it."""
+    range_ = placer.ask("unit_depths")
+    return range_ and tuple(range_)
+
+
+def _first_at_each_place(wrong: Iterable[Sequence[Any]]) -> list[GrammarError]:
+    """Errors of ``[file, line, column, text]``: one clause may be wrong in each of several types of room."""
+    errors = {}
+    for file, line, column, text in wrong:
+        errors.setdefault((file, line, column), GrammarError(text, file, line, column))
+    return list(errors.values())
