@@ -9,7 +9,7 @@ from typing import Any
 from logic.errors import Finding, GrammarError, Reason
 from logic.grammar import Grammar
 from logic.house.looks import DEFAULT, NAME, read_looks, unused
-from logic.language.audit import UNITS
+from logic.language.asp.audit import UNITS
 from logic.language.loaded import LoadedGrammar
 from logic.layout.account import GROUNDING
 from logic.layout.conditional import Source

@@ -9,17 +9,15 @@ from clingo import Function, Symbol
 
 from logic.errors import GrammarError
 from logic.grammar import LENGTHS, OWN, PLANS, STAR, Grammar
-from logic.language.audit import audit, unreadable
-from logic.language.causes import Mistake, first_causes, misspelt_name
-from logic.language.facts import NAME, Facts, places, stated
-from logic.language.heads import closed_heads
-from logic.language.integers import overflowing
-from logic.language.metres import impossible, unlikely
-from logic.language.prolog_problems import problem, unknown
-from logic.language.stages import misplaced
-from logic.language.statements import Statement, error_at, place, read
-from logic.language.stratification import unstratified
-from logic.language.vocabulary import (
+from logic.language.asp.audit import audit, unreadable
+from logic.language.asp.causes import Mistake, first_causes, misspelt_name
+from logic.language.asp.facts import NAME, Facts, places, stated
+from logic.language.asp.heads import closed_heads
+from logic.language.asp.integers import overflowing
+from logic.language.asp.stages import misplaced
+from logic.language.asp.statements import Statement, error_at, place, read
+from logic.language.asp.stratification import unstratified
+from logic.language.asp.vocabulary import (
     Words,
     capitalised,
     core_words,
@@ -30,6 +28,8 @@ from logic.language.vocabulary import (
     unknown_choices,
     words,
 )
+from logic.language.metres import impossible, unlikely
+from logic.language.prolog_problems import problem, unknown
 from logic.layout.conditional import Source
 from logic.layout.program import Endless, Program
 from logic.layout.programs import Programs

@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 from logic.errors import GrammarError
-from logic.language.inexpressible import inexpressible
+from logic.language.asp.inexpressible import inexpressible
+from logic.language.asp.vocabulary import core_words
 from logic.language.prolog_syntax import explained
-from logic.language.vocabulary import core_words
 
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:

@@ -16,12 +16,12 @@ from clingo.ast import ASTType
 
 from logic.errors import GrammarError
 from logic.grammar import Grammar
-from logic.language.audit import audit, unreadable
+from logic.language.asp.audit import audit, unreadable
+from logic.language.asp.statements import Statement, read
+from logic.language.asp.stratification import unstratified
+from logic.language.asp.vocabulary import words
 from logic.language.linter import SIZES
 from logic.language.loaded import furniture_of
-from logic.language.statements import Statement, read
-from logic.language.stratification import unstratified
-from logic.language.vocabulary import words
 from logic.layout.conditional import HERE
 from logic.layout.differences import STATING
 from logic.layout.messages import written

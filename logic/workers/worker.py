@@ -235,7 +235,7 @@ def _prepare(directory: str) -> None:
     """
     confinement.require_files()
     from logic.grammar import RULES, find
-    from logic.language.vocabulary import core_words
+    from logic.language.asp.vocabulary import core_words
     from logic.layout import differences
     from logic.layout.program import CORE
     from logic.placement import prolog

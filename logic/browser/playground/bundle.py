@@ -28,12 +28,21 @@ from logic.grammar import (
 from logic.house.looks import folder_looks
 from logic.house.promises import PASSAGE
 from logic.includes import EXAMPLES, LINES, SAYS
-from logic.language.audit import CHOICE, DIRECTIVES, STAGES
-from logic.language.facts import NAME, NO_NAME
-from logic.language.heads import BY_CONSTRAINT, ELSEWHERE, MOVED, TAKEN, UNNAMED, choices, closed, why_closed
-from logic.language.integers import GREATEST
-from logic.language.statements import place
-from logic.language.vocabulary import Signature, Words, core_words
+from logic.language.asp.audit import CHOICE, DIRECTIVES, STAGES
+from logic.language.asp.facts import NAME, NO_NAME
+from logic.language.asp.heads import (
+    BY_CONSTRAINT,
+    ELSEWHERE,
+    MOVED,
+    TAKEN,
+    UNNAMED,
+    choices,
+    closed,
+    why_closed,
+)
+from logic.language.asp.integers import GREATEST
+from logic.language.asp.statements import place
+from logic.language.asp.vocabulary import Signature, Words, core_words
 from logic.layout.conditional import ABSENT, FAR, left_out_facts
 from logic.layout.messages import SYNTAX
 from logic.layout.programs import GIVEN

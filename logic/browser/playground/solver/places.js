@@ -1,4 +1,4 @@
-/** Which rules of the user's a ground atom comes from. As `places` of logic/language/facts.py. */
+/** Which rules of the user's a ground atom comes from. As `places` of logic/language/asp/facts.py. */
 
 import { atomOf, parted, rule, statements } from "./statements.js";
 import { termText } from "./terms.js";

@@ -11,10 +11,10 @@ from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
 from logic.grammar import ADJACENT, IN_PROLOG, PLANS, STAR
-from logic.language.audit import STAGES, UNITS
-from logic.language.causes import Mistake, misspelt_name
-from logic.language.inexpressible import inexpressible
-from logic.language.statements import Statement, error_at, read
+from logic.language.asp.audit import STAGES, UNITS
+from logic.language.asp.causes import Mistake, misspelt_name
+from logic.language.asp.inexpressible import inexpressible
+from logic.language.asp.statements import Statement, error_at, read
 from logic.layout.program import CORE
 from logic.spelling import closest
 

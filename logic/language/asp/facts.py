@@ -11,9 +11,9 @@ from clingo.ast import ASTType
 from logic.errors import GrammarError
 from logic.grammar import Grammar
 from logic.house.parts import OUTSIDE
-from logic.language.causes import Mistake
-from logic.language.statements import error_at
-from logic.language.vocabulary import Use, Words, alternatives
+from logic.language.asp.causes import Mistake
+from logic.language.asp.statements import error_at
+from logic.language.asp.vocabulary import Use, Words, alternatives
 from logic.layout.program import Program
 
 MOST_NAMED = 3

@@ -10,7 +10,7 @@ from typing import Any
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
-from logic.language.statements import Statement
+from logic.language.asp.statements import Statement
 
 
 def unstratified(statements: Iterable[Statement]) -> Iterator[GrammarError]:

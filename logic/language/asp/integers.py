@@ -10,7 +10,7 @@ from clingo import SymbolType
 from clingo.ast import AST, ASTSequence, ASTType, BinaryOperator, UnaryOperator
 
 from logic.errors import GrammarError
-from logic.language.statements import Statement, error_at
+from logic.language.asp.statements import Statement, error_at
 from logic.layout.messages import written
 
 LEAST, GREATEST = -(2**31), 2**31 - 1

@@ -10,8 +10,8 @@ from clingo.ast import ASTType
 from logic.encoding import illegible, shown
 from logic.errors import GrammarError
 from logic.includes import EXAMPLES, SAYS, below
-from logic.language.integers import too_large
-from logic.language.statements import Statement
+from logic.language.asp.integers import too_large
+from logic.language.asp.statements import Statement
 from logic.spelling import closest
 
 CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction}

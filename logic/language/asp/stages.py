@@ -9,9 +9,9 @@ from collections.abc import Container, Iterable, Iterator
 from typing import NamedTuple
 
 from logic.errors import GrammarError
-from logic.language.audit import STAGES, UNITS
-from logic.language.statements import Statement, error_at, place
-from logic.language.vocabulary import Signature, Use, Words, core_words, stages
+from logic.language.asp.audit import STAGES, UNITS
+from logic.language.asp.statements import Statement, error_at, place
+from logic.language.asp.vocabulary import Signature, Use, Words, core_words, stages
 
 PARTS = {"plan": "room"}
 """Programs of the core that come with another one, where rooms share walls."""

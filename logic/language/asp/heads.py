@@ -9,9 +9,9 @@ from typing import Any
 from clingo.ast import ASTType
 
 from logic.grammar import STATED, Grammar
-from logic.language.audit import STAGES, UNITS
-from logic.language.statements import Statement, place
-from logic.language.vocabulary import Signature, Use, Words, core_words
+from logic.language.asp.audit import STAGES, UNITS
+from logic.language.asp.statements import Statement, place
+from logic.language.asp.vocabulary import Signature, Use, Words, core_words
 from logic.layout.messages import written
 from logic.spelling import closest
 

@@ -1,0 +1,1 @@
+"""What the ``.lp`` files of a grammar state, and what is wrong in them."""
