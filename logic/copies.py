@@ -1,7 +1,7 @@
 """Rule files that state what another file states already: copies, whole or with changes."""
 
 import re
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -18,27 +18,28 @@ END = re.compile(r"\.(?=\s|\Z)")
 """Where a statement ends: not in ``1..3``, nor in ``0.8``."""
 
 
-def statements(file: Path) -> frozenset[str]:
-    """The statements of a rule file, without comments and white space.
+Stated = Mapping[Path, frozenset[str]]
+"""The statements of rule files."""
+
+
+def statements(text: str, suffix: str) -> frozenset[str]:
+    """The statements of a rule file with this suffix, without comments and white space.
 
     They are read as text, since rules of others are parsed in a confined process alone.
     """
-    text = file.read_text("utf-8", "replace")
-    code = QUOTED_OR_COMMENT[file.suffix].sub(lambda found: found[1] or " ", text)
+    code = QUOTED_OR_COMMENT[suffix].sub(lambda found: found[1] or " ", text)
     each = ("".join(part.split()) for part in END.split(code))
     return frozenset(part for part in each if part and not part.startswith("#program"))
 
 
-def stated(files: Iterable[Path]) -> dict[Path, frozenset[str]]:
-    """The statements of each of these files."""
-    return {file: statements(file) for file in files}
+@cache
+def stated_by(folder: Path) -> Stated:
+    """The statements of the rule files below a folder, which do not change while the process runs."""
+    files = sorted(folder.rglob("*.[lp][lp]"))
+    return {file: statements(file.read_text("utf-8"), file.suffix) for file in files}
 
 
-stated_once = cache(stated)
-"""Those of files that do not change while the process runs."""
-
-
-def original(file: Path, mine: Set[str], others: Mapping[Path, Set[str]]) -> Path | None:
+def original(file: Path, mine: frozenset[str], others: Stated) -> Path | None:
     """The first of the ``others`` that a file is a copy of: more than half of the statements of both stand in
     both.
     """

@@ -8,11 +8,11 @@ import hashlib
 import os
 import re
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from logic.copies import original, stated, stated_once
+from logic.copies import Stated, original, stated_by, statements
 from logic.errors import GrammarError
 from logic.includes import Reading, name_in
 from logic.spelling import printable, unknown
@@ -123,25 +123,26 @@ def find(grammar: str | Path) -> Grammar:
             )
     reading = reading_of(directory)
     asp, prolog = reading.follow(asp), reading.follow(prolog)
+    texts = {file: content.decode("utf-8", "replace") for file, content in reading.contents.items()}
+    stated = {file: statements(texts[file], file.suffix) for file in asp + prolog if file in texts}
     for error in reading.errors:
-        if error.file in reading.contents:
-            # What a copy includes is not beside it, or included already.
-            copy = Path(str(error.file))
-            others = [file for file in asp + prolog if file in reading.contents and file != copy]
-            _require_no_copies((*others, copy), directory, copy)
-            _require_nothing_of_the_core((copy,), None)
+        copy = Path(str(error.file))
+        if copy in stated:  # What a copy includes is not beside it, or included already.
+            mine = {copy: stated.pop(copy)}
+            _require_no_copies(stated | mine, directory, copy)
+            _require_nothing_of_the_core(mine, None)
         raise error
-    _require_no_copies(asp + prolog, directory)
+    _require_no_copies(stated, directory)
     digest = _hash((file, reading.contents[file]) for file in asp + prolog)
-    topology, name = _topology(asp)
-    _require_nothing_of_the_core(asp + prolog, name)
+    topology, name = _topology({file: texts[file] for file in asp})
+    _require_nothing_of_the_core(stated, name)
     return Grammar(directory.name, directory, asp, topology, name, prolog, digest)
 
 
-def _require_no_copies(files: tuple[Path, ...], directory: Path, only: Path | None = None) -> None:
+def _require_no_copies(stated: Stated, directory: Path, only: Path | None = None) -> None:
     """Raise ``GrammarError`` for a file, or for this one ``only``, that is a copy of one before it."""
     before: dict[Path, frozenset[str]] = {}
-    for file, mine in stated(files).items():
+    for file, mine in stated.items():
         if (only in (None, file)) and (first := original(file, mine, before)):
             name = name_in(first, directory, SHIPPED.resolve())
             what = f"states what {name} states, and all rule files of the folder are read"
@@ -151,13 +152,12 @@ def _require_no_copies(files: tuple[Path, ...], directory: Path, only: Path | No
         before[file] = mine
 
 
-def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str | None) -> None:
+def _require_nothing_of_the_core(stated: Stated, topology: str | None) -> None:
     """Raise ``GrammarError`` for copies of shared files, but that a topology of a user's may be one: that of
     this name, if it is known.
     """
-    core = stated_once(tuple(sorted(RULES.rglob("*.[lp][lp]"))))
-    for file, mine in stated(files).items():
-        if not (copied := original(file, mine, core)):
+    for file, mine in stated.items():
+        if not (copied := original(file, mine, stated_by(RULES))):
             continue
         # A star has no walls, and what comes with another file is no single topology.
         usable = (
@@ -206,19 +206,19 @@ def folder(grammar: str | Path) -> Path:
     return directory.resolve()
 
 
-def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
+def _topology(texts: Mapping[Path, str]) -> tuple[tuple[Path, ...], str]:
     """The shared files of the topology that a fact in these files names, and its name.
 
     It is read as text, since what comes with it must be known before any rule is, and rules of others are
     parsed in a confined process alone. That one holds that the rules say the same (``loaded.py``).
     """
-    own = {file.stem for file in files}
+    own = {file.stem for file in texts}
     known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
     named: list[str] = []
     first = ""
     plans = PLANS
-    for file in files:
-        text = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), file.read_text("utf-8", "replace"))
+    for file, source in texts.items():
+        text = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), source)
         if re.search(r"\badjacent\s*\(", text):
             plans = (*PLANS, ADJACENT)
         for found in re.finditer(r"\btopology\s*\(\s*(\w+)\s*\)\s*\.", text):

@@ -146,7 +146,7 @@ def random_plan(seed: int, count: int = 8) -> House:
         elif abs(along) < 1e-9 and across > 1.2:
             start = max(a, e) + float(rng.uniform(0, across - DOOR))
             doors.append(Door(start, max(b, f), DOOR, 0.0, (one.name, other.name)))
-    return House(rooms, tuple(doors), hub="R0", topology="cuts")
+    return House(rooms, tuple(doors), hub="R0", topology="dissection")
 
 
 PLANS = {"flat": flat(), "living": around_a_living_room(), "chain": one_after_the_other()}

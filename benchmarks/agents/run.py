@@ -19,10 +19,10 @@ from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
 from benchmarks.agents.records import Study, TrainingEntry
-from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, given
+from benchmarks.agents.runs import EntryRun, ExternalRun, given
 from benchmarks.common.houses import TRAINING, training_houses
 from benchmarks.common.pages import ROOT, machine, revision, versions, write
-from benchmarks.common.processes import CLI, Job, run_all
+from benchmarks.common.processes import CLI, Job, StudyFailed, run_all
 from logic.errors import RequestError
 from logic.spelling import unknown
 

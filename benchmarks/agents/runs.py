@@ -18,14 +18,8 @@ from agent.runs.runs import Folder
 from benchmarks.agents.entries import EXTERNALS
 from benchmarks.agents.records import External, Outcome, TrainingEntry, options
 from benchmarks.common.pages import ROOT
-from benchmarks.common.processes import CLI, Job, failure, why
-from logic.errors import RequestError, VitruviusError
-
-
-class StudyFailed(VitruviusError):
-    """A part of the study that all else stands on did not come about."""
-
-    exit_code = 1
+from benchmarks.common.processes import CLI, Job, StudyFailed, failure, why
+from logic.errors import RequestError
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ one that was stopped goes on; the table is of whole runs, so leave the machine a
 
 import json
 import os
-import subprocess
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,10 +19,10 @@ from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import WHERE
 from agent.runs.runs import Folder
 from benchmarks.agents.entries import BUDGET, RATES
-from benchmarks.agents.runs import StudyFailed, finished, require_same, training_command
+from benchmarks.agents.runs import finished, require_same, training_command
 from benchmarks.common.houses import training_houses
 from benchmarks.common.pages import machine, table_rows, write
-from benchmarks.common.processes import CLI, ONE_THREAD, say
+from benchmarks.common.processes import CLI, ONE_THREAD, output, say
 from logic.errors import RequestError
 
 HEAD = """\
@@ -129,7 +128,7 @@ class Throughput:
         cores = sorted(os.sched_getaffinity(0))
         os.sched_setaffinity(0, cores[: series.processes])  # what is started keeps to these
         try:
-            _run(command)
+            output(command, **ONE_THREAD)
         finally:
             os.sched_setaffinity(0, cores)
 
@@ -138,13 +137,7 @@ class Throughput:
         mode, out = PRESETS[preset].targets, self.out / f"evaluation-{preset}"
         rows = [series for series in table if series.preset == preset]
         agents = [str(folder.agent) for series in rows for folder in series.folders]
-        _run([*CLI, "evaluate", *agents, "--targets", mode, "--out", str(out)])
+        output([*CLI, "evaluate", *agents, "--targets", mode, "--out", str(out)], **ONE_THREAD)
         policies = scores.load(out / "evaluation.json").targets[mode].policies
         ratios = {series.name: Estimate(**policies[series.name].figures["ratio"]) for series in rows}
         return [(name, f"{ratio.text()}, {WHERE[mode]}") for name, ratio in ratios.items()]
-
-
-def _run(command: list[str]) -> None:
-    done = subprocess.run(command, env=os.environ | ONE_THREAD, stdout=sys.stderr, check=False)
-    if done.returncode:
-        raise StudyFailed(f"{' '.join(command)}: exit code {done.returncode}, see above. Start again")

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
@@ -14,12 +14,19 @@ from pathlib import Path
 from time import sleep
 
 from benchmarks.common.pages import ROOT
+from logic.errors import VitruviusError
 from logic.house.files import write_whole
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
 """The environment of a process whose libraries use one thread each."""
 
 CLI = (sys.executable, "-P", "-m", "vitruvius.cli")
+
+
+class StudyFailed(VitruviusError):
+    """A part of the study that all else stands on did not come about."""
+
+    exit_code = 1
 
 
 @dataclass(frozen=True)
@@ -93,6 +100,16 @@ def why(folder: Path) -> str:
 def say(text: str) -> None:
     """Print a line with the time on standard error."""
     print(f"{datetime.now(UTC):%H:%M:%S} {text}", file=sys.stderr, flush=True)
+
+
+def output(command: Sequence[str], **environment: str) -> str:
+    """What a process prints, with these more variables. Raises ``StudyFailed`` where it fails."""
+    done = subprocess.run(
+        command, stdout=subprocess.PIPE, env=os.environ | environment, text=True, check=False
+    )
+    if done.returncode:
+        raise StudyFailed(f"{' '.join(command)}: exit code {done.returncode}, see above. Start again")
+    return done.stdout
 
 
 LIBC = ctypes.CDLL(None)

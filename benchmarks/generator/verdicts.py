@@ -59,7 +59,7 @@ def wall_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[st
     The layouts are sampled without what stage 1 knows of lengths: so most are infeasible.
     """
     files = [file for file in builder.grammar.asp if file != DIFFERENCES]
-    facts = [fact for fact, _ in builder.loaded.walls if fact.name in ("reach", "length")]
+    facts = [fact for fact, _ in builder.loaded.house_facts if fact.name in ("reach", "length")]
     program = Program(files, {"rooms": rooms}, [("house", []), *parts(facts)])
     for seed in seeds:
         layout = program.sample(np.random.default_rng([seed, rooms]))

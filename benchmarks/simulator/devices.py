@@ -1,8 +1,6 @@
 """``vitruvius bench devices``: what a GPU changes: steps a second, outcomes, and how fast an agent learns."""
 
 import json
-import os
-import subprocess
 import sys
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -13,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common.pages import machine, table_rows, versions, write
-from benchmarks.common.processes import CLI, say
+from benchmarks.common.processes import CLI, output, say
 from benchmarks.simulator.on_device import ROUNDS, STEPS, TRAIL, TRAILED
-from logic.errors import RequestError, VitruviusError
+from logic.errors import RequestError
 
 BANK = Path(__file__).parents[1] / "houses" / "test-v1.jsonl.gz"
 TRAININGS = (
@@ -32,12 +30,6 @@ SCORED = ("pqn-cpu-512", "pqn-cuda-512", "pqn-cuda-4096")
 """Those whose agents are measured."""
 
 PAGE = Path(__file__).with_name("devices.md")
-
-
-class DeviceFailed(VitruviusError):
-    """A process of the study ended early."""
-
-    exit_code = 1
 
 
 @dataclass(frozen=True)
@@ -84,7 +76,16 @@ class Devices:
         name = named(preset, device, environments)
         say(f"training {name}")
         command = [*CLI, "train", "--preset", preset, "--device", device, "--num-envs", str(environments)]
-        command += ["--steps", str(self.steps), "--name", name, "--out", str(self.out / name), "--json"]
+        command += [
+            "--steps",
+            str(self.steps),
+            "--name",
+            name,
+            "--out",
+            str(self.out / name),
+            "--json",
+            "--resume",
+        ]
         last = json.loads(output(command))["answer"]
         return last | {"name": name, "preset": preset, "device": device, "environments": environments}
 
@@ -165,11 +166,3 @@ def compared(one: Any, other: Any) -> dict[str, dict[str, float]]:
             "elsewhere": float(elsewhere.mean()),
         }
     return differences
-
-
-def output(command: list[str]) -> str:
-    """What a process prints. Raises ``DeviceFailed`` where it fails."""
-    done = subprocess.run(command, stdout=subprocess.PIPE, env=os.environ, text=True, check=False)
-    if done.returncode:
-        raise DeviceFailed(f"{' '.join(command)}: exit code {done.returncode}, see above")
-    return done.stdout

@@ -7,12 +7,14 @@ what some environments go through, into FILE, to be compared with another device
 import json
 from argparse import ArgumentParser
 from collections.abc import Callable
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 import torch
 
+from benchmarks.common.pages import write_arrays
 from sim import HouseVectorEnv
 from sim.config import PRESETS
 
@@ -35,7 +37,7 @@ def write_trails(device: str, file: str) -> None:
     found: Any = {}
     for preset in PRESETS:
         found |= {f"{preset}/{part}": rows for part, rows in trail(device, preset).items()}
-    np.savez_compressed(file, **found)
+    write_arrays(Path(file), **found)
 
 
 def trail(device: str, preset: str) -> dict[str, np.ndarray]:

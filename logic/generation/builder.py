@@ -42,7 +42,7 @@ class Builder:
         if cell and self.loaded.depths:
             raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
         shared = UnitsMaker if self.loaded.depths else SharedWallsMaker
-        feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
+        feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.house_facts)
         self.maker: Maker = (shared if grammar.shares_walls else StarMaker)(grammar, self.loaded, feasibility)
         self._given: GivenPlanMaker | None = None
         self._promises: dict[Program, Promises] = {}

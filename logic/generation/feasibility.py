@@ -31,8 +31,8 @@ from logic.placement.placer import Infeasible, Layout, Placer, RoomLayout, locat
 from logic.request.fixed_rooms import FixedRoom
 from logic.request.request import Range, Request, as_option
 
-Walls = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
-"""What stage 1 knows of walls, each fact with the clauses that it comes from."""
+HouseFacts = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
+"""What stage 1 knows of a house's walls and areas, each fact with the clauses that it comes from."""
 
 INFERENCES = 100_000_000
 """Most Prolog inferences for a room on a grid."""
@@ -49,13 +49,18 @@ class Feasibility:
     """
 
     def __init__(
-        self, grammar: Grammar, placer: Placer, lengths: Lengths, walls: Walls = (), placed: bool = False
+        self,
+        grammar: Grammar,
+        placer: Placer,
+        lengths: Lengths,
+        facts: HouseFacts = (),
+        placed: bool = False,
     ) -> None:
-        """Know a grammar, the lengths of each of its room types, and those of walls that rooms share.
+        """Know a grammar, the lengths of each of its room types, and facts about all of a house.
 
         Where these are ``placed`` already, stage 2 has no part in them.
         """
-        self.grammar, self.placer, self.walls = grammar, placer, walls
+        self.grammar, self.placer, self.facts = grammar, placer, facts
         self._lengths = lengths
         self.source = Source(grammar.asp)
         self._placed = placed
@@ -73,7 +78,7 @@ class Feasibility:
             self.source,
             {"rooms": request.rooms},
             [("house", []), *parts(required)],
-            self._stated(self.walls),
+            self._stated(self.facts),
             laws=laws,
         )
         statements = list(relaxed.statements)
@@ -158,13 +163,14 @@ class Feasibility:
 
     def of_rooms(self, relaxed: Relaxed, request: Request) -> Question:
         """What can be asked of the rooms of a house, and of the places for their walls or of their areas."""
-        if self._placed or not self.walls:
+        if self._placed or not self.facts:
             return Question(relaxed)
         if self.grammar.shares_walls:
             return Question(relaxed, self.placer.wall_conflict)
 
         def too_small_or_large(layout: Sequence[Symbol], without: Collection[Symbol]) -> Conflict | None:
-            return self.placer.area_conflict(layout, request.fixed, sorted(self._lengths), without)
+            bare = Layout.bare(layout, request.fixed)
+            return self.placer.area_conflict(bare, request.fixed, sorted(self._lengths), without)
 
         return Question(relaxed, too_small_or_large)
 

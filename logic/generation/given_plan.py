@@ -11,7 +11,7 @@ from clingo import Function, Number, Symbol
 
 from logic.errors import LimitReached
 from logic.generation.evidence import NoLayout
-from logic.generation.feasibility import Feasibility, Walls
+from logic.generation.feasibility import Feasibility, HouseFacts
 from logic.generation.furnish import Unfurnishable
 from logic.generation.movable_doors import MOST_LAYOUTS, LooseRoom, OneDoor, Refuted
 from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, given_room
@@ -41,7 +41,7 @@ class GivenPlanMaker(SharedWallsMaker):
         """Find what the grammar forbids in the plan."""
         self.plan = plan
         rules = grammar.for_own_plan()
-        facts: Walls = [*_meetings(plan), *loaded.placer.own_plan_faults(plan, sorted(loaded.furniture))]
+        facts: HouseFacts = [*_meetings(plan), *loaded.placer.own_plan_faults(plan, sorted(loaded.furniture))]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))
         self._failures, self._refuted = 0, list[Refuted]()
         self._too_small: dict[tuple[int, str], list[Refuted]] = {}
@@ -199,7 +199,7 @@ class GivenPlanMaker(SharedWallsMaker):
         return plan
 
 
-def _meetings(plan: OwnPlan) -> Walls:
+def _meetings(plan: OwnPlan) -> HouseFacts:
     """Which rooms share walls, which sides are outer walls, wholly or in part, and which have windows."""
     found = []
     for wall in plan.walls:

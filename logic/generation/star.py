@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from clingo import Function, Number, Symbol
+from clingo import Function, Number
 
 from logic.errors import LimitReached, OutOfInferences
 from logic.generation.evidence import NoLayout
@@ -21,13 +21,13 @@ from logic.house.star import Star
 from logic.layout.account import FURNITURE, LAYOUT
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import to_furnish
-from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
+from logic.placement.placer import Infeasible, Layout, Misfit
 from logic.placement.plan import StarPlan
 from logic.placement.prolog import Term
 from logic.request.request import Request
 
 MOST_MISFITS = 200
-"""How often sampled rooms may fail to fit between the fixed rooms, though others might fit."""
+"""How often sampled rooms may not fit together, though others might."""
 
 MOST_AREAS = 300
 """How often sampled types and sides may have no area that the house may have, though others might."""
@@ -39,18 +39,13 @@ class StarMaker(Maker):
     making: Layout | None = None
     """The layout of the last house."""
 
-    @property
-    def _has_area(self) -> bool:
-        """Whether the grammar states the area of the whole house."""
-        return bool(self._loaded.walls)
-
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
         nogoods = Nogoods()
         layout = self.layout(request, rng, nogoods)
         while True:
             try:
-                plan = self._placer.place(layout, rng, inferences, minimal=nogoods.count > 1)
+                plan = self._placer.place(layout, rng, inferences, minimal=nogoods.unfurnished > 1)
                 self.making = _sized(layout, plan.sizes)
                 return house(plan, layout, request)
             except Misfit as proof:
@@ -65,6 +60,7 @@ class StarMaker(Maker):
                     self._placer.account.refuted(conflict.clauses, furniture=True)
                     program, _ = self._programs.furniture_for(layout.rooms[number].type.name, request)
                     nogoods.add(program, conflict.atoms)
+                    nogoods.unfurnished += 1
                 again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
                 layout = again or self.layout(request, rng, nogoods)
 
@@ -89,31 +85,18 @@ class StarMaker(Maker):
             if atoms is None:
                 raise NoLayout(request, self.feasibility, nogoods.unfurnishable, nogoods.orders)
             self._placer.account.sampled()
-            conflict = self._has_area and self._placer.area_conflict(
-                atoms, request.fixed, sorted(self._loaded.furniture)
+            layout = Layout.bare(atoms, request.fixed)
+            conflict = self._loaded.has_area and self._placer.area_conflict(
+                layout, request.fixed, sorted(self._loaded.furniture)
             )
             if not conflict:
-                break
+                return layout
             self._placer.account.refuted(conflict.clauses)
             nogoods.add(program, conflict.atoms)
             if len(nogoods.of[program]) > MOST_AREAS:
                 raise LimitReached(
                     f"{MOST_AREAS} times {self._misfit(request)}. {self._placer.account.refutations}"
                 )
-        named = defaultdict[str, list[Symbol]](list)
-        for atom in atoms:
-            named[atom.name].append(atom)
-        types, sides = (
-            {atom.arguments[0].number: atom.arguments[1] for atom in named[name]} for name in ("room", "side")
-        )
-        fixed = {
-            atom.arguments[1].number: request.fixed[atom.arguments[0].number] for atom in named["numbered"]
-        }
-        rooms = [
-            RoomLayout(number, type_, sides[number], (), fixed=fixed.get(number))
-            for number, type_ in sorted(types.items())
-        ]
-        return Layout(rooms, named["corner"])
 
     def _refurnished(
         self,
@@ -163,7 +146,9 @@ class StarMaker(Maker):
         if not request.fixed:
             return f"{area}, though others might: try another seed, number of rooms, or wider bounds"
         between = "the sampled rooms did not fit between the fixed rooms"
-        found = f"{between}, or {area.removeprefix('the sampled rooms ')}" if self._has_area else between
+        found = (
+            f"{between}, or {area.removeprefix('the sampled rooms ')}" if self._loaded.has_area else between
+        )
         return f"{found}, though smaller ones might: try another seed, fewer rooms or smaller types"
 
 
@@ -193,12 +178,12 @@ class Nogoods:
         self.orders: list[Nogood] = []
         """Orders of the rooms that do not fit between the fixed rooms, whatever the sizes."""
         self.of: dict[Program, list[Nogood]] = defaultdict(list)
-        self.count = 0
+        self.unfurnished = 0
+        """How many rooms had no places for their furniture."""
         self.misfits = 0
 
     def add(self, program: Program, atoms: Nogood) -> None:
         """No layout of the program in which just these atoms hold, or fail, has a solution."""
-        self.count += 1
         self.of[program].append(atoms)
 
 

@@ -75,11 +75,14 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
     mark = folder / MARK
     if not replace and folder.is_dir() and any(folder.iterdir()) and not mark.exists():
         raise _refused(folder, "files that no study wrote")
+    folder.mkdir(parents=True, exist_ok=True)
+    mark.touch()  # before the work, which may be killed
     try:
         yield
     finally:
-        if folder.is_dir():
-            mark.touch()
+        if list(folder.iterdir()) == [mark]:
+            mark.unlink()
+            folder.rmdir()
 
 
 def require_drawn(folder: Path, ending: str, replace: bool) -> None:

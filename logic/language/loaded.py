@@ -81,10 +81,11 @@ class LoadedGrammar:
         self._of_no_room: list[GrammarError] = []
         self.errors = first_causes(self._readable()) or first_causes(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
-        self.walls = [] if self.errors else self._walls()
+        self.house_facts = [] if self.errors else self._house_facts()
+        self.has_area = any(fact.name == "total" for fact, _ in self.house_facts)
         self.warnings = [] if self.errors else [*self._unlikely()]
-        walls = [fact for fact, _ in self.walls]
-        self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, walls)
+        facts = [fact for fact, _ in self.house_facts]
+        self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, facts)
         if remarks and not self.errors:
             self.errors = list(self.programs.remarks())
 
@@ -262,7 +263,7 @@ class LoadedGrammar:
         if not errors and not absent:
             yield from map(Mistake, impossible(self.extremes, self.placer.origins))
 
-    def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+    def _house_facts(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share, and of the area of the house."""
         total, rooms = area_bounds(self.placer, self.furniture)
         areas = area_facts(total, rooms)

@@ -52,6 +52,22 @@ class Layout:
     rooms: Sequence[RoomLayout]
     corners: Sequence[Symbol]
 
+    @classmethod
+    def bare(cls, atoms: Iterable[Symbol], fixed: Sequence[FixedRoom]) -> "Layout":
+        """What these atoms say, without furniture: types, sides, and which rooms are the ``fixed`` ones."""
+        named = defaultdict[str, list[Symbol]](list)
+        for atom in atoms:
+            named[atom.name].append(atom)
+        types, sides = (
+            {atom.arguments[0].number: atom.arguments[1] for atom in named[name]} for name in ("room", "side")
+        )
+        numbered = {atom.arguments[1].number: fixed[atom.arguments[0].number] for atom in named["numbered"]}
+        rooms = [
+            RoomLayout(number, type_, sides[number], (), fixed=numbered.get(number))
+            for number, type_ in sorted(types.items())
+        ]
+        return cls(rooms, named["corner"])
+
 
 class Infeasible(Exception):
     """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for a plan's walls."""
@@ -124,30 +140,23 @@ class Placer:
         return msgspec.convert(answer, StarPlan)
 
     def area_conflict(
-        self,
-        layout: Iterable[Symbol],
-        fixed: Sequence[FixedRoom],
-        types: Iterable[str],
-        without: Iterable[Symbol] = (),
+        self, layout: Layout, fixed: Sequence[FixedRoom], types: Iterable[str], without: Iterable[Symbol] = ()
     ) -> Conflict | None:
         """Why no star with these types and sides has the area that is stated; None where some may have it."""
-        named = defaultdict[str, dict[int, Symbol]](dict)
-        corners = []
-        for atom in layout:
-            if atom.name == "corner":
-                corners.append(atom)
-            elif atom.name in {"room", "side", "numbered"}:
-                number, value = atom.arguments if atom.name != "numbered" else reversed(atom.arguments)
-                named[atom.name][number.number] = value
-        rooms = []
-        for number, type_ in sorted(named["room"].items()):
-            side, place = named["side"][number], named["numbered"].get(number)
-            if place is None:
-                rooms.append(Term("room", number, type_, side))
-            else:
-                its = fixed[place.number]
-                rooms.append(Term("fixed", place.number, number, side, float(its.width), float(its.depth)))
-        reasons = self.ask("layout_area_conflict", rooms, corners, types, without)
+        rooms = [
+            Term(
+                "fixed",
+                fixed.index(room.fixed),
+                room.number,
+                room.side,
+                float(room.fixed.width),
+                float(room.fixed.depth),
+            )
+            if room.fixed
+            else Term("room", room.number, room.type, room.side)
+            for room in layout.rooms
+        ]
+        reasons = self.ask("layout_area_conflict", rooms, layout.corners, types, without)
         return None if reasons is None else _conflict(reasons)
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()) -> Plan:

@@ -193,7 +193,7 @@ placed_around(Outlines, Corners, Seed, Finished, Answer) :-
 placed_around(Outlines, Corners, Seed, Finished, Answer) :-
     call(main_room_around(Outlines, Corners, Main, Starts), Seed, _), !,
     house_plan(Main, Starts, Finished, Answer).
-placed_around(_, _, _, _, _{misfit:false}).
+placed_around(_, _, _, _, _{misfit:false}) :- total_area(_).
 
 narrowest(outline(Side,_,D,Door,free), outline(Side,Least,D,Door,free)) :- !,
     findall(W, ( clause(grammar:room_size(Type,_,_), _), room_extent(Type, W-_, _) ), Ws),
@@ -274,7 +274,7 @@ room_lengths(Type, Layout, Given, Taken, Seed, Target, Json) :-
 
 %!  main_lengths(+Outlines, +Corners, +Width, -Json) is det.
 %
-%   Json is what main_room_ranges/6 says of rooms outline(Side,Width,Depth,Door), all in metres: "walls", "width",
+%   Json is what main_room_ranges/7 says of rooms outline(Side,Width,Depth,Door), all in metres: "walls", "width",
 %   "height", and "law", the file and line of the clause that states it; "any", both where the house had any area.
 
 main_lengths(Outlines, Corners, Width, Json) :-

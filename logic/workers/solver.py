@@ -249,15 +249,17 @@ class Solver:
         self, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
     ) -> Iterator[Kind]:
         """Ask a question that has several answers: these, as they come, all in the seconds. With ``before``
-        these count from the first one, which may take so much longer.
+        these count from the first one, until which a house is made again in so many seconds.
         """
-        end = time.monotonic() + before + seconds
+        says = f"the house was not made again in {before:g} seconds" if before else late
+        end = time.monotonic() + (before or seconds)
         self.ask(question, before + seconds)
         while not isinstance(
-            found := self.answer((kind, Done), max(0.0, end - time.monotonic()), late), Done
+            found := self.answer((kind, Done), max(0.0, end - time.monotonic()), says), Done
         ):
             self.unanswered += 1  # There is more to come.
-            end = min(end, time.monotonic() + seconds)
+            if says != late:
+                says, end = late, time.monotonic() + seconds
             yield found
 
     def is_alive(self) -> bool:

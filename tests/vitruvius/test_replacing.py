@@ -139,10 +139,13 @@ def test_a_study_goes_on_in_its_own_folder_and_is_told_to_write_to_another(tmp_p
     folder = tmp_path / "mine"
     for _ in range(2):
         with study_folder(folder, replace=False):
-            folder.mkdir(exist_ok=True)
+            assert (folder / MARK).exists()  # so a study that is killed goes on too
             (folder / "study.md").write_bytes(b"figures")
     (folder / MARK).unlink()
     with pytest.raises(RequestError, match="--replace"), study_folder(folder, replace=False):
         raise AssertionError
     with study_folder(folder, replace=True):
         assert (folder / "study.md").read_bytes() == b"figures"
+    with pytest.raises(RequestError, match="wrong"), study_folder(tmp_path / "new", replace=False):
+        raise RequestError("wrong")
+    assert not (tmp_path / "new").exists()

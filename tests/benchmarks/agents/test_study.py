@@ -26,7 +26,8 @@ from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
 from benchmarks.agents.records import External, Outcome, Study, TrainingEntry, by_seed, difference
 from benchmarks.agents.run import Agents, measured
-from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, with_run
+from benchmarks.agents.runs import EntryRun, ExternalRun, with_run
+from benchmarks.common.processes import StudyFailed
 from logic.errors import RequestError
 from vitruvius.cli import parse
 

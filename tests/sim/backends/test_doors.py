@@ -32,7 +32,7 @@ def squares(side: int) -> House:
         if abs(other.x - one.x - 2.4 * east) + abs(other.y - one.y - 2.4 * south) < 1e-6
         for names in [(one.name, other.name)]
     ]
-    return House(tuple(rooms), tuple(doors), hub="R0-0", topology="cuts")
+    return House(tuple(rooms), tuple(doors), hub="R0-0", topology="dissection")
 
 
 HOUSES = [*map(sample_houses.random_house, range(100, 104)), *PLANS.values(), squares(5)]
