@@ -64,7 +64,8 @@ class Grammar:
     name: str
     directory: Path
     own: tuple[Path, ...]
-    """The ``.lp`` files of its directory, each after those that it includes."""
+    """The ``.lp`` files: those of shipped grammars that it includes, then those of its directory, each after
+    what it includes. So a conflict between both is found at a line of the user's."""
     topology: tuple[Path, ...]
     """The shared ``.lp`` files that come with its topology."""
     topology_name: str
@@ -122,7 +123,10 @@ def find(grammar: str | Path) -> Grammar:
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'home'} and edit it", directory
             )
     reading = reading_of(directory)
-    asp, prolog = reading.follow(asp), reading.follow(prolog)
+    asp, prolog = (
+        tuple(sorted(reading.follow(files), key=lambda file: directory in file.parents))
+        for files in (asp, prolog)
+    )
     texts = {file: content.decode("utf-8", "replace") for file, content in reading.contents.items()}
     stated = {file: statements(texts[file], file.suffix) for file in asp + prolog if file in texts}
     for error in reading.errors:

@@ -74,7 +74,8 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
     """
     mark = folder / MARK
     if not replace and folder.is_dir() and any(folder.iterdir()) and not mark.exists():
-        raise _refused(folder, "files that no study wrote")
+        why = f"--out {folder}: holds files that no study wrote"
+        raise RequestError(f"{why}: name another folder, or add --replace to write beside them")
     folder.mkdir(parents=True, exist_ok=True)
     mark.touch()  # before the work, which may be killed
     try:

@@ -79,7 +79,9 @@ class Prover:
         for choice, other in _without_each(request):
             if choice in unique and not (request.fixed or found.refuted) and self._has_house(other):
                 ways.append(f"without {choice}")
-        advice = f"There is a house {', or '.join(ways)}." if ways else ""
+        # The area that a star needs is known when its rooms are furnished, which was not tried.
+        is_there = "may be" if self._of.facts and not self._of.grammar.shares_walls else "is"
+        advice = f"There {is_there} a house {', or '.join(ways)}." if ways else ""
         return Unsatisfiable(self._of.grammar.name, str(request), unique, advice, types)
 
     def conflict(self, request: Request) -> list[Reason]:

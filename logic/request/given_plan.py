@@ -183,9 +183,7 @@ def _from_file(path: Path) -> House | dict[str, Any]:
     # The standard input is read once.
     houses = load(path, io.BytesIO(content) if path == STANDARD else None)
     if len(houses) > 1:
-        raise RequestError(
-            f"plan: {path} holds {len(houses)} houses: give a file of one, or generate(plan=house)"
-        )
+        raise RequestError(f"plan: {path} holds {len(houses)} houses: give a file of one")
     return houses[0]
 
 

@@ -2,14 +2,17 @@
 
 import os
 import pkgutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from benchmarks import STUDIES
-from logic import RequestError
+from logic import House, RequestError, load
 from logic.house.replacing import MARK, study_folder, unless_other
 from tests.agent.runs.test_keras import keras_file
+from tests.logic.workers import in_process
 from vitruvius.cli import COMMANDS, main
 from vitruvius.options import options_of
 
@@ -124,6 +127,23 @@ def test_the_same_command_again_is_no_loss(
     assert [run(words), run(words)] == [0, 0]
 
 
+@pytest.mark.parametrize("replace", [False, True])
+@pytest.mark.parametrize("interrupted", [False, True])
+def test_houses_that_another_process_writes_meanwhile_stay(
+    interrupted: bool, replace: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def writing(**options: Any) -> Iterator[House]:
+        yield from in_process.generate(options["rooms"])
+        (tmp_path / "mine.jsonl").write_bytes(PLANS.read_bytes())
+        if interrupted:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("logic.generate", writing)
+    command = f"generate --rooms 1 --out {tmp_path / 'mine.jsonl'}{' --replace' if replace else ''}"
+    assert run(command) == ((130 if interrupted else 0) if replace else 2)
+    assert (load(tmp_path / "mine.jsonl") == load(PLANS)) is not replace
+
+
 def test_a_file_of_other_content_is_replaced_where_it_is_asked_for(tmp_path: Path) -> None:
     out = tmp_path / "agent.onnx"
     for content, replace in ((b"mine", False), (b"mine", False), (b"other", True)):
@@ -142,7 +162,10 @@ def test_a_study_goes_on_in_its_own_folder_and_is_told_to_write_to_another(tmp_p
             assert (folder / MARK).exists()  # so a study that is killed goes on too
             (folder / "study.md").write_bytes(b"figures")
     (folder / MARK).unlink()
-    with pytest.raises(RequestError, match="--replace"), study_folder(folder, replace=False):
+    with (
+        pytest.raises(RequestError, match="--replace to write beside them"),
+        study_folder(folder, replace=False),
+    ):
         raise AssertionError
     with study_folder(folder, replace=True):
         assert (folder / "study.md").read_bytes() == b"figures"

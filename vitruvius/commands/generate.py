@@ -105,7 +105,6 @@ class Generate:
         """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
         from logic import generate
         from logic.house.files import STANDARD
-        from logic.house.replacing import require_same_series
 
         say_warnings()
         require_plan(self.plan, self.plan_unit, self.snap)
@@ -114,7 +113,6 @@ class Generate:
         out = None if self.out == STANDARD else self.out
         _require_writable(out, self.count)
         houses: list[House] = []
-        held = 0
         began = time.monotonic()
         request = generate(
             rooms=self.rooms,
@@ -135,16 +133,18 @@ class Generate:
         )
         try:
             for house in progress(request, self.count, "houses"):
-                if out and not houses and not self.replace:
-                    held = require_same_series(out, house, self.start + self.count - 1)
+                if out and not houses:
+                    self._held(out, house)
                 houses.append(house)
                 if out is None and not self.json:
                     print(json.dumps(house.to_dict()), flush=True)
         except (VitruviusError, KeyboardInterrupt) as end:
-            if out and len(houses) > held:
+            # Another process may have written meanwhile.
+            if out and houses and len(houses) > self._held(out, houses[0]):
                 self._save(houses, out, str(end) or "interrupted")
             raise
         if out:
+            self._held(out, houses[0])
             self._save(houses, out)
             say(f"{out}: {len(houses)} made. Next: vitruvius draw {quoted(out)}")
         if self.json:
@@ -160,6 +160,14 @@ class Generate:
         out = str(self.out) if self.out and self.out != STANDARD else None
         of = Generated(out, made, round(seconds, 3), self.grammar, self.seed, self.start, **found)
         print_answer("generate", of, 0 if all(each.exact for each in of.counted) else 4)
+
+    def _held(self, out: Path, first: House) -> int:
+        """How many houses of this series a file holds; 0 where others are to be lost, which are refused
+        otherwise.
+        """
+        from logic.house.replacing import require_same_series
+
+        return 0 if self.replace else require_same_series(out, first, self.start + self.count - 1)
 
     def _save(self, houses: list[House], out: Path, stopped: str = "") -> None:
         """Write the houses and why there are no more; where the disk is full, as many as it takes."""

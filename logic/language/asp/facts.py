@@ -45,10 +45,11 @@ class Facts:
         found = places(fact, self._words)
         return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
 
-    def _place(self, fact: Symbol) -> tuple[str, int, int]:
-        """The fact's place, to be ordered by."""
+    def _place(self, fact: Symbol) -> tuple[bool, str, int, int]:
+        """The fact's place, to be ordered by: what a shipped grammar states comes before the user's own."""
         found = self.at(fact, "")
-        return str(found.file), found.line or 0, found.column or 0
+        own = self._grammar.directory in Path(str(found.file)).parents
+        return own, str(found.file), found.line or 0, found.column or 0
 
     def absent_from(self, kind: str, names: Sequence[str], files: Sequence[Path]) -> Mistake:
         """The mistake that no file of a kind states these predicates."""
@@ -112,7 +113,9 @@ class Facts:
         for symbol in probe.atoms("twice", 2):
             facts = sorted(map(stated, symbol.arguments), key=self._place)
             first = self.at(facts[0], "")
-            place = f", at {Path(str(first.file)).name}:{first.line}:{first.column}" if first.line else ""
+            place = ""
+            if first.line:
+                place = f", at {self._grammar.name_of(Path(str(first.file)))}:{first.line}:{first.column}"
             why = f"{facts[1]}: {facts[0]} is stated too{place}: keep one of them"
             values.append(Mistake(self.at(facts[1], why)))
         return values, _renamed(absent)

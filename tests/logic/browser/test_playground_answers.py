@@ -228,6 +228,8 @@ def test_files_that_include_others_are_read_in_the_page_as_by_python(opened, tmp
     cases["a mistake of lengths below an include"] = family | {
         "sizes.pl": f"{family['sizes.pl']}\n  mine(1).\n"
     }
+    cases["a fact that contradicts a shipped file"] = family | {"a.lp": "may(bedroom,bed,3,4)."}
+    cases["a length that contradicts a shipped file"] = family | {"a.pl": "\nroom_gap(9.0)."}
     for number, (title, files) in enumerate(cases.items()):
         if not all(text.isprintable() for text in "".join(files.values()).split("\n")):
             continue  # The page shows what it is given.

@@ -268,6 +268,25 @@ def test_what_contradicts_an_included_file_names_it_with_its_folder(
     assert "the first stands in line 1 of parts/sizes.pl" in found.text
 
 
+@pytest.mark.parametrize("own", ["a", "z"])  # before and after the file that includes
+def test_what_contradicts_a_file_of_a_shipped_grammar_is_to_be_mended_in_ones_own(
+    own: str, solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    for rule, suffix, place in (
+        ("may(bedroom,bed,3,4).", ".lp", "at family/furniture.lp:3:1"),
+        ("room_gap(9.0).", ".pl", "in line 7 of family/sizes.pl"),
+    ):
+        folder = tmp_path / suffix
+        folder.mkdir()
+        names = ("arrangement", "furniture", "rooms")
+        (folder / "m.lp").write_text("".join(LP.format(f"family/{name}.lp") + "\n" for name in names))
+        (folder / "m.pl").write_text(PL.format("family/sizes.pl"))
+        (folder / f"{own}{suffix}").write_text(f"\n{rule}")
+        ((found,), _) = solver.submit(linted, folder).result(timeout=60)
+        assert (found.file, found.line) == (str(folder / f"{own}{suffix}"), 2)
+        assert place in found.text
+
+
 def test_a_copy_of_a_grammar_that_includes_another_one_is_read_wherever_it_lies(tmp_path: Path) -> None:
     copy = Path(shutil.copytree(SHIPPED / "apartments", tmp_path / "deep" / "flats"))
     assert find(copy).hash == find("apartments").hash

@@ -124,7 +124,7 @@ export class Grammar {
     // A value that is wrong explains a strange name in it, and a misspelt name that something is not there.
     const [values, absent] = [false, true].map((isAbsent) => of("wrong").filter(([, why]) => JSON.parse(why.string).includes(": see ") === isAbsent));
     for (const [fact, why] of values) throw this.at(fact, `${stated(fact)}: ${JSON.parse(why.string)}`);
-    for (const [one, other] of of("twice")) throw this.at(other, `${stated(other)}: ${stated(one)} is stated too: keep one of them`);
+    for (const twice of of("twice")) throw this.statedTwice(twice);
     const lengths = Object.keys(this.files).filter((name) => name.endsWith(".pl")).map((name) => this.files[name]);
     const misspelt = misspeltName(this.own, lengths, this.topology);
     if (misspelt?.isNear || !absent.length) refuse(misspelt);
@@ -133,6 +133,17 @@ export class Grammar {
     for (const [kind, place, names] of [["type", 0, ["type"]], ["piece", 1, ["may", "beside", "around"]]])
       for (const { name, args } of facts.filter((fact) => names.includes(fact.name)))
         if (!isName.test(termText(args[place]))) throw this.at({ name, args }, `${termText(args[place])}: ${this.bundle.says.noName[kind]}`);
+  }
+
+  /** That two facts contradict each other: at the later one, which is the user's own where the other is a shipped grammar's. */
+  statedTwice(facts) {
+    const places = facts.map((fact) => this.at(fact, "").findings[0]);
+    const number = ({ file }) => this.own.findIndex(({ name }) => name === file);
+    const byPlace = (one, other) => number(one) - number(other) || one.line - other.line || one.column - other.column;
+    const [one, other] = byPlace(...places) <= 0 ? [0, 1] : [1, 0];
+    const { file, line, column } = places[one];
+    const why = `${stated(facts[one])} is stated too, at ${file}:${line}:${column}: keep one of them`;
+    return this.at(facts[other], `${stated(facts[other])}: ${why}`);
   }
 
   /** What clingo says of atoms that no rule of the last program derives, in the user's files. */

@@ -3,7 +3,8 @@
 import { RuleError } from "./program.js";
 import { closest } from "./spelling.js";
 
-/** The user's files of one ending, each after those that it includes: [{ name, written, text }], where solvers read `text`. */
+/** The files of one ending, those of shipped grammars first, each after those that it includes: [{ name, written, text }], where
+ * solvers read `text`. */
 export function withIncluded(files, ending, { includes: { lines, examples }, shipped, says }) {
   const pattern = new RegExp(lines[ending]), found = [], places = new Map();
 
@@ -44,5 +45,5 @@ export function withIncluded(files, ending, { includes: { lines, examples }, shi
   }
 
   for (const name of Object.keys(files).filter((each) => each.endsWith(ending)).sort()) follow(name, files[name], []);
-  return found;
+  return [...found.filter(({ name }) => !(name in files)), ...found.filter(({ name }) => name in files)];
 }

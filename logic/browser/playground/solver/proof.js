@@ -212,7 +212,8 @@ export function* proofs(grammar, request, unfurnishable) {
   const ways = number ? [`with ${number} rooms`] : [];
   for (const [text, fewer] of withoutEach(request))
     if (reasons.some((reason) => reason.text === text) && hasHouse(grammar, fewer)) ways.push(`without ${text}`);
-  if (ways.length) yield { reasons, unfurnishable: bare, advice: `There is a house ${ways.join(", or ")}.` };
+  const isThere = grammar.walls.length && !grammar.sharesWalls ? "may be" : "is"; // the area of a furnished star was not tried
+  if (ways.length) yield { reasons, unfurnishable: bare, advice: `There ${isThere} a house ${ways.join(", or ")}.` };
 }
 
 /** Other numbers of rooms that end a conflict of these reasons. */
