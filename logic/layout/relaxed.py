@@ -232,6 +232,10 @@ class Relaxed:
                 kind = HeuristicType.True_ if each > 0 else HeuristicType.False_
                 backend.add_heuristic(abs(each), kind, 1, 1, [])
 
+    def prefer_none(self) -> None:
+        """Look for any layout again: one in which little holds is found many times sooner."""
+        self._control.configuration.solver.heuristic = "Vsids"
+
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
         """Some of these statements, which have no layout, that have none by themselves."""
         core: set[int] = set()

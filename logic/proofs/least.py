@@ -7,10 +7,12 @@ they have one, it leaves another correction set (Ignatiev, Previti, Liffiton and
 
 import contextlib
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from functools import partial
 
 import clingo
 
+from logic.errors import Reason
 from logic.generation.question import Question
 from logic.grammar import SHIPPED
 from logic.layout.conflicts import minimal
@@ -21,6 +23,9 @@ MOST_LAYOUTS = 400
 
 MOST_CONFLICTS = 10_000
 """So many conflicts may clingo meet for one of these layouts; past them a minimal conflict has to do, too."""
+
+MOST_NAMED = 20
+"""So many statements of a given plan are named in a proof; more are one."""
 
 MOST_REFUTED = 60
 """So many layouts are refuted in stage 2 to see whether a statement can be left out; past them it stays."""
@@ -34,14 +39,45 @@ def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list
         with contextlib.suppress(TooMany):
             if (found := fewest(statements, question.relaxed)) is not None:
                 return found
+        question.relaxed.prefer_none()
 
-    def possible(some: Sequence[Statement]) -> bool:
-        try:
-            return question.possible(some, MOST_REFUTED)
-        except TooMany:
-            return True
+    return minimal(statements, partial(_may_be_possible, question), question.core)
 
-    return minimal(statements, possible, question.core)
+
+def least_of_plan(
+    question: Question, statements: Sequence[Statement], own: Collection[Reason]
+) -> list[Statement]:
+    """As ``least``; more than ``MOST_NAMED`` of a plan's ``own`` statements become one."""
+
+    def of_plan(some: Sequence[Statement]) -> list[Statement]:
+        return [each for each in some if each.reason in own]
+
+    core = question.core(statements)
+    if len(of_plan(core)) <= MOST_NAMED:
+        return least(question, statements)
+    # Where a few of them are impossible, parts of them can be left out whole.
+    for parts in (2, 4, 8):
+        for part in range(parts):
+            mine = of_plan(core)
+            out = mine[len(mine) * part // parts : len(mine) * (part + 1) // parts]
+            fewer = [each for each in core if each not in out]
+            if not _may_be_possible(question, fewer):
+                core = question.core(fewer)
+    mine = of_plan(core)
+    if len(mine) <= MOST_NAMED:
+        return least(question, [each for each in statements if each in mine or each.reason not in own])
+    together = Reason(f"{mine[0].reason}, and {len(mine) - 1} more that it says of its rooms")
+    whole = Statement(together, tuple(literal for each in mine for literal in each.literals))
+    others = [each for each in core if each not in mine]
+    return minimal([whole, *others], partial(_may_be_possible, question), question.core)
+
+
+def _may_be_possible(question: "Question | AnyOf", some: Sequence[Statement]) -> bool:
+    """Whether there is a layout, or it is not soon known that there is none."""
+    try:
+        return question.possible(some, MOST_REFUTED)
+    except TooMany:
+        return True
 
 
 def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement] | None:

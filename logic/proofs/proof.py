@@ -14,8 +14,8 @@ from logic.generation.question import Question
 from logic.layout.account import PROOF
 from logic.layout.program import Conflict
 from logic.layout.relaxed import Statement, TooMany
-from logic.layout.terms import fixed_requirements, granted, to_furnish
-from logic.proofs.least import AnyOf, least
+from logic.layout.terms import fixed_requirements, granted, own_requirements, to_furnish
+from logic.proofs.least import AnyOf, least, least_of_plan
 from logic.request.request import MOST_ROOMS, Request
 
 NEAR = 8
@@ -57,7 +57,10 @@ class Prover:
         question = self._of.of_rooms(relaxed, request)
         if question.possible(statements):
             raise VitruviusError(f"{request} was proved infeasible that has walls")
-        needed = least(question, statements)
+        own = own_requirements(request.plan).values() if request.plan else ()
+        needed = (
+            least_of_plan(question, statements, [*map(Reason, own)]) if own else least(question, statements)
+        )
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
         if request.plan:

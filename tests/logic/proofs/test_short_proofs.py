@@ -158,3 +158,27 @@ def test_where_the_shortest_proof_takes_too_long_another_one_is_found(
         made(home, geojson(BOXES | boxes, **(TYPED | types)), **request)
     found = [each.text for each in caught.value.reasons]
     assert all(any(line in text for text in found) for line in lines), found
+
+
+def test_a_plan_of_far_more_rooms_than_there_can_be_is_proved_impossible_in_few_lines(home: Builder) -> None:
+    """Where each room is needed: any of them could be the living room, if it were larger."""
+    boxes = {f"{x} {y}": (3 * x, 3 * y, 3 * x + 3, 3 * y + 3) for x in range(7) for y in range(7)}
+    with pytest.raises(Unsatisfiable) as caught:
+        made(home, geojson(boxes))
+    plan, *rules = [each.text for each in caught.value.reasons]
+    assert re.fullmatch(r"plan: \d \d is 3.00 by 3.00 m at .*, and \d\d more that it says of its rooms", plan)
+    assert 2 <= len(rules) <= 5
+
+
+def test_of_the_statements_of_a_large_plan_those_are_named_that_matter_if_they_are_few(
+    home: Builder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boxes, types, request, lines = CASES["a hall too narrow"]
+    plan = geojson(BOXES | boxes, **(TYPED | types))
+    for most, expected in ((2, lines[:2]), (1, ["and 1 more that it says of its rooms"])):
+        monkeypatch.setattr("logic.proofs.least.MOST_NAMED", most)
+        with pytest.raises(Unsatisfiable) as caught:
+            made(home, plan, **request)
+        found = [each.text for each in caught.value.reasons if each.text.startswith("plan:")]
+        assert len(found) == len(expected), found
+        assert all(line in text for line, text in zip(expected, found, strict=True)), found
