@@ -84,11 +84,12 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 %
 %   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
 %   not known, or "". Files are as in written.pl. Where nothing is wrong they are loaded, for houses on a grid of
-%   such cells (m) if not 0.0. Walls are shared or apart, as the grammar's topology has them.
+%   such cells (m) if not 0.0. The last lies at the top of the grammar's folder. Walls are shared or apart, as the grammar's topology has them.
 %   Of a grammar loaded before nothing is left.
 
 grammar_problems(Files, Walls, Cell, Json) :-
     nb_setval(grammar_walls, Walls),
+    nb_setval(grammar_files, Files),
     load_grammar(Files, Problems),
     set_cell(Cell),
     findall([F,L,C,T,N], member(problem(F,L,C,T,N), Problems), List),

@@ -63,7 +63,7 @@ general(no_areas,     "is not a least and a greatest number of square metres, in
 clause_line(Head, Other, Words) :-
     grammar_terms(Terms),
     first_clause(Terms, Head, Clause), head(Clause, At),
-    first_clause(Terms, Other, Said), line(At, Said, Words).
+    first_clause(Terms, Other, Said), head(Said, There), line(At, There, Words).
 
 first_clause(Terms, Head, Clause) :- member(Clause, Terms), for(Head, Clause), !.
 
@@ -80,7 +80,7 @@ clash(Head, Format, Arguments, Wrong) :-
 
 clash_words(_, _, metres(Number), Words) :- !, Rounded is round(Number*1000)/1000.0, format(string(Words), "~w", [Rounded]).
 clash_words(Terms, At, clause(Head), Words) :- !,
-    first_clause(Terms, Head, Clause), head(Clause, Other), line(At, Clause, Line),
+    first_clause(Terms, Head, Clause), head(Clause, Other), line(At, Other, Line),
     spoken("~w in ~w", [Other,Line], Words).
 clash_words(_, _, Words, Words).
 
@@ -122,8 +122,8 @@ fault(not_positive, Terms, Clauses, Call, At, Text) :-
     spoken("~w: ~w can be ~w m, and a size is more than 0", [At,Words,Low], Text).
 fault(endless, Terms, Clauses, _, At, Text) :-
     member(Clause, Clauses), head(Clause, At),
-    once(called(Terms, Clause, [], Looped, Line)),
-    spoken("~w recurs without end: ~w calls itself in line ~w", [At,Looped,Line], Text).
+    once(called(Terms, Clause, [], Looped, Goal)), line(At, Goal, Line),
+    spoken("~w recurs without end: ~w calls itself in ~w", [At,Looped,Line], Text).
 
 %   stated_area(+Name, -Text) is semidet: how an area is stated that the clause of this name is to bound.
 
@@ -142,7 +142,7 @@ several(Clauses, At, Text) :-
     head(Clause, At),
     spoken("~w is for every type, and some have a clause of their own: name the types that this is for", [At], Text).
 several([First,Second|_], At, Text) :- !,
-    head(Second, At), line(At, First, Line),
+    head(Second, At), head(First, There), line(At, There, Line),
     spoken("~w is a second clause: the first stands in ~w. State one", [At,Line], Text).
 several([Clause], At, Text) :- head(Clause, At), spoken("~w has more than one solution: state one", [At], Text).
 
@@ -185,33 +185,38 @@ unknowns(term(_,_,clause(Head,_,_,_,Names,_)), Words) :-
     ->  Words = ""
     ;   atomic_list_concat(Others, ', ', All), format(string(Words), " (none by ~w, which is not in the head)", [All]) ).
 
-%   called(+Terms, +Clause, +Path, -Name, -Line) is nondet: a predicate of the grammar that is called by way of itself.
+%   called(+Terms, +Clause, +Path, -Name, -Place) is nondet: a predicate of the grammar that is called by way of itself.
 
-called(Terms, term(Source,_,clause(Head,Body,_,P,_,_)), Path, Looped, Line) :-
+called(Terms, term(Source,_,clause(Head,Body,_,P,_,_)), Path, Looped, Place) :-
     functor(Head, Name, Arity),
     goal_in(Body, P, Goal, At), callable(Goal), functor(Goal, Called, N),
     (   memberchk(Called/N, [Name/Arity|Path])
-    ->  Looped = Called/N, place(Source, At, Line, _)
+    ->  Looped = Called/N, Place = Source-At
     ;   member(Clause, Terms), Clause = term(_,_,clause(H,_,_,_,_,_)), functor(H, Called, N),
-        called(Terms, Clause, [Name/Arity|Path], Looped, Line) ).
+        called(Terms, Clause, [Name/Arity|Path], Looped, Place) ).
 
 % - words --------------------------------------------------------------------
 
 head(term(Source,_,clause(_,_,Position,_,_,_)), Source-Position).
 
-%   line(+At, +Clause, -Words): in which line Clause stands, as said at another place.
+%   line(+At, +Other, -Words): in which line Other stands, as said at another place.
 
-line(source(File,_)-_, Clause, Words) :-
-    head(Clause, Source-P), place(Source, P, Line, _), Source = source(Other,_),
+line(source(File,_)-_, Source-P, Words) :-
+    place(Source, P, Line, _), Source = source(Other,_),
     (   Other == File
     ->  format(string(Words), "line ~w", [Line])
-    ;   file_name(File, Other, Name), format(string(Words), "line ~w of ~w", [Line, Name]) ).
+    ;   file_name(Other, Name), format(string(Words), "line ~w of ~w", [Line, Name]) ).
 
-%   file_name(+File, +Other, -Name): what Other is called beside a File, with its folder where that is another one.
+%   file_name(+File, -Name): its path in the grammar's folder, or with the folder of the shipped grammar that it belongs to.
 
-file_name(File, Other, Name) :-
-    file_directory_name(File, Here), file_directory_name(Other, There), file_base_name(Other, Base),
-    ( Here == There -> Name = Base ; file_base_name(There, Folder), atomic_list_concat([Folder,/,Base], Name) ).
+:- nb_setval(grammar_files, []).
+
+file_name(File, Name) :-
+    nb_getval(grammar_files, Files), last(Files, Last), ( Last = Top-_ -> true ; Top = Last ),
+    file_directory_name(Top, Folder), atom_concat(Folder, /, Before), atom_concat(Before, Name, File), !.
+file_name(File, Name) :-
+    file_directory_name(File, Folder), file_base_name(Folder, Shipped), file_base_name(File, Base),
+    atomic_list_concat([Shipped,/,Base], Name).
 
 %   step_words(+Clause, +Step, -Words): with its line where that is another than the line of the Clause.
 
@@ -221,7 +226,9 @@ step_words(Clause, step(_,_,said(Format,Arguments)), Words) :- !,
 step_words(Clause, step(_,_,Source-P), Words) :-
     wording(Source, P, Said), place(Source, P, Line, _),
     head(Clause, HeadSource-HeadP), place(HeadSource, HeadP, HeadLine, _),
-    ( Source-Line == HeadSource-HeadLine -> Words = Said ; format(string(Words), "~w (line ~w)", [Said, Line]) ).
+    (   Source-Line == HeadSource-HeadLine
+    ->  Words = Said
+    ;   line(HeadSource-HeadP, Source-P, At), format(string(Words), "~w (~w)", [Said, At]) ).
 
 %   argument_words(+Clause, +N, -Words): what the clause's head calls its Nth argument.
 

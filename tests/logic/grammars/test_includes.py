@@ -1,6 +1,7 @@
 """What rule files include: of a grammar's own files and the shipped ones, of no others, and each once."""
 
 import asyncio
+import itertools
 import os
 import re
 import shutil
@@ -266,6 +267,31 @@ def test_what_contradicts_an_included_file_names_it_with_its_folder(
     ((found, *_), _) = solver.submit(linted, folder).result(timeout=60)
     assert (found.file, found.line) == (str(folder / "sizes.pl"), 4)
     assert "the first stands in line 1 of parts/sizes.pl" in found.text
+
+
+def test_a_file_has_one_name_in_whatever_is_said_of_its_lengths(
+    solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    """Its path in the grammar's folder: at the top, and two folders below it, from either."""
+    clauses = {"wide(W) :- { W >= 9.0 }.": "W >= 9.0", "wide(W) :- wide(W).": "wide/1 calls itself"}
+    hall = "\nroom_size(hall, W, D) :- wide(W), { W =< 5.0, D >= 2.0, D =< 3.0 }."
+    for number, ((clause, said), (top, below)) in enumerate(
+        itertools.product(clauses.items(), itertools.permutations([0, 1]))
+    ):
+        texts = [clause, hall][top], [clause, hall][below]
+        names = "a.pl", "parts/more/b.pl"
+        folder = grammar(
+            tmp_path / str(number),
+            {"a.pl": f"{PL.format('parts/b.pl')} % more\n{texts[0]}", "parts/b.pl": PL.format("more/b.pl")},
+        )
+        (folder / "parts" / "more").mkdir()
+        (folder / names[1]).write_text(f"\n{texts[1]}")
+        sizes = folder / "sizes.pl"
+        sizes.write_text(re.sub(r"room_size\(hall.*\n", "", sizes.read_text()))
+        found, _ = solver.submit(linted, folder).result(timeout=60)
+        name = names[texts.index(clause)]
+        line = (folder / name).read_text().split("\n").index(clause) + 1
+        assert any(said in each.text and f"line {line} of {name}" in each.text for each in found), found
 
 
 @pytest.mark.parametrize("own", ["a", "z"])  # before and after the file that includes
