@@ -123,7 +123,8 @@ class StarMaker(Maker):
 
     def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
         """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many failures."""
-        self._placer.account.refuted(())
+        of_area = self._loaded.has_area and not request.fixed
+        self._placer.account.refuted([Function("house_area")] if of_area else ())
         if proof.infeasible:
             order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
             for room in layout.rooms:

@@ -83,6 +83,7 @@ class LoadedGrammar:
         self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
         self.house_facts = [] if self.errors else self._house_facts()
         self.has_area = any(fact.name == "total" for fact, _ in self.house_facts)
+        self.placer.account.has_area = self.has_area
         self.warnings = [] if self.errors else [*self._unlikely()]
         facts = [fact for fact, _ in self.house_facts]
         self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, facts)

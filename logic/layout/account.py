@@ -21,6 +21,9 @@ EASE = {
 }
 """For each stage what may be changed."""
 
+BY_AREA = {LAYOUT, LENGTHS, PROOF}
+"""Those that a stated area of the house makes harder."""
+
 MOST = 3
 """Of so many rules and lengths it is said how often they refuted something."""
 
@@ -31,6 +34,8 @@ class Account:
     def __init__(self, located: "Callable[[Iterable[Symbol]], Mapping[Symbol, Reason]]") -> None:
         """``located`` says where clauses stand, which takes Prolog: so each is asked for when it is met."""
         self._located = located
+        self.has_area = False
+        """Whether the grammar states the area of the house."""
         self._reasons: dict[Symbol, Reason | None] = {}
         self.begin()
 
@@ -89,5 +94,7 @@ class Account:
         if self.stage == LAYOUT and not self._layouts:
             said += " None was found yet, nor proved impossible."
         ease = EASE[LENGTHS if self._by else self.stage]
+        if self.has_area and self.stage in BY_AREA:
+            ease += ", or give house_area/2 wider bounds"
         refutations = self.refutations and f" {self.refutations}"
         return f"{said}{refutations}{chr(10) if self._by else ' '}To ease it, {ease}."

@@ -9,11 +9,12 @@ import msgspec
 import pytest
 from clingo import Function, Number
 
-from logic import House, Unsatisfiable, check
+from logic import House, LimitReached, Unsatisfiable, check
 from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, find
 from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
+from logic.layout.account import BY_AREA, EASE
 from logic.proofs.answer import house_or_proof
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
@@ -177,6 +178,24 @@ def test_a_star_that_its_area_does_not_allow_is_proved_impossible_by_that_line(
     assert f"There may be a house with --rooms {others}." in str(error.value)
     (other,) = generate(others, grammar=folder, count=1)
     assert area[0] <= sum(room.width * room.height for room in other.rooms) <= area[1]
+
+
+def test_a_limit_names_the_area_of_a_star_that_is_nearly_too_small(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("logic.generation.star.MOST_MISFITS", 3)
+    monkeypatch.setattr("logic.generation.star.MOST_AREAS", 3)
+    folder = edited(tmp_path / "mine", {}, "family")
+    (folder / "area.pl").write_text("house_area(40.0, 41.0).")
+    builder = Builder(find(folder))
+    with pytest.raises(LimitReached) as error:
+        builder.house(Request(4), 0, 0, 10**8)
+    first, *_ = str(error.value).partition("Most were refuted by\n")[2].split("\n")
+    assert first.endswith("area.pl:1:1: house_area(40.0, 41.0).")
+    for stage in EASE:
+        builder.account.begin()
+        builder.account.at(stage, "a house")
+        assert ("house_area/2" in str(builder.account)) == (stage in BY_AREA)
 
 
 def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(tmp_path: Path) -> None:
