@@ -105,11 +105,11 @@ class Unsatisfiable(VitruviusError):
         """Keep the conflict."""
         self.grammar, self.request, self.reasons = grammar, request, reasons
         self.advice, self.unfurnishable = advice, unfurnishable
-        bare = "".join(f", since no {type_} can be furnished" for type_ in unfurnishable)
+        since = "".join(f", since no {type_} can be furnished" for type_ in unfurnishable)
         listed = "".join(f"\n  {reason}" for reason in reasons)
         only = "this forbids it" if len(reasons) == 1 else "these conflict, so one of them must go"
         hint = f"\n{advice}" if advice else ""
-        super().__init__(f"no house of {grammar} has {request}{bare}: {only}{listed}{hint}")
+        super().__init__(f"no house of {grammar} has {request}{since}: {only}{listed}{hint}")
 
 
 class LimitReached(VitruviusError):
@@ -152,6 +152,6 @@ def from_record(record: dict[str, Any]) -> VitruviusError:
         return GrammarError(record["message"], record["file"], record["line"], record["column"])
     if kind is Unsatisfiable:
         reasons = msgspec.convert(record["reasons"], tuple[Reason, ...])
-        bare = tuple(record["unfurnishable"])
-        return Unsatisfiable(record["grammar"], record["request"], reasons, record["advice"], bare)
+        types = tuple(record["unfurnishable"])
+        return Unsatisfiable(record["grammar"], record["request"], reasons, record["advice"], types)
     return kind(record["message"])

@@ -14,13 +14,17 @@ PARALLEL = {"Motion", "Sight"}
 TERMS = {
     "lookout": "coverage",
     "seer": "truth",
-    "bends": "turns",
     "toll": "cost",
     "haste": "viewpoint_cost",
     "seam": "overlap",
     "slant": "diagonal",
+    "bend": "upper_bound",
+    "brim": "lower_bound",
+    "bare": "unfurnished",
 }
 """By a private word, the field's."""
+
+WRITTEN = {".py", ".lp", ".pl", ".js"}
 
 
 def test_a_class_has_a_name_of_its_own_in_all_packages() -> None:
@@ -35,13 +39,13 @@ def test_a_class_has_a_name_of_its_own_in_all_packages() -> None:
     assert {name: paths for name, paths in twice.items() if {path[:5] for path in paths} != {"logic"}} == {}
 
 
-@pytest.mark.parametrize("package", ["sim", "agent", "benchmarks"])
+@pytest.mark.parametrize("package", ["logic", "sim", "agent", "benchmarks", "vitruvius"])
 def test_no_name_is_a_private_word(package: str) -> None:
-    """In identifiers and prose alike."""
+    """In identifiers and prose alike, of rules and pages too."""
     private = re.compile(rf"\b_*({'|'.join(TERMS)})s?\b", re.IGNORECASE)
     found = {
         str(path.relative_to(ROOT)): [f"{word}: {TERMS[word]}" for word in map(str.lower, said)]
-        for path in sorted((ROOT / package).rglob("*.py"))
-        if (said := private.findall(path.read_text()))
+        for path in sorted((ROOT / package).rglob("*.*"))
+        if path.suffix in WRITTEN and (said := private.findall(path.read_text()))
     }
     assert found == {}

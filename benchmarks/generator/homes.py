@@ -44,14 +44,14 @@ COLOURS = 64
 
 
 class CountingMaker(SharedWallsMaker):
-    """Notes what the bare plans of each house took."""
+    """Notes what the unfurnished plans of each house took."""
 
     def __init__(self, builder: Builder) -> None:
         super().__init__(builder.grammar, builder.loaded, builder.maker.feasibility)
         self.plans, self.refuted, self.seconds = 0, 0, list[float]()
         self.layout: list[Symbol] = []
 
-    def bare(
+    def unfurnished(
         self,
         request: Request,
         rng: np.random.Generator,
@@ -59,9 +59,9 @@ class CountingMaker(SharedWallsMaker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
     ) -> tuple[Plan, list[Symbol], int]:
-        """See ``SharedWallsMaker.bare``."""
+        """See ``SharedWallsMaker.unfurnished``."""
         began, known = process_time(), len(nogoods)
-        plan, self.layout, left = super().bare(request, rng, inferences, nogoods, unfurnishable)
+        plan, self.layout, left = super().unfurnished(request, rng, inferences, nogoods, unfurnishable)
         self.seconds.append(process_time() - began)
         self.plans += 1
         self.refuted += len(nogoods) - known
@@ -75,12 +75,12 @@ class CountingMaker(SharedWallsMaker):
 
 @dataclass
 class Measured:
-    """The houses of one size: CPU seconds of each, and of each bare plan."""
+    """The houses of one size: CPU seconds of each, and of each unfurnished plan."""
 
     rooms: int
     houses: list[House] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
-    bare: list[float] = field(default_factory=list)
+    unfurnished: list[float] = field(default_factory=list)
     topologies: set[frozenset[str]] = field(default_factory=set)
     plans: int = 0
     refuted: int = 0
@@ -91,7 +91,7 @@ class Measured:
         count = len(self.houses)
         return [
             str(self.rooms),
-            *(f"{1e3 * each:.0f}" for each in (median(self.bare), p95(self.bare))),
+            *(f"{1e3 * each:.0f}" for each in (median(self.unfurnished), p95(self.unfurnished))),
             *(f"{1e3 * each:.0f}" for each in (median(self.seconds), p95(self.seconds))),
             f"{self.refuted / self.plans:.2f}",
             f"{self.plans / count:.2f}",
@@ -146,7 +146,7 @@ class Homes:
         )
         write({"homes.md": page.encode(), "homes.png": picture(sizes)}, self.out, self.publish)
         save((house for size in sizes for house in size.houses[:SHOWN]), self.out / "homes.jsonl")
-        times = [Times(size.rooms, size.bare, size.seconds) for size in sizes]
+        times = [Times(size.rooms, size.unfurnished, size.seconds) for size in sizes]
         write_whole(self.out / "homes.json", msgspec.json.encode(times))
         write_report(self.out, studies=SECTIONS)
         print(page)
@@ -162,7 +162,7 @@ class Homes:
             size.houses.append(builder.house(request, 0, index, INFERENCES))
             size.seconds.append(process_time() - began)
             size.topologies.add(counting.topology)
-        size.bare, size.plans, size.refuted = counting.seconds, counting.plans, counting.refuted
+        size.unfurnished, size.plans, size.refuted = counting.seconds, counting.plans, counting.refuted
         say(f"{rooms} rooms: {1e3 * median(size.seconds):.0f} ms a house")
         return size
 

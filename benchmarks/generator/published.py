@@ -78,12 +78,12 @@ PAGE = """# What homes are like
 ![Twelve homes: the first of each size](homes.png)
 
 ## By number of rooms
-CPU time of one core, in milliseconds; {houses} houses of each size. A bare plan has rooms, doors and windows;
-a furnished one is a house. A layout is refuted where its lengths have no solution, and a plan is made again
-where a room cannot be furnished at its size. The last column is how many different topologies
-(room types, walls and doors) the houses have, as a share of the houses.
+CPU time of one core, in milliseconds, the median; {houses} houses of each size. An unfurnished plan has
+rooms, doors and windows; a furnished one is a house. A layout is refuted where its lengths have no solution,
+and a plan is made again where a room cannot be furnished at its size. The last column is how many different
+topologies (room types, walls and doors) the houses have, as a share of the houses.
 
-| rooms | bare, median | p95 | furnished, median | p95 | refuted layouts a plan | plans a house | topologies |
+| rooms | unfurnished | p95 | furnished | p95 | refuted layouts a plan | plans a house | topologies |
 |---|---|---|---|---|---|---|---|
 {sizes}
 

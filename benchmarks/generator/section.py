@@ -14,7 +14,7 @@ class Times(msgspec.Struct):
     """Of a line of ``homes.json``: CPU seconds of the plans without furniture, and of the houses."""
 
     rooms: int
-    bare: list[float]
+    unfurnished: list[float]
     whole: list[float]
 
 
@@ -24,7 +24,10 @@ def homes(files: Sequence[Path], folder: Path) -> Section:
         sizes = [size for path in files for size in msgspec.json.decode(path.read_bytes(), type=list[Times])]
     except msgspec.DecodeError as error:
         raise ReportError(f"{files[0]}: no times of homes: {error}") from None
-    parts = {"with furniture": [size.whole for size in sizes], "plan alone": [size.bare for size in sizes]}
+    parts = {
+        "with furniture": [size.whole for size in sizes],
+        "plan alone": [size.unfurnished for size in sizes],
+    }
     rooms = [size.rooms for size in sizes]
     lines = []
     for slot, (name, times) in enumerate(parts.items()):

@@ -84,7 +84,7 @@ def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[s
     assert isinstance(maker, SharedWallsMaker)
     for seed in seeds:
         rng = np.random.default_rng(seed)
-        plan, *_ = maker.bare(Request(rooms), rng, INFERENCES, [])
+        plan, *_ = maker.unfurnished(Request(rooms), rng, INFERENCES, [])
         for number in range(rooms):
             room = given_room(plan, number)
             if not builder.programs.has_furniture(room.type):

@@ -20,7 +20,7 @@ DENSITY = 2
 """Image pixels to a CSS pixel."""
 SMOOTHING = 2
 """Pillow's shapes have hard edges: they are drawn this many times larger, then scaled down."""
-BEND = 12
+CURVE_STEPS = 12
 """Straight lines that stand for a cubic curve in images."""
 ASCENT = 0.36
 """Half the height of a capital letter, in font sizes: words are placed by their middle."""
@@ -244,8 +244,8 @@ def _bent(points: Sequence[Point]) -> Iterator[Point]:
     yield points[0]
     for first in range(0, len(points) - 1, 3):
         corners = points[first : first + 4]
-        for k in range(1, BEND + 1):
-            t = k / BEND
+        for k in range(1, CURVE_STEPS + 1):
+            t = k / CURVE_STEPS
             weights = (1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3
             x, y = (sum(w * p[axis] for w, p in zip(weights, corners, strict=True)) for axis in (0, 1))
             yield x, y

@@ -47,8 +47,8 @@ def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
         )
         return
     if isinstance(shape, Line | Curve):
-        bent = isinstance(shape, Curve)
-        codes = [Path.MOVETO, *([Path.CURVE4 if bent else Path.LINETO] * (len(shape.points) - 1))]
+        is_curve = isinstance(shape, Curve)
+        codes = [Path.MOVETO, *([Path.CURVE4 if is_curve else Path.LINETO] * (len(shape.points) - 1))]
         dashes = (0, [shape.dash / shape.width]) if isinstance(shape, Line) and shape.dash else "-"
         path = Path([(a + x, b + y) for a, b in shape.points], codes)
         width = POINT * shape.width

@@ -22,7 +22,7 @@ each other.
 BEYOND = OUTER - INNER / 2
 """Metres: how much of an outer wall lies outside of the rooms."""
 
-BEND = 0.5523
+QUARTER_CIRCLE = 0.5523
 """Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii."""
 
 HATCH = 6.0
@@ -169,8 +169,13 @@ def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks)
     yield Block(frame.place(opening(house, door)), inks.paper)
     if leaf is not None:
         (x, y), tip, jamb = leaf.hinge, leaf.tip, leaf.jamb
-        bent = [(a + BEND * (b[0] - x), a_ + BEND * (b[1] - y)) for (a, a_), b in ((tip, jamb), (jamb, tip))]
-        yield Curve(tuple(frame.at(*point) for point in (tip, *bent, jamb)), inks.faint, _thin(frame.scale))
+        controls = [
+            (a + QUARTER_CIRCLE * (b[0] - x), a_ + QUARTER_CIRCLE * (b[1] - y))
+            for (a, a_), b in ((tip, jamb), (jamb, tip))
+        ]
+        yield Curve(
+            tuple(frame.at(*point) for point in (tip, *controls, jamb)), inks.faint, _thin(frame.scale)
+        )
         yield Line((frame.at(x, y), frame.at(*tip)), inks.edge, _stroke(0.04 * frame.scale, 1.2, 4.0))
     if door.is_entrance:
         (name,) = (name for name in door.between if name != OUTSIDE)

@@ -169,8 +169,8 @@ class Feasibility:
             return Question(relaxed, self.placer.wall_conflict)
 
         def too_small_or_large(layout: Sequence[Symbol], without: Collection[Symbol]) -> Conflict | None:
-            bare = Layout.bare(layout, request.fixed)
-            return self.placer.area_conflict(bare, request.fixed, sorted(self._lengths), without)
+            unfurnished = Layout.unfurnished(layout, request.fixed)
+            return self.placer.area_conflict(unfurnished, request.fixed, sorted(self._lengths), without)
 
         return Question(relaxed, too_small_or_large)
 

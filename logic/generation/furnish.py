@@ -42,7 +42,7 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True)
 class GivenRoom:
-    """A bare room of a plan, in metres: its type, rectangle, doors and windows, segments on its walls.
+    """An unfurnished room of a plan, metres: its type, rectangle, doors and windows, segments on its walls.
 
     The first door is its entrance: the room's furniture stands as seen from there.
     """
@@ -219,7 +219,7 @@ def furnished(
     request: Request | None = None,
     how: dict[int, Furnished] | None = None,
 ) -> list[Pieces]:
-    """Furnish the rooms of a bare plan: the pieces of each, in the house's frame.
+    """Furnish the rooms of an unfurnished plan: the pieces of each, in the house's frame.
 
     With what a ``request`` asks for, if there is one. ``how`` gets how each room got its furniture.
 

@@ -128,10 +128,10 @@ class GivenPlanMaker(SharedWallsMaker):
             grants = self._granted({place}, "drawn")
             axes = "x" if room.rect.width == room.rect.height else "xy"
             refuted = [Refuted(name, OneDoor(room, axis), False, atoms, grants) for axis in axes]
-            bare = not self.feasibility.depends_on_doors(room.type) and not any(
+            never = not self.feasibility.depends_on_doors(room.type) and not any(
                 self._may_be_furnished(request, each) for each in refuted
             )
-            self._too_small[place, room.type] = refuted if bare else []
+            self._too_small[place, room.type] = refuted if never else []
         return self._too_small[place, room.type]
 
     def _may_be_furnished(self, request: Request, room: Refuted) -> bool:

@@ -63,7 +63,7 @@ class SharedWallsMaker(Maker):
         unfurnishable: set[str] = set()
         last = ""
         for _ in range(MOST_TRIES):
-            plan, layout, inferences = self.bare(request, rng, inferences, nogoods, unfurnishable)
+            plan, layout, inferences = self.unfurnished(request, rng, inferences, nogoods, unfurnishable)
             try:
                 pieces = self._furnished(request, plan, layout, nogoods, rng, inferences)
             except Unfurnishable as proof:
@@ -82,7 +82,7 @@ class SharedWallsMaker(Maker):
             f"might be otherwise: try {self.advice}. {self._placer.account.refutations}"
         )
 
-    def bare(
+    def unfurnished(
         self,
         request: Request,
         rng: np.random.Generator,
@@ -96,8 +96,8 @@ class SharedWallsMaker(Maker):
         """
         plan, layout, left = self._solved(self._walls, request, rng, inferences, nogoods, unfurnishable)
         if GUARD in self.grammar.topology:  # of the user's own, whose rooms may be no plan
-            bare: list[Pieces] = [()] * len(plan.rooms)
-            require_tiling(plan.house(bare, self.grammar.topology_name), layout, self._loaded)
+            no_pieces: list[Pieces] = [()] * len(plan.rooms)
+            require_tiling(plan.house(no_pieces, self.grammar.topology_name), layout, self._loaded)
         return plan, layout, left
 
     def _solved(

@@ -68,8 +68,8 @@ class StarMaker(Maker):
         """Stage 1: sample a layout outside the nogoods; raises ``NoLayout`` where none is left."""
         nogoods = nogoods or Nogoods()
         while True:
-            bare = self._sample_rooms(request, rng, nogoods)
-            furnished = self._refurnished(request, bare, range(request.rooms), rng, nogoods)
+            unfurnished = self._sample_rooms(request, rng, nogoods)
+            furnished = self._refurnished(request, unfurnished, range(request.rooms), rng, nogoods)
             if furnished is not None:
                 return furnished
 
@@ -85,7 +85,7 @@ class StarMaker(Maker):
             if atoms is None:
                 raise NoLayout(request, self.feasibility, nogoods.unfurnishable, nogoods.orders)
             self._placer.account.sampled()
-            layout = Layout.bare(atoms, request.fixed)
+            layout = Layout.unfurnished(atoms, request.fixed)
             conflict = self._loaded.has_area and self._placer.area_conflict(
                 layout, request.fixed, sorted(self._loaded.furniture)
             )

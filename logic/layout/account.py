@@ -44,7 +44,7 @@ class Account:
         self.stage, self._at = "", ""
         self._layouts = self._plans = self._rooms = 0
         self._by: Counter[Reason] = Counter()
-        self._bare: Counter[str] = Counter()
+        self._unfurnished: Counter[str] = Counter()
 
     def at(self, stage: str, what: str) -> None:
         """This is what is done now."""
@@ -68,7 +68,7 @@ class Account:
 
     def unfurnished(self, type_: str) -> None:
         """A room of this type, at its size and with its doors, is proved to have no furniture."""
-        self._bare[type_] += 1
+        self._unfurnished[type_] += 1
 
     @property
     def refutations(self) -> str:
@@ -78,8 +78,10 @@ class Account:
             said.append(f"{self._plans:,} of {self._layouts:,} layouts of the rooms were refuted.")
         if self._rooms:
             said.append(f"{self._rooms:,} layouts of furniture were refuted.")
-        if self._bare:
-            types = ", ".join(f"a {type_} {number:,} times" for type_, number in self._bare.most_common(MOST))
+        if self._unfurnished:
+            types = ", ".join(
+                f"a {type_} {number:,} times" for type_, number in self._unfurnished.most_common(MOST)
+            )
             said.append(f"No furniture fitted in {types}.")
         lines = [f"  {number:,} times: {reason}" for reason, number in self._by.most_common(MOST)]
         if lines:

@@ -88,7 +88,7 @@ def parts(terms: Iterable[Symbol]) -> list[Part]:
 
 def to_furnish(type_: str, rooms: int) -> list[Symbol]:
     """The atoms of which one holds where some room is of this type and is to be furnished."""
-    return [Function("bare", [Number(number), Function(type_)]) for number in range(rooms)]
+    return [Function("unfurnished", [Number(number), Function(type_)]) for number in range(rooms)]
 
 
 def length_facts(lengths: Mapping[str, Any]) -> Lengths:
@@ -123,11 +123,11 @@ def wall_facts(
     share = Function("length", [Function("contact"), Number(floor(1000 * contact))])
     facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses), (share, ())]
     only = [Function("house_size")]
-    for type_, reach, bends, brims in extremes:
+    for type_, reach, uppers, lowers in extremes:
         kind = Function(type_)
         clauses = Function("size", [kind]), Function("room_area", [kind])
         facts.append((Function("reach", [kind, *_millimetres(reach)]), clauses))
-        for name, bound, pairs in (("bend", ceil, bends), ("brim", floor, brims)):
+        for name, bound, pairs in (("upper_bound", ceil, uppers), ("lower_bound", floor, lowers)):
             facts += [
                 (Function(name, [kind, *(Number(bound(1000 * metres)) for metres in pair)]), clauses)
                 for pair in pairs

@@ -53,7 +53,7 @@ class Layout:
     corners: Sequence[Symbol]
 
     @classmethod
-    def bare(cls, atoms: Iterable[Symbol], fixed: Sequence[FixedRoom]) -> "Layout":
+    def unfurnished(cls, atoms: Iterable[Symbol], fixed: Sequence[FixedRoom]) -> "Layout":
         """What these atoms say, without furniture: types, sides, and which rooms are the ``fixed`` ones."""
         named = defaultdict[str, list[Symbol]](list)
         for atom in atoms:

@@ -1,4 +1,4 @@
-"""What stage 2 gives: bare plans whose rooms share walls, and stars. Metres; rooms by their numbers."""
+"""What stage 2 gives: unfurnished plans whose rooms share walls, and stars. Metres; rooms by number."""
 
 from collections.abc import Sequence
 

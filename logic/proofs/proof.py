@@ -42,10 +42,10 @@ class Prover:
             PROOF, f"why there is no house with {request}: that there is none is proved"
         )
         relaxed, statements = self._of.house(request, found.unfurnishable)
-        bare_rooms: dict[Reason, list[Refuted]] = defaultdict(list)
+        refuted: dict[Reason, list[Refuted]] = defaultdict(list)
         for each in found.refuted:
-            bare_rooms[Reason(str(each))].append(each)
-        for reason, rooms_ in bare_rooms.items():
+            refuted[Reason(str(each))].append(each)
+        for reason, rooms_ in refuted.items():
             nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
             statements.append(relaxed.proved(reason, nogoods))
         # The user's plan says more than rules from which the same follows: it is left out last.
@@ -69,14 +69,14 @@ class Prover:
             named, rooms = self._number_of_rooms(
                 request, found.unfurnishable, {each.reason for each in needed}
             )
-        bare = {barred(type_): type_ for type_ in sorted(found.unfurnishable)}
-        types = tuple(bare[each.reason] for each in needed if each.reason in bare)
+        barring = {barred(type_): type_ for type_ in sorted(found.unfurnishable)}
+        types = tuple(barring[each.reason] for each in needed if each.reason in barring)
         reasons = [Reason(f"--rooms {request.rooms}")] if named else []
-        reasons += [each.reason for each in needed if each.reason not in {*bare, *bare_rooms}]
+        reasons += [each.reason for each in needed if each.reason not in {*barring, *refuted}]
         for type_ in types:
             reasons += self._room(request, type_)
         for each in needed:
-            reasons += self._rooms(request, bare_rooms.get(each.reason, ()))
+            reasons += self._rooms(request, refuted.get(each.reason, ()))
         unique = tuple(dict.fromkeys(reasons))
         ways = [f"with --rooms {rooms}"] if rooms else []
         for choice, other in _without_each(request):
@@ -120,10 +120,10 @@ class Prover:
         question = self._of.of_rooms(relaxed, request)
         while (layout := _soon(question, statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
-            bare = [type_ for type_ in sorted(types) if not self._of.is_furnishable(request, type_)]
-            if not bare:
+            unfurnished = [type_ for type_ in sorted(types) if not self._of.is_furnishable(request, type_)]
+            if not unfurnished:
                 return True
-            for type_ in bare:
+            for type_ in unfurnished:
                 statements.append(relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms)))
         return False
 

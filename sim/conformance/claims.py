@@ -83,9 +83,9 @@ def _attributes(trial: Trial) -> None:
 
 
 def _spec(trial: Trial) -> None:
-    bare, trial.where = trial.envs.unwrapped, "spec"
-    bare.spec = bare.spec
-    if bare.spec is not None and EnvSpec.from_json(bare.spec.to_json()) != bare.spec:
+    unwrapped, trial.where = trial.envs.unwrapped, "spec"
+    unwrapped.spec = unwrapped.spec
+    if unwrapped.spec is not None and EnvSpec.from_json(unwrapped.spec.to_json()) != unwrapped.spec:
         trial.fail("another one comes back from to_json: expected arguments that JSON keeps")
 
 

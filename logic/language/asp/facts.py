@@ -138,16 +138,16 @@ def _renamed(absent: Mapping[tuple[str, str], Mistake]) -> list[Mistake]:
     to be one, renamed in some places.
     """
     unknown = {name for name, why in absent if "type/1" in why}
-    bare = {name for name, why in absent if why.startswith("it has no furniture")}
-    if not (len(unknown) == len(bare) == 1):
+    empty = {name for name, why in absent if why.startswith("it has no furniture")}
+    if not (len(unknown) == len(empty) == 1):
         return list(absent.values())
-    meant = f". Did you mean {min(bare)}, which has no furniture?"
+    meant = f". Did you mean {min(empty)}, which has no furniture?"
     found = []
     for (name, _), mistake in absent.items():
         if name in unknown:
             error = mistake.error
             error = GrammarError(error.message + meant, error.file, error.line, error.column)
-            found.insert(0, Mistake(error, frozenset(unknown | bare)))
+            found.insert(0, Mistake(error, frozenset(unknown | empty)))
         else:
             found.append(mistake)
     return found

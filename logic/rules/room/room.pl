@@ -47,7 +47,7 @@ layout_room_(Type, Layout, Doors, Room) :-
     maplist(stretch_links(Placed, Layout, Room), Names, Chains),
     busy_walls(Chains, Busy),
     Busy = busy(Front,Left,Back,Right),
-    bare_wall(Front, Y1, 0.0), bare_wall(Left, X1, 0.0), bare_wall(Back, Y2, D), bare_wall(Right, X2, W),
+    free_wall(Front, Y1, 0.0), free_wall(Left, X1, 0.0), free_wall(Back, Y2, D), free_wall(Right, X2, W),
     maplist(stretch(Chains, Layout, Room), Chains, Stretches),
     ( memberchk(row(R), Layout) -> Row = R ; Row = across ),
     ( memberchk(middle-Ons, Placed) -> maplist(island(Layout, Room), Ons, Islands) ; Islands = [] ).
@@ -67,9 +67,9 @@ wall_busy(left,  busy(_,Name,_,_), Name).
 wall_busy(back,  busy(_,_,Name,_), Name).
 wall_busy(right, busy(_,_,_,Name), Name).
 
-%   bare_wall(?Busy, ?Edge, +Place): where no furniture stands along it, the core reaches the wall.
+%   free_wall(?Busy, ?Edge, +Place): where no furniture stands along it, the core reaches the wall.
 
-bare_wall(Busy, Edge, Place) :- ( var(Busy) -> Busy = none, Edge = Place ; true ).
+free_wall(Busy, Edge, Place) :- ( var(Busy) -> Busy = none, Edge = Place ; true ).
 
 %   pieces_by_place(+Layout, -Placed): Placed are Place-Ons, the on/4 atoms there in order.
 

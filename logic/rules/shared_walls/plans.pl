@@ -61,8 +61,8 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, -Json) is det.
 %
-%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
-%   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
+%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of
+%   the type. It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers.
 
 plan_lengths(Types, Json) :-
     length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
@@ -70,12 +70,12 @@ plan_lengths(Types, Json) :-
     least_contact(Contact),
     as_json([Doorway,Contact,Records], Json).
 
-type_extremes(Type, [Type,Reach,Bends,Brims]) :-
+type_extremes(Type, [Type,Reach,Uppers,Lowers]) :-
     room_system(Type, W, D, System),
     findall(A-B, ( posted(System), extremes(W, A), extremes(D, B) ), [(W1-W2)-(D1-D2)]), !,
     maplist(metres, [W1,W2,D1,D2], Reach),
-    findall(Bend, ( within(System, {D >= D2}, W, _-Wide), step(Wide, W2, At), within(System, {W >= At}, D, _-Most), maplist(metres, [At,Most], Bend) ), Bends),
-    findall(Brim, ( within(System, {D =< D1}, W, Narrow-_), step(W1, Narrow, At), within(System, {W =< At}, D, Least-_), maplist(metres, [At,Least], Brim) ), Brims).
+    findall(Upper, ( within(System, {D >= D2}, W, _-Wide), step(Wide, W2, At), within(System, {W >= At}, D, _-Most), maplist(metres, [At,Most], Upper) ), Uppers),
+    findall(Lower, ( within(System, {D =< D1}, W, Narrow-_), step(W1, Narrow, At), within(System, {W =< At}, D, Least-_), maplist(metres, [At,Least], Lower) ), Lowers).
 
 type_extremes(Type, [Type,[1,0,1,0],[],[]]).        % on this grid no room of the type has a size
 

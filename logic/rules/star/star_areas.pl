@@ -35,21 +35,21 @@ area_conflict(Rooms, Corners, Types, Without, Reasons) :-
     \+ memberchk(house_area, Without),
     total_area(Total),
     maplist(type_sizes(Without), Types, Known),
-    maplist(bare(Known), Rooms, Bare),
+    maplist(sized_room(Known), Rooms, Sized),
     sides_known(Corners, Without, Sides),
     ( memberchk(fixed(_,_,_,_,_), Rooms) -> Ends = [least] ; Ends = [least,greatest] ),    % a main room reaches fixed ones however far
     member(End, Ends),
-    beyond(End, Total, Sides, Bare), !,
+    beyond(End, Total, Sides, Sized), !,
     levels(End, Known, Levels),
-    loosened(Bare, Levels, beyond(End, Total, Sides), [], Loose),
+    loosened(Sized, Levels, beyond(End, Total, Sides), [], Loose),
     maplist(type_atoms(End, Known), Loose, Each), append(Each, Atoms),
     reasons(Loose, Sides, Types, Without, Atoms, Reasons).
 
-%   bare(+Known, +Room, -Bare): bare(R-Side,Sizes,I), with the Sizes of its type; I is a number for a fixed room, else `free`. Known are
+%   sized_room(+Known, +Room, -Sized): sized_room(R-Side,Sizes,I), with the Sizes of its type; I is a number for a fixed room, else `free`. Known are
 %   Type-sizes(Widths,Areas).
 
-bare(Known, room(R,Type,Side), bare(R-Side,Sizes,free)) :- memberchk(Type-Sizes, Known).
-bare(_, fixed(I,R,Side,W,D), bare(R-Side,sizes(W-W,Area-Area),I)) :- Area is W*D.
+sized_room(Known, room(R,Type,Side), sized_room(R-Side,Sizes,free)) :- memberchk(Type-Sizes, Known).
+sized_room(_, fixed(I,R,Side,W,D), sized_room(R-Side,sizes(W-W,Area-Area),I)) :- Area is W*D.
 
 type_sizes(Without, Type, Type-sizes(Widths,Areas)) :-
     (   memberchk(size(Type), Without)
@@ -81,31 +81,31 @@ sides_known(Corners, Without, Sides) :-
     \+ ( member(Name, [room_gap,door_clearance,door_width]), memberchk(length(Name), Without) ),
     member(Sides, [around(any),around(Corners)]).
 
-beyond(End, Total, Sides, Bare) :- whole(End, Sides, Bare, Area), out(End, Total, Area).
+beyond(End, Total, Sides, Sized) :- whole(End, Sides, Sized, Area), out(End, Total, Area).
 
 out(least, _-Most, Area)     :- Area > Most + 1.0e-6.
 out(greatest, Least-_, Area) :- Area < Least - 1.0e-6.
 
-%   whole(+End, +Sides, +Bare, -Area): the least or greatest area of the main room and the rooms.
+%   whole(+End, +Sides, +Sized, -Area): the least or greatest area of the main room and the rooms.
 
-whole(End, Sides, Bare, Area) :-
-    maplist(end_area(End), Bare, Areas),
+whole(End, Sides, Sized, Area) :-
+    maplist(end_area(End), Sized, Areas),
     sum_list(Areas, Sum), max_list(Areas, Largest),
-    main_area(End, Sides, Bare, Largest, Main),
+    main_area(End, Sides, Sized, Largest, Main),
     Area is Sum + Main.
 
-end_area(End, bare(_,sizes(_,Areas),_), Area) :- at_end(End, Areas, Area).
+end_area(End, sized_room(_,sizes(_,Areas),_), Area) :- at_end(End, Areas, Area).
 
 at_end(least, X-_, X).
 at_end(greatest, _-X, X).
 
 main_area(least, any, _, Largest, Largest).
-main_area(greatest, any, Bare, Largest, Area) :-           % two walls are at most as long as all rooms in a row
-    findall(W, member(bare(_,sizes(_-W,_),_), Bare), Ws),
+main_area(greatest, any, Sized, Largest, Area) :-           % two walls are at most as long as all rooms in a row
+    findall(W, member(sized_room(_,sizes(_-W,_),_), Sized), Ws),
     in_a_row(Ws, 6, Length),
     Area is max(2*Largest, Length**2).
-main_area(End, around(Corners), Bare, Largest, Area) :-
-    maplist(wall(End, Corners, Bare), [north,east,south,west], [N,E,S,W]),
+main_area(End, around(Corners), Sized, Largest, Area) :-
+    maplist(wall(End, Corners, Sized), [north,east,south,west], [N,E,S,W]),
     Width is max(N, S), Height is max(E, W),
     least_area(Largest, Width-Height, Least),
     ( End == least -> Area = Least ; Area is 2*Least ).
@@ -115,13 +115,13 @@ main_area(End, around(Corners), Bare, Largest, Area) :-
 %   No house of so many rooms, none of which is wider or has a larger area, has more than this Area.
 
 greatest_star(Rooms, Widest, Largest, Area) :-
-    length(Bare, Rooms), maplist(=(bare(_,sizes(_-Widest,_-Largest),free)), Bare),
-    whole(greatest, any, Bare, Area).
+    length(Sized, Rooms), maplist(=(sized_room(_,sizes(_-Widest,_-Largest),free)), Sized),
+    whole(greatest, any, Sized, Area).
 
-%   wall(+End, +Corners, +Bare, +Side, -Length): how long the main room's wall must be for the rooms there, at least or at most.
+%   wall(+End, +Corners, +Sized, +Side, -Length): how long the main room's wall must be for the rooms there, at least or at most.
 
-wall(End, Corners, Bare, Side, Length) :-
-    findall(W, ( member(bare(_-Side,sizes(Widths,_),_), Bare), at_end(End, Widths, W) ), Ws),
+wall(End, Corners, Sized, Side, Length) :-
+    findall(W, ( member(sized_room(_-Side,sizes(Widths,_),_), Sized), at_end(End, Widths, W) ), Ws),
     neighbours(Side, Before, After),
     inside(End, Corners, corner(Before,Side,Before), Near),
     inside(End, Corners, corner(Side,After,After), Far),
@@ -147,25 +147,25 @@ wall_length(least, [First|Ws], Near, Far, Length) :-
 
 in_a_row(Ws, Ends, Length) :- rooms_gap(Gap), length(Ws, N), sum_list(Ws, Sum), Length is Sum + (N-1+Ends)*Gap.
 
-%   loosened(+Bare, +Levels, :Holds, +Done, -Loose): each room has the sizes of the first of the Levels with which that Holds too.
+%   loosened(+Sized, +Levels, :Holds, +Done, -Loose): each room has the sizes of the first of the Levels with which that Holds too.
 
 loosened([], _, _, Loose, Loose).
 loosened([Room|Rooms], Levels, Holds, Done, Loose) :-
-    Holds = beyond(End,_,_), Room = bare(Stands,Sizes,Fixed),
+    Holds = beyond(End,_,_), Room = sized_room(Stands,Sizes,Fixed),
     (   Fixed == free, member(Level, Levels), beside(End, Sizes, Level),
-        append(Done, [bare(Stands,Level,free)|Rooms], All), call(Holds, All)
-    ->  append(Done, [bare(Stands,Level,free)], Done1)
+        append(Done, [sized_room(Stands,Level,free)|Rooms], All), call(Holds, All)
+    ->  append(Done, [sized_room(Stands,Level,free)], Done1)
     ;   append(Done, [Room], Done1) ),
     loosened(Rooms, Levels, Holds, Done1, Loose).
 
-type_atoms(End, Known, bare(R-_,Level,free), Atoms) :- !,
+type_atoms(End, Known, sized_room(R-_,Level,free), Atoms) :- !,
     findall(not(room(R,Type)), ( member(Type-Sizes, Known), \+ beside(End, Sizes, Level) ), Atoms).
-type_atoms(_, _, bare(R-_,_,I), [numbered(I,R)]).
+type_atoms(_, _, sized_room(R-_,_,I), [numbered(I,R)]).
 
-reasons(Bare, Sides, Types, Without, Atoms, Reasons) :-
+reasons(Sized, Sides, Types, Without, Atoms, Reasons) :-
     findall(size(T), ( member(T, Types), \+ memberchk(size(T), Without) ), Sizes),
     findall(length(L), member(L, [room_gap,door_clearance,door_width]), Lengths),
-    findall(side(R,S), ( Sides = around(_), member(bare(R-S,_,_), Bare) ), Standing),
+    findall(side(R,S), ( Sides = around(_), member(sized_room(R-S,_,_), Sized) ), Standing),
     ( Sides = around(Corners), is_list(Corners) -> true ; Corners = [] ),
     append([[house_area],Sizes,Lengths,Atoms,Standing,Corners], Reasons).
 

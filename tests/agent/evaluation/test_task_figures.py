@@ -23,7 +23,7 @@ from tests.sample_houses import ONE_ROOM, drawn, random_house
 from vitruvius.commands.evaluate import Evaluate
 
 TABLE = '{"task": "object", "piece": "table"}'
-BARE = drawn(ONE_ROOM.replace("A", "a"))
+EMPTY = drawn(ONE_ROOM.replace("A", "a"))
 """A house without a piece."""
 
 
@@ -68,7 +68,7 @@ def test_a_film_s_caption_calls_a_piece_what_people_call_it_in_these_houses():
 
 
 def test_an_object_goal_is_played_in_the_houses_that_have_the_piece():
-    houses = [random_house(0), BARE, random_house(3)]
+    houses = [random_house(0), EMPTY, random_house(3)]
     assert playable(houses, TABLE) == [houses[0], houses[2]]
     assert playable(houses, "main") == houses
     [found] = measure({}, houses, (TABLE,), episodes=3, baselines=("searcher", "oracle"))
@@ -82,7 +82,7 @@ def test_an_object_goal_is_played_in_the_houses_that_have_the_piece():
 
 
 def test_evaluate_in_a_noisy_world_writes_the_figures_of_an_object_goal(tmp_path, capsys, monkeypatch):
-    save([random_house(0), BARE], tmp_path / "houses.jsonl")
+    save([random_house(0), EMPTY], tmp_path / "houses.jsonl")
     monkeypatch.setitem(PRESETS, "noisy", replace(NOISY, steps=300))
     Evaluate(houses=tmp_path / "houses.jsonl", targets=(TABLE,), world="noisy", json=True).run()
     printed = json.loads(capsys.readouterr().out)["answer"]
@@ -93,7 +93,7 @@ def test_evaluate_in_a_noisy_world_writes_the_figures_of_an_object_goal(tmp_path
 
 
 def test_a_piece_that_no_house_has_is_told_in_one_line(tmp_path):
-    save([random_house(0), BARE], tmp_path / "houses.jsonl")
+    save([random_house(0), EMPTY], tmp_path / "houses.jsonl")
     with pytest.raises(HouseFileError, match=r"no piece tabel: did you mean table\? There are table$"):
         Evaluate(houses=tmp_path / "houses.jsonl", targets=(TABLE.replace("table", "tabel"),)).run()
 

@@ -71,7 +71,7 @@ def test_wheels_slip_as_often_as_stated_and_nothing_says_so():
     ("config", "steps", "missed", "false"), [(SLIPPERY, 400, 0.15, 0), (NOISY, 1500, 0.2, 0.005)]
 )
 def test_the_planner_tells_from_its_rays_whether_wheels_slipped(config, steps, missed, false):
-    """All but a few slips, which are those along bare corridors; and hardly a step is taken for one."""
+    """All but a few slips, those along corridors without furniture; and hardly a step is taken for one."""
     played = play(config, steps)
     went, thought, free = changed(played.pose)[20:], changed(played.taken)[20:], ~played.blocked[20:-1]
     slipped = ~went & free

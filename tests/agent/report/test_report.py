@@ -63,7 +63,7 @@ def run(tmp_path, mapped) -> Path:
     trace.save(mapped, tmp_path / "e.trace.json")
     (tmp_path / "generator.json").write_text(json.dumps(timed()))
     (tmp_path / "simulator.json").write_text(json.dumps(simulator_report()))
-    (tmp_path / "homes.json").write_text('[{"rooms": 4, "bare": [0.1, 0.2], "whole": [0.3, 0.4]}]')
+    (tmp_path / "homes.json").write_text('[{"rooms": 4, "unfurnished": [0.1, 0.2], "whole": [0.3, 0.4]}]')
     describe(tmp_path, "A <run>", "It was **good**: `x < y`.")
     return tmp_path
 

@@ -46,7 +46,7 @@ def test_the_searcher_spends_less_on_rooms_that_hold_nothing_than_a_walk_does():
 
 
 def test_a_room_is_new_then_left_and_after_a_pick_up_searched_again():
-    """A bare room is seen whole by a turn in its middle."""
+    """A room without furniture is seen whole by a turn in its middle."""
     envs = make_envs([drawn("aaaa....\naaa+....\naaaa....")], 1, "secondary")
     reset(envs, 0)
     pose = {"house": np.zeros(1, int), "target": np.array([[0.4, 0.4]])}

@@ -69,7 +69,7 @@ def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Outcom
 @pytest.fixture
 def study() -> Study:
     """Two agents, a change of one, a run that failed."""
-    players = {"plain": (0.8, 0.82), "bare": (0.5,), "other": (0.3, 0.3), "script": (0.6,)}
+    players = {"plain": (0.8, 0.82), "without": (0.5,), "other": (0.3, 0.3), "script": (0.6,)}
     return Study(
         share=0.2,
         command="./run bench agents --share 0.2",
@@ -78,14 +78,14 @@ def study() -> Study:
         versions="Python 3.11",
         learnt_in="some houses",
         measured_in="other houses",
-        entries=(entry("plain"), entry("other"), entry("bare", "plain", avoidance="none")),
+        entries=(entry("plain"), entry("other"), entry("without", "plain", avoidance="none")),
         runs=(
             run("plain", 0),
             run("other", 0),
-            run("bare", 0, finished=False, failed="failed, exit code 1: error: the loss is nan"),
+            run("without", 0, finished=False, failed="failed, exit code 1: error: the loss is nan"),
             run("plain", 1),
             run("other", 1),
-            run("bare", 1),
+            run("without", 1),
         ),
         results={mode: result(mode, **players) for mode in ("main", "secondary")},
     )
@@ -120,8 +120,8 @@ def test_entries_have_names_of_their_own_and_known_companions() -> None:
 
 
 def test_agents_play_for_all_targets_and_changes_of_them_for_their_own(study: Study, tmp_path: Path) -> None:
-    plain, _, bare = study.entries
-    for one, modes in ((plain, list(TARGET_MODES)), (bare, [bare.targets])):
+    plain, _, without = study.entries
+    for one, modes in ((plain, list(TARGET_MODES)), (without, [without.targets])):
         assert [mode for mode in TARGET_MODES if EntryRun(one, 0, tmp_path).plays(mode)] == modes
 
 
@@ -223,17 +223,17 @@ def test_an_external_agents_scores_join_what_was_measured_with_the_same_targets_
 
 
 def test_differences_are_of_seeds_that_both_have(study: Study) -> None:
-    found, main = difference(study, study.entry("bare")), study.results["main"]
+    found, main = difference(study, study.entry("without")), study.results["main"]
     [alone] = found.each
-    assert alone == pytest.approx(by_seed(main, "bare")[0] - by_seed(main, "plain")[1])
+    assert alone == pytest.approx(by_seed(main, "without")[0] - by_seed(main, "plain")[1])
     assert found.all.value == pytest.approx(alone)
     assert found.all.low <= found.all.value <= found.all.high < 0
 
 
 def test_the_same_scores_differ_by_nothing_with_certainty(study: Study) -> None:
     policies = study.results["main"].policies
-    same = replace(study.results["main"], policies=policies | {"bare": policies["plain"][1:]})
-    found = difference(replace(study, results={"main": same}), study.entry("bare"))
+    same = replace(study.results["main"], policies=policies | {"without": policies["plain"][1:]})
+    found = difference(replace(study, results={"main": same}), study.entry("without"))
     assert found.all == (0, 0, 0)
 
 
@@ -265,7 +265,7 @@ def test_the_page_states_the_share_of_the_budget(study: Study) -> None:
 
 
 def test_the_page_names_failed_runs(study: Study) -> None:
-    assert "- bare, seed 0: failed, exit code 1: error: the loss is nan" in agents_page(study)
+    assert "- without, seed 0: failed, exit code 1: error: the loss is nan" in agents_page(study)
 
 
 def test_external_agents_stand_apart_and_those_that_failed_are_named(study: Study) -> None:

@@ -26,7 +26,7 @@ from tests.logic.workers import in_process
 MISTAKES = {
     "what the core derives": "#program house.\nwindow(R,north) :- room(R,hall).",
     "what the core states": "bounds(x,north,south).",
-    "what the core derives for itself": "#program house.\nbare(R,hall) :- room(R,hall).",
+    "what the core derives for itself": "#program house.\nunfurnished(R,hall) :- room(R,hall).",
     "what the topology states": "#program house.\nouter(R,north) :- room(R,hall).",
     "a choice without a name": "#program house.\noption(X,0,2) :- X = 1..2.",
     "a choice in a head": "#program house.\n{ mine(1) }.\n:- mine(1).",

@@ -1,4 +1,4 @@
-"""The page of ``vitruvius watch``, in a browser and by bare requests: rule files are saved, houses change."""
+"""The page of ``vitruvius watch``, in a browser and by requests alone: rule files are saved, houses too."""
 
 import asyncio
 import http.client
@@ -59,7 +59,7 @@ class Watched:
                 self.save(file.name, file.read_text())
 
     def ask(self, path: str = "", body: object = None, **headers: str) -> tuple[int, str]:
-        """The status and the text of an answer, by a bare request."""
+        """The status and the text of an answer, by a plain request."""
         url = urlsplit(self.address)
         connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
         method = "GET" if body is None else "POST"

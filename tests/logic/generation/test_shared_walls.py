@@ -41,10 +41,10 @@ face(R+1,R) :- R = 0..rooms-2.
 """
 
 
-def bare(builder: Builder, *arguments: Any) -> tuple[Plan, list[Symbol], int]:
-    """A plan of the builder's without furniture: see ``SharedWallsMaker.bare``."""
+def unfurnished(builder: Builder, *arguments: Any) -> tuple[Plan, list[Symbol], int]:
+    """A plan of the builder's without furniture: see ``SharedWallsMaker.unfurnished``."""
     assert isinstance(builder.maker, SharedWallsMaker)
-    return builder.maker.bare(*arguments)
+    return builder.maker.unfurnished(*arguments)
 
 
 def builder(grammar: str | Path) -> Builder:
@@ -93,7 +93,7 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_bo
 ) -> None:
     made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
     for seed in range(20):
-        plan, _, _ = bare(made, Request(8), np.random.default_rng(seed), INFERENCES, [])
+        plan, _, _ = unfurnished(made, Request(8), np.random.default_rng(seed), INFERENCES, [])
         boxes = [room.box for room in plan.rooms]
         assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
@@ -137,7 +137,7 @@ def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
 def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
     nogoods: list[Nogood] = []
     for seed in range(40):
-        _, layout, _ = bare(home, Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
+        _, layout, _ = unfurnished(home, Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
         assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
     assert nogoods
 

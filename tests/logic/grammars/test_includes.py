@@ -171,7 +171,7 @@ def cut(folder: Path, whole: Path) -> Path:
     return folder
 
 
-def bare(house: House) -> dict[str, object]:
+def unfurnished(house: House) -> dict[str, object]:
     """A house without where it is from."""
     return {name: value for name, value in house.to_dict().items() if name != "provenance"}
 
@@ -183,7 +183,7 @@ def test_rules_cut_into_files_that_include_each_other_make_the_same_houses(
     parts = cut(tmp_path / name, SHIPPED / name)
     assert len(list(parts.glob("*.[lp][lp]"))) == 2
     whole, other = (
-        [bare(house) for house in in_process.generate(rooms, grammar=each, seed=1, count=3)]
+        [unfurnished(house) for house in in_process.generate(rooms, grammar=each, seed=1, count=3)]
         for each in (name, parts)
     )
     assert whole == other

@@ -16,7 +16,7 @@ from logic.language.linter import all_warnings, errors
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
 from tests.docs.reader import ROOT, blocks
-from tests.logic.generation.test_shared_walls import bare, builder
+from tests.logic.generation.test_shared_walls import builder, unfurnished
 from tests.logic.generation.test_units import PUBLIC, units
 from tests.logic.rules.plan_geometry import neighbours, shared
 
@@ -70,7 +70,7 @@ def test_adjacent_holds_of_the_rooms_that_share_a_wall_and_of_no_others_and_face
         program.models = []
         for seed in range(5):
             rng = np.random.default_rng([size, seed])
-            plan, layout, _ = bare(made, Request(size), rng, INFERENCES, [])
+            plan, layout, _ = unfurnished(made, Request(size), rng, INFERENCES, [])
             last, atoms = program.models[-1]
             assert last == layout
             found = neighbours([room.box for room in plan.rooms])
@@ -110,8 +110,8 @@ def test_in_a_plan_of_the_users_adjacent_is_what_the_plan_says(tmp_path: Path) -
     made = builder(copied(tmp_path, APART))
     for index in range(3):
         first = made.house(Request(7), 6, index, INFERENCES)
-        bare = tuple(msgspec.structs.replace(room, type="", children=()) for room in first.rooms)
-        plan = read_plan(House(bare, (), ()))
+        unfurnished = tuple(msgspec.structs.replace(room, type="", children=()) for room in first.rooms)
+        plan = read_plan(House(unfurnished, (), ()))
         maker = made.maker_of(Request(7, plan=plan))
         assert isinstance(maker, SharedWallsMaker)
         program = maker._program(Request(7, plan=plan))[0]

@@ -16,7 +16,7 @@ from logic.house.parts import OUTSIDE
 from logic.placement import plan as placed
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
-from tests.logic.generation.test_shared_walls import INFERENCES, bare, builder
+from tests.logic.generation.test_shared_walls import INFERENCES, builder, unfurnished
 from tests.logic.rules.plan_geometry import TOLERANCE, Box, shared
 from tests.logic.rules.test_adjacent import NAMED, copied
 
@@ -192,7 +192,7 @@ def test_what_rules_say_of_rooms_is_so_in_the_plan(
         program.models = []
         for seed in range(4):
             rng = np.random.default_rng([size, seed])
-            plan, _, _ = bare(made, Request(size), rng, INFERENCES, [])
+            plan, _, _ = unfurnished(made, Request(size), rng, INFERENCES, [])
             for relation in (*ALL, *more):
                 relation(Plan(plan, program.models[-1][1]))
 
@@ -201,8 +201,8 @@ def test_an_oblong_room_runs_along_its_longer_side_whatever_its_size_allows(tmp_
     made = builder(copied(tmp_path, "oblong(kitchen;bedroom;living).\n"))
     for index in range(4):
         house = made.house(Request(5), 3, index, INFERENCES)
-        bare = tuple(msgspec.structs.replace(room, type="", children=()) for room in house.rooms)
-        plan = Request(5, plan=read_plan(House(bare, (), ())))
+        unfurnished = tuple(msgspec.structs.replace(room, type="", children=()) for room in house.rooms)
+        plan = Request(5, plan=read_plan(House(unfurnished, (), ())))
         for request, found in ((Request(5), house), (plan, made.house(plan, 3, index, INFERENCES))):
             making = made.maker_of(request).making
             assert making is not None

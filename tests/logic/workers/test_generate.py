@@ -271,7 +271,7 @@ for house in generate(rooms=16, count=9999):
 
 
 def children(process: int) -> list[int]:
-    if Path("/proc/self/stat").exists():  # a bare Linux has no ps
+    if Path("/proc/self/stat").exists():  # a minimal Linux has no ps
         listed = Path(f"/proc/{process}/task").glob("*/children")
         return [int(pid) for children in listed for pid in children.read_text().split()]
     found = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False)

@@ -74,15 +74,15 @@ def test_it_equals_the_continuous_backend_in_a_house_of_a_main_room_alone(preset
 
 def test_an_environment_with_it_swaps_banks_restores_states_renders_and_has_an_oracle():
     envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=4, houses=HOUSES[:1], backend=NAME)
-    bare = envs.unwrapped
-    assert isinstance(bare, HouseVectorEnv)
+    unwrapped = envs.unwrapped
+    assert isinstance(unwrapped, HouseVectorEnv)
     envs.reset(seed=0)
-    assert (Oracle(bare).play() > 10).all()
-    bare.set_houses(HOUSES[1:])
+    assert (Oracle(unwrapped).play() > 10).all()
+    unwrapped.set_houses(HOUSES[1:])
     _, info = envs.reset(seed=0)
-    state, plan = bare.state, np.random.default_rng(0).integers(0, 3, (20, 4))
+    state, plan = unwrapped.state, np.random.default_rng(0).integers(0, 3, (20, 4))
     once = [envs.step(actions)[0] for actions in plan]
-    bare.state = state
+    unwrapped.state = state
     np.testing.assert_array_equal(once, [envs.step(actions)[0] for actions in plan])
     for pose, message in (((0.0, 0.0, 0.1), "multiple of pi/4"), ((-9.0, 0.0, 0.0), "the body cannot be at")):
         with pytest.raises(ValueError, match=message):

@@ -33,8 +33,8 @@ function objection(text, { says, programs }) {
     return `a grammar holds rules: leave #${directive} out`;
   const head = rule(text)?.head ?? "";
   if (head.startsWith("&")) return says.directives.theory;
-  const bare = head.replace(/"(?:[^"\\]|\\.)*"/g, "");
-  return /[{|]/.test(bare) || [";", ":"].some((sign) => parted(bare, sign).length > 1) || /^#(?!true|false)/.test(bare) ? says.choice : "";
+  const code = head.replace(/"(?:[^"\\]|\\.)*"/g, "");
+  return /[{|]/.test(code) || [";", ":"].some((sign) => parted(code, sign).length > 1) || /^#(?!true|false)/.test(code) ? says.choice : "";
 }
 
 /** Why this grammar does not have a statement: it is the core's, or for the topology to say. */
@@ -63,11 +63,11 @@ function unknownChoice(own, all, { table }) {
   const names = new Set(table.choices.map((each) => each.split("/")[0]));
   for (const each of offered) names.add(/^[a-z]\w*/.exec(each)?.[0]);
   for (const file of own) {
-    const bare = blank(file.text);
-    for (const { 1: name, index, ...found } of bare.matchAll(/\b(?:picks?|turn)\(\s*([a-z]\w*)/g)) {
+    const code = blank(file.text);
+    for (const { 1: name, index, ...found } of code.matchAll(/\b(?:picks?|turn)\(\s*([a-z]\w*)/g)) {
       if (names.has(name)) continue;
-      const atom = `${bare.slice(index).match(/^\w+\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)/)?.[0] ?? found[0]}`;
-      return { why: `${atom}: no option/3 has this name${meant(name, names)}`, file: file.name, ...placeOf(bare, index) };
+      const atom = `${code.slice(index).match(/^\w+\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)/)?.[0] ?? found[0]}`;
+      return { why: `${atom}: no option/3 has this name${meant(name, names)}`, file: file.name, ...placeOf(code, index) };
     }
   }
   return null;
@@ -107,10 +107,10 @@ export function misspeltName(own, lengths, { table }) {
   const others = new Set([...elsewhere, ...stated, ...defined]);
   const uses = new Map();
   for (const file of own) {
-    const bare = blank(file.text).replace(/#(?:program|const|defined)\b[^.]*\./g, (part) => part.replace(/[^\n]/g, " "));
-    for (const { 0: name, index } of bare.matchAll(CONSTANT)) {
+    const code = blank(file.text).replace(/#(?:program|const|defined)\b[^.]*\./g, (part) => part.replace(/[^\n]/g, " "));
+    for (const { 0: name, index } of code.matchAll(CONSTANT)) {
       if (name === "not" || elsewhere.has(name) || defined.includes(name) || atoms.includes(`${name}/0`)) continue;
-      uses.set(name, [...(uses.get(name) ?? []), { file: file.name, ...placeOf(bare, index) }]);
+      uses.set(name, [...(uses.get(name) ?? []), { file: file.name, ...placeOf(code, index) }]);
     }
   }
   for (const [name, places] of uses) {
@@ -128,10 +128,10 @@ const CONSTANT = /(?<![\w'#])[a-z][\w']*(?![\w']|\s*\()/g;
 /** The first number that clingo reads as another one. */
 function tooLarge(own, { greatest }) {
   for (const file of own) {
-    const bare = blank(file.text);
-    for (const { 1: sign, 2: number, 0: text, index } of bare.matchAll(/((?<![\w)])-\s*)?(?<![\w'])(0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])/g))
+    const code = blank(file.text);
+    for (const { 1: sign, 2: number, 0: text, index } of code.matchAll(/((?<![\w)])-\s*)?(?<![\w'])(0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])/g))
       if (BigInt(number) > BigInt(greatest) + (sign ? 1n : 0n))
-        return { why: `${number}: a whole number is ${greatest} at most`, file: file.name, ...placeOf(bare, index + text.length - number.length) };
+        return { why: `${number}: a whole number is ${greatest} at most`, file: file.name, ...placeOf(code, index + text.length - number.length) };
   }
   return null;
 }

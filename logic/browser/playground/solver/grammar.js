@@ -32,9 +32,9 @@ function topologyOf(own, { rules, topologies, adjacent }) {
   const named = [];
   let isNamed = false; // adjacent, by a rule
   for (const { name, text } of own) {
-    const bare = blank(text);
-    isNamed ||= /\badjacent\s*\(/.test(bare);
-    for (const found of bare.matchAll(/\btopology\s*\(\s*(\w+)\s*\)\s*\./g)) named.push({ topology: found[1], file: name, ...placeOf(bare, found.index) });
+    const code = blank(text);
+    isNamed ||= /\badjacent\s*\(/.test(code);
+    for (const found of code.matchAll(/\btopology\s*\(\s*(\w+)\s*\)\s*\./g)) named.push({ topology: found[1], file: name, ...placeOf(code, found.index) });
   }
   if (named.length > 1) {
     const { file, line, column } = named[1];
@@ -189,10 +189,10 @@ export class Grammar {
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
     facts.push([`length(contact,${Math.floor(1000 * contact)})`, []]);
     const only = ["house_size"];
-    for (const [type, reach, bends, brims] of extremes) {
+    for (const [type, reach, uppers, lowers] of extremes) {
       const clauses = [`size(${type})`, `room_area(${type})`];
       facts.push([`reach(${[type, ...millimetres(reach)]})`, clauses]);
-      for (const [name, bound, pairs] of [["bend", Math.ceil, bends], ["brim", Math.floor, brims]])
+      for (const [name, bound, pairs] of [["upper_bound", Math.ceil, uppers], ["lower_bound", Math.floor, lowers]])
         for (const pair of pairs) facts.push([`${name}(${[type, ...pair.map((metres) => bound(1000 * metres))]})`, clauses]);
       only.push(`window_size(${type})`);
     }
@@ -316,4 +316,4 @@ export function requirements({ types }) {
 export const granted = (requirement) => `granted(${requirement})`;
 
 /** The atoms of which one holds where some room is of this type and is to be furnished. */
-export const toFurnish = (type, rooms) => Array.from({ length: rooms }, (_, number) => `bare(${number},${type})`);
+export const toFurnish = (type, rooms) => Array.from({ length: rooms }, (_, number) => `unfurnished(${number},${type})`);

@@ -12,19 +12,19 @@ const TOLERANCE = 1e-6;
 export function plan(grammar, request, rng, inferences, isFurnishable) {
   const nogoods = [], unfurnishable = new Set(), { mostTries } = grammar.bundle;
   for (let turn = 0; turn < mostTries; turn++) {
-    const bare = barePlan(grammar, request, rng, inferences, nogoods, unfurnishable);
-    inferences = bare.inferences;
-    if (grammar.topology.isOwn) requireTiling(grammar, bare);
-    const pieces = furnished(grammar, bare.plan, request, rng, inferences);
-    if (pieces.failed === undefined) return house(bare, pieces);
-    const { type } = bare.plan.rooms[pieces.failed];
+    const unfurnished = unfurnishedPlan(grammar, request, rng, inferences, nogoods, unfurnishable);
+    inferences = unfurnished.inferences;
+    if (grammar.topology.isOwn) requireTiling(grammar, unfurnished);
+    const pieces = furnished(grammar, unfurnished.plan, request, rng, inferences);
+    if (pieces.failed === undefined) return house(unfurnished, pieces);
+    const { type } = unfurnished.plan.rooms[pieces.failed];
     if (!isFurnishable(type)) unfurnishable.add(type);
   }
   throw new LimitReached(`${mostTries} times a room could not be furnished at its size: try another seed, or larger rooms`);
 }
 
 /** Walls, doors and windows, and the layout that they have. What is found infeasible is added to the nogoods. */
-function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
+function unfurnishedPlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
   const holds = requirements(request).map(granted);
   const fails = [...unfurnishable].sort().flatMap((type) => toFurnish(type, request.rooms));
   for (;;) {
@@ -40,11 +40,11 @@ function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
 }
 
 /** Refuse a topology of the user's own whose rooms are no plan. */
-function requireTiling(grammar, bare) {
-  const made = house(bare, bare.plan.rooms.map(() => []));
+function requireTiling(grammar, unfurnished) {
+  const made = house(unfurnished, unfurnished.plan.rooms.map(() => []));
   for (const fault of faults(made, grammar.bundle.passage)) {
     const named = made.rooms.map(({ name }) => name).filter((name) => new RegExp(`\\b${name}\\b`).test(fault));
-    const all = bare.layout.map(parseTerm).filter(({ name }) => name === "edge");
+    const all = unfurnished.layout.map(parseTerm).filter(({ name }) => name === "edge");
     const theirs = all.filter(({ args: [room] }) => named.includes(`R${room}`));
     const edges = theirs.length ? theirs : all, some = apart(edges, named.length);
     const why = grammar.bundle.says.noPlan.replace("{rooms}", made.rooms.length).replace("{fault}", fault);
@@ -72,15 +72,15 @@ function house({ plan: { rooms, doors, windows }, layout }, pieces) {
 
 const sides = ({ x, y, width, height }) => ({ x, y, width, height });
 
-/** The pieces of each room of a bare plan; { failed: number } of a room that can have none. */
-function furnished(grammar, bare, request, rng, inferences) {
-  const frames = bare.rooms.map((room, number) => new Frame(bare, number, grammar.bundle));
-  const pieces = bare.rooms.map(() => []), nogoods = bare.rooms.map(() => []);
-  let waiting = [...bare.rooms.keys()].filter((number) => grammar.hasFurniture(bare.rooms[number].type));
+/** The pieces of each room of a unfurnished plan; { failed: number } of a room that can have none. */
+function furnished(grammar, unfurnished, request, rng, inferences) {
+  const frames = unfurnished.rooms.map((room, number) => new Frame(unfurnished, number, grammar.bundle));
+  const pieces = unfurnished.rooms.map(() => []), nogoods = unfurnished.rooms.map(() => []);
+  let waiting = [...unfurnished.rooms.keys()].filter((number) => grammar.hasFurniture(unfurnished.rooms[number].type));
   while (waiting.length) {
     const asked = [];
     for (const [place, number] of waiting.entries()) {
-      const { type } = bare.rooms[number], frame = frames[number];
+      const { type } = unfurnished.rooms[number], frame = frames[number];
       const { holds, fails } = frame.given();
       const required = grammar.requiredIn(type, request).map(granted);
       const program = grammar.givenRoom(type, frame.doorways(), request);
@@ -103,12 +103,12 @@ function furnished(grammar, bare, request, rng, inferences) {
 
 /** A room as seen from its entrance: x to the right along the front wall, y inwards. */
 class Frame {
-  constructor(bare, number, { walls, short }) {
+  constructor(unfurnished, number, { walls, short }) {
     Object.assign(this, { walls, short });
-    const room = bare.rooms[number];
-    const doors = bare.doors.filter(({ between }) => between.includes(number))
+    const room = unfurnished.rooms[number];
+    const doors = unfurnished.doors.filter(({ between }) => between.includes(number))
       .sort((a, b) => (a.between[0] !== number) - (b.between[0] !== number));
-    const windows = bare.windows.filter((window) => window.room === number);
+    const windows = unfurnished.windows.filter((window) => window.room === number);
     const [west, north, east, south] = box(room), entrance = box(doors[0]);
     const lines = { north: [1, south], east: [0, west], south: [1, north], west: [0, east] };
     this.side = Object.keys(lines).find((side) => {

@@ -142,7 +142,7 @@ function rooms(grammar, request, unfurnishable) {
   for (const [number, type] of Object.keys(request.types).sort().entries())
     relaxed.choice({ text: `${type}: ${inWords(request.types[type])}` }, [[granted(required[number]), true]]);
   for (const type of unfurnishable)
-    relaxed.choice({ bare: type }, toFurnish(type, request.rooms).map((text) => [text, false]));
+    relaxed.choice({ unfurnished: type }, toFurnish(type, request.rooms).map((text) => [text, false]));
   const refuted = grammar.sharesWalls
     ? (layout, without) => grammar.prolog.ask("plan_conflict", terms(layout), without)
     : grammar.walls.length ? (layout, without) => areaConflict(grammar, layout, without) : null;
@@ -180,9 +180,9 @@ function hasHouse(grammar, request) {
     const { layout } = relaxed.solve(refuted, relaxed.statements, true);
     if (!layout) return false;
     const types = new Set(layout.map(parseTerm).filter(({ name }) => name === "room").map(({ args: [, type] }) => type.name));
-    const bare = [...types].filter((type) => !isFurnishable(grammar, type, request));
-    if (!bare.length) return true;
-    bare.forEach((type) => unfurnishable.add(type));
+    const without = [...types].filter((type) => !isFurnishable(grammar, type, request));
+    if (!without.length) return true;
+    without.forEach((type) => unfurnishable.add(type));
   }
 }
 
@@ -195,17 +195,17 @@ export function* proofs(grammar, request, unfurnishable) {
   const { conflict } = relaxed.solve(refuted);
   if (!conflict) throw new Error("the request was proved infeasible, and has a layout");
   const needed = new Set(conflict.map(({ reason }) => key(reason)));
-  const bare = conflict.flatMap(({ reason }) => reason.bare ?? []);
+  const unfurnished = conflict.flatMap(({ reason }) => reason.unfurnished ?? []);
   const others = numbersWithout(needed, grammar, request, unfurnishable);
   const first = others.next().value;
-  const stated = conflict.filter(({ reason }) => !reason.bare).map(({ reason }) => reason);
-  const inRooms = bare.flatMap((type) => {
+  const stated = conflict.filter(({ reason }) => !reason.unfurnished).map(({ reason }) => reason);
+  const inRooms = unfurnished.flatMap((type) => {
     const [room, test] = furniture(grammar, type, request);
     return room.solve(test).conflict.map(({ reason }) => reason);
   });
   const named = first ? [{ text: `rooms: ${request.rooms}` }] : [];
   const reasons = [...new Map([...named, ...stated, ...inRooms].map((reason) => [key(reason), reason])).values()];
-  yield { reasons, unfurnishable: bare };
+  yield { reasons, unfurnishable: unfurnished };
 
   let number = first;
   while (number && !hasHouse(grammar, { ...request, rooms: number })) number = others.next().value;
@@ -213,7 +213,7 @@ export function* proofs(grammar, request, unfurnishable) {
   for (const [text, fewer] of withoutEach(request))
     if (reasons.some((reason) => reason.text === text) && hasHouse(grammar, fewer)) ways.push(`without ${text}`);
   const isThere = grammar.walls.length && !grammar.sharesWalls ? "may be" : "is"; // the area of a furnished star was not tried
-  if (ways.length) yield { reasons, unfurnishable: bare, advice: `There ${isThere} a house ${ways.join(", or ")}.` };
+  if (ways.length) yield { reasons, unfurnishable: unfurnished, advice: `There ${isThere} a house ${ways.join(", or ")}.` };
 }
 
 /** Other numbers of rooms that end a conflict of these reasons. */

@@ -47,9 +47,9 @@ export function star(grammar, request, rng, inferences) {
 
   const layout = () => {
     for (;;) {
-      const bare = sampleRooms(grammar, request, rng, unfurnishable, of(grammar.rooms(request)));
-      const rooms = furnish(bare.rooms, bare.rooms.keys());
-      if (rooms) return { ...bare, rooms };
+      const unfurnished = sampleRooms(grammar, request, rng, unfurnishable, of(grammar.rooms(request)));
+      const rooms = furnish(unfurnished.rooms, unfurnished.rooms.keys());
+      if (rooms) return { ...unfurnished, rooms };
     }
   };
 
