@@ -6,8 +6,9 @@ the promises of a grammar travel with its houses, those of the shipped ones stan
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from logic.checking.fault import Fault
 from logic.checking.figures import figure, number
 from logic.checking.grid import broken_cells, cell_of, off_grid, on_grid
 from logic.checking.names import named
@@ -39,41 +40,44 @@ class Check(NamedTuple):
     name: str
     kinds: Collection[Kind]
     """Of topologies whose houses it is asked of."""
-    faults: Callable[..., Iterable[str]]
-    """What is wrong, in words, of a house (in ``IN_A_ROOM``: and a room of it) by promises."""
+    faults: Callable[..., Iterable[Any]]
+    """What is wrong with a house by promises (``Fault``); in ``IN_A_ROOM`` with a room of it, in words."""
 
 
-def _area(house: House, promises: Promises) -> Iterator[str]:
+def _area(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms that are too small or too large together."""
     if promises.house_area:
         least, most = promises.house_area
         whole = sum(room.area for room in house.rooms)
         if not least - TOLERANCE <= whole <= most + TOLERANCE:
             area = figure(whole, least, most)
-            yield f"house: is of {area} m² ({number(least)} to {number(most)})"
+            yield Fault(f"house: is of {area} m² ({number(least)} to {number(most)})")
 
 
-def _types(house: House, promises: Promises) -> Iterator[str]:
+def _types(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms of types that there are not, and too few of the basic ones."""
     types = Counter(room.type for room in house.counted)
     for room in house.counted:
         if promises.counts and room.type not in promises.counts:
-            yield f"{named(room)} is none of the room types ({', '.join(promises.counts)})"
+            known = ", ".join(promises.counts)
+            yield Fault(f"{named(room)} is none of the room types ({known})", (room.name,))
     basic = sum(types[kind] for kind in promises.basic)
     if promises.basic and basic < 2 <= types.total():
-        yield f"house: has {basic} rooms of the basic types (at least 2 of {', '.join(promises.basic)})"
+        some = ", ".join(promises.basic)
+        yield Fault(f"house: has {basic} rooms of the basic types (at least 2 of {some})")
     if types.total() >= len(promises.basic):
         for kind in promises.basic:
             if not types[kind]:
-                yield f"house: has no {kind} (at least 1 from {len(promises.basic)} rooms on)"
+                yield Fault(f"house: has no {kind} (at least 1 from {len(promises.basic)} rooms on)")
 
 
-def _in_rooms(house: House, promises: Promises) -> Iterator[str]:
+def _in_rooms(house: House, promises: Promises) -> Iterator[Fault]:
     """What is asked of each room by itself."""
     asked = [check for check in IN_A_ROOM if house.kind in check.kinds]
     for room in house.counted:
         for check in asked:
-            yield from (f"{named(room)}: {fault}" for fault in check.faults(house, room, promises))
+            said = check.faults(house, room, promises)
+            yield from (Fault(f"{named(room)}: {fault}", (room.name,)) for fault in said)
 
 
 IN_A_ROOM = (
@@ -113,12 +117,18 @@ front faces, how wide passages are, nor the least area of the main room.
 """
 
 
-def violations(house: House, promises: Promises, names: Collection[str] = ()) -> list[str]:
-    """What a house breaks of these promises, in words, each with its room, pieces and lengths.
+def violations(house: House, promises: Promises) -> list[str]:
+    """What a house breaks of these promises, in words, each with its room, pieces and lengths."""
+    return [fault.text for fault in faults(house, promises)]
+
+
+def faults(house: House, promises: Promises, names: Collection[str] = ()) -> Iterator[Fault]:
+    """What a house breaks of these promises.
 
     ``names``: of the checks that are made; all of them where there are none.
     """
     if cell := cell_of(house):
         promises = on_grid(promises, cell)
     asked = (check for check in CHECKS if house.kind in check.kinds and (not names or check.name in names))
-    return [fault for check in asked for fault in check.faults(house, promises)]
+    for check in asked:
+        yield from check.faults(house, promises)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import msgspec
 
+from logic.checking.fault import Fault
 from logic.checking.figures import apart, figure, number
 from logic.checking.names import named, named_pieces
 from logic.house.boxes import TOLERANCE
@@ -43,7 +44,7 @@ def on_grid(promises: Promises, cell: float) -> Promises:
     )
 
 
-def off_grid(house: House, _: Promises) -> Iterator[str]:
+def off_grid(house: House, _: Promises) -> Iterator[Fault]:
     """Edges that do not lie on the grid of the main room's corner, or without one of the outline's corner."""
     cell = cell_of(house)
     if not cell:
@@ -59,11 +60,12 @@ def off_grid(house: House, _: Promises) -> Iterator[str]:
                 off = abs((edge - origin) / cell - round((edge - origin) / cell)) * cell
                 if off > TOLERANCE:
                     off_it = figure(off, digits=3)
-                    yield f"{named(room)}: {name} stands {off_it} m off the grid of {number(cell)} m"
+                    text = f"{named(room)}: {name} stands {off_it} m off the grid of {number(cell)} m"
+                    yield Fault(text, (room.name,))
                     break
 
 
-def broken_cells(house: House, _: Promises) -> Iterator[str]:
+def broken_cells(house: House, _: Promises) -> Iterator[Fault]:
     """A main room that is not whole cells wide and deep."""
     cell, main = cell_of(house), house.main_room
     for size, name in ((main.width, "wide"), (main.height, "deep")) if cell and main else ():
@@ -71,4 +73,4 @@ def broken_cells(house: House, _: Promises) -> Iterator[str]:
             text = apart(
                 size, digits=3, holds=lambda read: abs(read / cell - round(read / cell)) * cell > 1e-7
             )[0]
-            yield f"main room: is {text} m {name}, not whole cells of {number(cell)} m"
+            yield Fault(f"main room: is {text} m {name}, not whole cells of {number(cell)} m")

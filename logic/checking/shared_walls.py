@@ -8,6 +8,7 @@ from typing import Any
 
 import shapely
 
+from logic.checking.fault import Fault
 from logic.checking.figures import figure, number
 from logic.checking.names import named
 from logic.checking.room import out_of
@@ -21,26 +22,31 @@ BEFORE = 0.3
 """Metres: what stands nearer before a window hides it."""
 
 
-def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
+def plan_rooms(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms that overlap, leave a gap, lie apart, or have another area or shape than promised."""
     for one, other in combinations(house.rooms, 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
-            yield f"{named(one)} overlaps {named(other)} by {figure(depth)} m"
+            yield Fault(f"{named(one)} overlaps {named(other)} by {figure(depth)} m", (one.name, other.name))
     if (parts := shapely.get_num_geometries(_floor(house))) > 1:
-        yield f"house: its rooms lie in {parts} parts that do not touch"
+        yield Fault(f"house: its rooms lie in {parts} parts that do not touch")
     if (gap := gaps(house).area) > 1e-3:
-        yield f"house: {figure(gap)} m² between its rooms are no room's"
+        yield Fault(f"house: {figure(gap)} m² between its rooms are no room's")
     for room in house.rooms:
-        least, most = promises.room_area.get(room.type, (0.0, room.area))
-        if not least - TOLERANCE <= room.area <= most + TOLERANCE:
-            area = figure(room.area, least, most)
-            yield f"{named(room)} is of {area} m² ({number(least)} to {number(most)})"
-        side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
-        if side < narrowest - TOLERANCE:
-            width = figure(side, narrowest, digits=3)
-            yield f"{named(room)} is {width} m wide at its shorter side (at least {number(narrowest)})"
-        yield from (f"{named(room)}: {line}" for line in _size_violations(room, promises))
+        for said in (_area_violations(room, promises), _size_violations(room, promises)):
+            yield from (Fault(named(room) + each, (room.name,)) for each in said)
+
+
+def _area_violations(room: Room, promises: Promises) -> Iterator[str]:
+    """An area out of its bounds, or a room that is too narrow."""
+    least, most = promises.room_area.get(room.type, (0.0, room.area))
+    if not least - TOLERANCE <= room.area <= most + TOLERANCE:
+        area = figure(room.area, least, most)
+        yield f" is of {area} m² ({number(least)} to {number(most)})"
+    side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
+    if side < narrowest - TOLERANCE:
+        width = figure(side, narrowest, digits=3)
+        yield f" is {width} m wide at its shorter side (at least {number(narrowest)})"
 
 
 def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
@@ -50,7 +56,7 @@ def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
             list(out_of("it", *sides, sizes))
             for sides in ((room.width, room.height), (room.height, room.width))
         ]
-        yield from min(ways, key=len)
+        yield from (f": {line}" for line in min(ways, key=len))
 
 
 def gaps(house: House) -> Any:
@@ -66,31 +72,34 @@ def _floor(house: House) -> Any:
     return shapely.union_all(grown)
 
 
-def plan_doors(house: House, promises: Promises) -> Iterator[str]:
+def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
     least = PASSAGE if promises.door_width is None else promises.door_width
     rooms = {room.name: room for room in house.rooms}
     for door in house.doors:
-        name, joined = _between(house, door), [rooms[each] for each in door.between if each != OUTSIDE]
+        name, names = _between(house, door), _joined(door)
+        joined = [rooms[each] for each in names]
         if door.length < least - TOLERANCE:
-            yield f"{name}: is {figure(door.length, least, digits=3)} m wide (at least {number(least)})"
+            width = figure(door.length, least, digits=3)
+            yield Fault(f"{name}: is {width} m wide (at least {number(least)})", names)
         if len(joined) == 1:
-            yield from (f"{name}: {fault}" for fault in _not_outer(house, door, joined[0]))
+            yield from _not_outer(house, door, joined[0], f"{name}:")
         elif not _is_shared(door, *joined):
-            yield f"{name}: is not on a wall that they share"
+            yield Fault(f"{name}: is not on a wall that they share", names)
         one, other = (rooms[each].type if each in rooms else OUTSIDE for each in door.between)
         if promises.opens and not (
             other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
         ):
-            yield f"{name}: {one} and {other} do not open into each other"
+            yield Fault(f"{name}: {one} and {other} do not open into each other", names)
     for one, other in combinations(house.doors, 2):
         if _meet(one, other):
-            yield f"{_between(house, one)}: meets the {_between(house, other)}"
+            text = f"{_between(house, one)}: meets the {_between(house, other)}"
+            yield Fault(text, _joined(one) + _joined(other))
     if promises.entrance and not any(door.is_entrance for door in house.doors):
-        yield "house: has no door to the outside"
+        yield Fault("house: has no door to the outside")
 
 
-def plan_units(house: House, promises: Promises) -> Iterator[str]:
+def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
     """Units that are entered from no public room, by several doors, or from outside."""
     public = {room.name for room in house.rooms if room.type in promises.public}
     ends = {OUTSIDE, *public}
@@ -103,29 +112,30 @@ def plan_units(house: House, promises: Promises) -> Iterator[str]:
             new = {name for names in joined for name in names} - unit - ends
         left -= unit
         doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
-        name = named(house.room(min(unit, key=lambda each: (len(each), each))))
+        room = house.room(min(unit, key=lambda each: (len(each), each)))
+        its = f"{named(room)}: its unit is entered"
         if len(doors) != 1:
-            yield f"{name}: its unit is entered by {numbered(len(doors), 'door')} (must be one)"
+            yield Fault(f"{its} by {numbered(len(doors), 'door')} (must be one)", (room.name,))
         elif doors[0].is_entrance:
-            yield f"{name}: its unit is entered from outside (must be from a public room)"
+            yield Fault(f"{its} from outside (must be from a public room)", (room.name,))
 
 
-def plan_windows(house: House, promises: Promises) -> Iterator[str]:
+def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
     """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
     rooms = {room.name: room for room in house.rooms}
     for index, window in enumerate(house.windows):
         room = rooms[window.room]
         name = f"{named(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
-        yield from (f"{name} {fault}" for fault in _not_outer(house, window, room))
+        yield from _not_outer(house, window, room, name)
         for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
             if any(_meet(window, other) for other in openings):
-                yield f"{name} meets {kind}"
+                yield Fault(f"{name} meets {kind}", (room.name,))
         for piece in room.pieces:
             if piece.type in promises.hides and overlap(_before(window), piece.box) > TOLERANCE:
-                yield f"{name} is behind a {piece.type}"
+                yield Fault(f"{name} is behind a {piece.type}", (room.name,))
     for room in house.rooms:
         if room.type in promises.lit and not any(window.room == room.name for window in house.windows):
-            yield f"{named(room)}: has no window"
+            yield Fault(f"{named(room)}: has no window", (room.name,))
 
 
 def _is_shared(door: Door, one: Room, other: Room) -> bool:
@@ -138,13 +148,13 @@ def _meet(one: Rect, other: Rect) -> bool:
     return distance(one.box, other.box) <= TOLERANCE and _along(one) == _along(other)
 
 
-def _not_outer(house: House, opening: Rect, room: Room) -> Iterator[str]:
-    """Why an opening of a room does not lead outside."""
+def _not_outer(house: House, opening: Rect, room: Room, name: str) -> Iterator[Fault]:
+    """Why an opening of a room, of this name, does not lead outside."""
     if not any(is_on_wall(opening, room, wall) for wall in range(4)):
-        yield "is not on a wall of the room"
+        yield Fault(f"{name} is not on a wall of the room", (room.name,))
     for other in house.rooms:
         if other is not room and _shared(opening.box, other.box) > TOLERANCE:
-            yield f"leads into {named(other)}, not outside"
+            yield Fault(f"{name} leads into {named(other)}, not outside", (room.name, other.name))
 
 
 def _shared(segment: Box, box: Box) -> float:
@@ -166,6 +176,11 @@ def _before(window: Window) -> Box:
     west, north, east, south = window.box
     by_x, by_y = (BEFORE, 0.0) if _along(window) else (0.0, BEFORE)
     return west - by_x, north - by_y, east + by_x, south + by_y
+
+
+def _joined(door: Door) -> tuple[str, ...]:
+    """The names of the rooms that a door leads into."""
+    return tuple(name for name in door.between if name != OUTSIDE)
 
 
 def _between(house: House, door: Door) -> str:

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 
+from logic.checking.fault import Fault
 from logic.checking.figures import apart, figure, number
 from logic.checking.least_main_room import ELONGATION, least_area, side_of
 from logic.checking.names import named
@@ -25,44 +26,47 @@ SPACIOUSNESS = 2.0
 """The most that the main room may be larger than the least main room that fits its rooms."""
 
 
-def star_doors(house: House, promises: Promises) -> Iterator[str]:
+def star_doors(house: House, promises: Promises) -> Iterator[Fault]:
     """Doors of another width than promised, or on no wall that their rooms share."""
-    star, names = house.star, _names(house)
-    widths = [room.door.length for room in star.rooms]
-    for room, name, width in zip(star.rooms, names, widths, strict=True):
-        wanted = widths[0] if promises.door_width is None else promises.door_width
+    star = house.star
+    first = star.rooms[0].door.length if star.rooms else 0.0
+    wanted = first if promises.door_width is None else promises.door_width
+    for room, stands in zip(house.secondary, star.rooms, strict=True):
+        its = f"{named(room)}: its door is"
+        width = stands.door.length
         if abs(width - wanted) > TOLERANCE:
             found, must = figure(width, wanted, digits=3), number(wanted, 3)
-            yield f"{name}: its door is {found} m wide (must be {must})"
+            yield Fault(f"{its} {found} m wide (must be {must})", (room.name,))
         if house.kind is Kind.STAR:
-            if side_of(star, room) is None:
-                yield f"{name}: its door is not on a wall that it shares with the main room"
-        elif not any(is_on_wall(room.door, room, wall) for wall in range(4)):
-            yield f"{name}: its door is not on a wall of the room"
+            if side_of(star, stands) is None:
+                yield Fault(f"{its} not on a wall that it shares with the main room", (room.name,))
+        elif not any(is_on_wall(stands.door, stands, wall) for wall in range(4)):
+            yield Fault(f"{its} not on a wall of the room", (room.name,))
 
 
-def star_rooms(house: House, promises: Promises) -> Iterator[str]:
+def star_rooms(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms that overlap, stand too near to each other, or are larger than the main room."""
     floor, rooms, names = house.main, house.secondary, _names(house)
     slack = TOLERANCE * (floor.width + floor.height)
     for room, name in zip(rooms, names, strict=True):
         depth = overlap(room.box, floor.box)
         if house.kind is Kind.STAR and depth > TOLERANCE:
-            yield f"{name} overlaps the main room by {figure(depth)} m"
+            yield Fault(f"{name} overlaps the main room by {figure(depth)} m", (room.name,))
         if room.area > floor.area + slack:
             its, main = apart(room.area, floor.area, holds=operator.gt)
-            yield f"{name} is larger ({its} m²) than the main room ({main} m²)"
+            yield Fault(f"{name} is larger ({its} m²) than the main room ({main} m²)", (room.name,))
     for (one, name), (other, neighbour) in combinations(zip(rooms, names, strict=True), 2):
-        depth = overlap(one.box, other.box)
+        both, depth = (one.name, other.name), overlap(one.box, other.box)
         if depth > TOLERANCE:
-            yield f"{name} overlaps {neighbour} by {figure(depth)} m"
+            yield Fault(f"{name} overlaps {neighbour} by {figure(depth)} m", both)
             continue
         away, gap = distance(one.box, other.box), promises.room_gap
         if gap is not None and house.kind is Kind.STAR and away < gap - TOLERANCE:
-            yield f"{name} stands {figure(away, gap)} m from {neighbour} (at least {number(gap)})"
+            text = f"{name} stands {figure(away, gap)} m from {neighbour} (at least {number(gap)})"
+            yield Fault(text, both)
 
 
-def star_sides(house: House, promises: Promises) -> Iterator[str]:
+def star_sides(house: House, promises: Promises) -> Iterator[Fault]:
     """Too many rooms on one side of the main room."""
     star = house.star
     if promises.a_side is None or len(star.rooms) < 4:
@@ -71,19 +75,19 @@ def star_sides(house: House, promises: Promises) -> Iterator[str]:
     for side, count in Counter(side_of(star, room) for room in star.rooms).items():
         if side and count > most:
             rooms = numbered(count, "room")
-            yield f"house: has {rooms} on the {side} side (at most {most} of {len(star.rooms)})"
+            yield Fault(f"house: has {rooms} on the {side} side (at most {most} of {len(star.rooms)})")
 
 
-def star_shape(house: House, _: Promises) -> Iterator[str]:
+def star_shape(house: House, _: Promises) -> Iterator[Fault]:
     """A main room that is too long."""
     floor = house.star.floor
     short, long = sorted((floor.width, floor.height))
     if long > ELONGATION * short + TOLERANCE:
         a, b = apart(long, short, holds=lambda a, b: a > ELONGATION * b)
-        yield f"main room: is {a} by {b} m (at most {ELONGATION:g} times as long as wide)"
+        yield Fault(f"main room: is {a} by {b} m (at most {ELONGATION:g} times as long as wide)")
 
 
-def star_main_room(house: House, promises: Promises) -> Iterator[str]:
+def star_main_room(house: House, promises: Promises) -> Iterator[Fault]:
     """A main room that is too large."""
     star = house.star
     if house.provenance and "keep" in house.provenance.request:
@@ -95,7 +99,7 @@ def star_main_room(house: House, promises: Promises) -> Iterator[str]:
     if star.floor.area > SPACIOUSNESS * least + TOLERANCE * (star.floor.width + star.floor.height):
         area, needed = apart(star.floor.area, least, holds=lambda a, b: a > SPACIOUSNESS * b)
         most = f"{SPACIOUSNESS:g} times the {needed} m² that its rooms need"
-        yield f"main room: is of {area} m² (at most {most})"
+        yield Fault(f"main room: is of {area} m² (at most {most})")
 
 
 def star_sizes(house: House, room: Room, promises: Promises) -> Iterator[str]:

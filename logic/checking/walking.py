@@ -8,6 +8,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from logic.checking.fault import Fault
 from logic.checking.figures import figure, number, percent
 from logic.checking.names import named, space_name
 from logic.checking.walk import (
@@ -30,13 +31,13 @@ SLIVER = 1e-4
 """Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
 
 
-def unentered(house: House, _: Promises) -> Iterator[str]:
+def unentered(house: House, _: Promises) -> Iterator[Fault]:
     """Rooms that the body cannot get into from the first room."""
     first = first_space(house, spaces(house, BODY), BODY)
     return (_unentered(house, room) for room in house.counted if not _enters(first, room))
 
 
-def impassable(house: House, promises: Promises) -> Iterator[str]:
+def impassable(house: House, promises: Promises) -> Iterator[Fault]:
     """The same, and of the rooms that it gets into those whose floor it does not reach, or by narrow ways."""
     passage = max(promises.passage, SLIVER)
     bodies, squares = spaces(house, BODY), spaces(house, passage)
@@ -49,17 +50,18 @@ def impassable(house: House, promises: Promises) -> Iterator[str]:
         doors = house.doors_of(room.name)
         ways = shapely.union_all([doorway(door, BODY) for door in doors])
         reached = shapely.union_all([floor for space, floor in covered if space.intersects(ways)])
-        yield from (f"{named(room)}: {fault}" for fault in _unreached(room, doors, reached))
-        yield from (f"{named(room)}: {fault}" for fault in _narrow(room, doors, squares, passage))
+        for said in (_unreached(room, doors, reached), _narrow(room, doors, squares, passage)):
+            yield from (Fault(f"{named(room)}: {fault}", (room.name,)) for fault in said)
 
 
 def _enters(first: Polygon, room: Room) -> bool:
     return first.intersects(places_inside(room, BODY))
 
 
-def _unentered(house: House, room: Room) -> str:
+def _unentered(house: House, room: Room) -> Fault:
     start = space_name(house, first_room(house))
-    return f"{named(room)}: the body ({BODY} m square) cannot get into it from {start}"
+    text = f"{named(room)}: the body ({BODY} m square) cannot get into it from {start}"
+    return Fault(text, (room.name,))
 
 
 def _unreached(room: Room, doors: Sequence[Door], reached: BaseGeometry) -> Iterator[str]:

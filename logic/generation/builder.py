@@ -66,6 +66,10 @@ class Builder:
             raise LimitReached(f"{late}. {self.account}") from None
         return msgspec.structs.replace(made, provenance=self._provenance(request, seed, index))
 
+    def maker_class(self, request: Request) -> type[Maker]:
+        """The class of who makes the houses of a request; ``logic.why.kinds`` has the witness of each."""
+        return GivenPlanMaker if request.plan else type(self.maker)
+
     def maker_of(self, request: Request) -> Maker:
         """Who makes the houses of a request: in a plan of the user's, see ``given_plan.py``."""
         if request.plan and not self.grammar.shares_walls:

@@ -5,13 +5,12 @@ keep most of it (``rules/shared_walls/topology.lp``). That rooms fill a plan is 
 looked at in each plan, by the same geometry as in the check.
 """
 
-import re
 from collections import Counter
 from collections.abc import Iterable
 
 from clingo import Symbol
 
-from logic.checking.check import violations
+from logic.checking.check import faults
 from logic.house.house import House
 from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
@@ -27,11 +26,11 @@ OF_PLANS = ("rooms", "doors", "windows")
 
 def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar) -> None:
     """Raise ``GrammarError`` where the rooms of a layout are no plan, at the rules that lay them out so."""
-    for fault in violations(house, Promises(), OF_PLANS):
-        named = {room.name for room in house.rooms if re.search(rf"\b{room.name}\b", fault)}
+    for fault in faults(house, Promises(), OF_PLANS):
+        named = {*fault.rooms}
         edges = [atom for atom in layout if atom.name == "edge"]
         edges = [atom for atom in edges if f"R{atom.arguments[0]}" in named] or edges
-        why = NO_PLAN.format(rooms=len(house.rooms), fault=fault)
+        why = NO_PLAN.format(rooms=len(house.rooms), fault=fault.text)
         raise loaded.topology_error(why, _apart(edges, len(named)) or edges)
 
 

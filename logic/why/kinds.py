@@ -1,17 +1,28 @@
-"""Which witness a house has, by its topology."""
+"""Which witness a house has: that of who makes it."""
 
 from logic.generation.builder import Builder
+from logic.generation.given_plan import GivenPlanMaker
+from logic.generation.maker import Maker
+from logic.generation.shared_walls import SharedWallsMaker
+from logic.generation.star import StarMaker
+from logic.generation.units import UnitsMaker
 from logic.house.house import House
+from logic.request.request import Request
 from logic.why.shared_walls import PlanWitness
 from logic.why.star import StarWitness
 from logic.why.units import UnitsWitness
 from logic.why.witness import Witness
 
+WITNESSES: dict[type[Maker], type[Witness]] = {
+    StarMaker: StarWitness,
+    SharedWallsMaker: PlanWitness,
+    UnitsMaker: UnitsWitness,
+    GivenPlanMaker: PlanWitness,
+}
+
 
 def witness_of(builder: Builder, house: House, inferences: int) -> Witness:
     """The house, made again by the rules that it says it is of; raises as ``Witness``."""
     assert house.provenance is not None
-    if not builder.grammar.shares_walls:
-        return StarWitness(builder, house, inferences)
-    is_of_units = builder.loaded.depths and not house.provenance.request.get("plan")
-    return (UnitsWitness if is_of_units else PlanWitness)(builder, house, inferences)
+    request = Request.read(house.provenance.request)
+    return WITNESSES[builder.maker_class(request)](builder, house, inferences)
