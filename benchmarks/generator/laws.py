@@ -17,8 +17,9 @@ from logic import House
 from logic.generation.builder import Builder
 from logic.generation.star import StarMaker, house
 from logic.placement import prolog
+from logic.placement.layout import Layout, RoomLayout
 from logic.placement.lengths import stated_lengths
-from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
+from logic.placement.placer import Infeasible, Misfit
 from logic.request.request import Request
 
 CHAINS = Path(__file__).with_name("chains.pl")

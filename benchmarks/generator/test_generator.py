@@ -23,7 +23,7 @@ from logic.generation.builder import Builder
 from logic.generation.star import StarMaker
 from logic.grammar import find
 from logic.placement import prolog
-from logic.placement.placer import Layout
+from logic.placement.layout import Layout
 from logic.placement.plan import StarPlan
 from logic.request.request import Request
 

@@ -27,7 +27,8 @@ from logic.layout.terms import (
     room_requirements,
     to_furnish,
 )
-from logic.placement.placer import Infeasible, Layout, Placer, RoomLayout, located
+from logic.placement.layout import Layout, RoomLayout
+from logic.placement.placer import Infeasible, Placer, located
 from logic.request.fixed_rooms import FixedRoom
 from logic.request.request import Range, Request, as_option
 

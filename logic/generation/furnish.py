@@ -19,7 +19,8 @@ from logic.layout.account import FURNITURE
 from logic.layout.program import Nogood, Program
 from logic.layout.programs import Programs
 from logic.layout.terms import granted
-from logic.placement.placer import Placer, RoomLayout
+from logic.placement.layout import RoomLayout
+from logic.placement.placer import Placer
 from logic.placement.plan import Pieces
 from logic.placement.prolog import Term
 from logic.request.request import Request

@@ -24,6 +24,7 @@ from logic.layout.program import Nogood
 from logic.layout.programs import Programs
 from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
+from logic.placement.given_plan import openings, plan_faults
 from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
 from logic.request.given_plan import OwnPlan
 from logic.request.request import Request
@@ -41,7 +42,7 @@ class GivenPlanMaker(SharedWallsMaker):
         """Find what the grammar forbids in the plan."""
         self.plan = plan
         rules = grammar.for_own_plan()
-        facts: HouseFacts = [*_meetings(plan), *loaded.placer.own_plan_faults(plan, sorted(loaded.furniture))]
+        facts: HouseFacts = [*_meetings(plan), *plan_faults(loaded.placer, plan, sorted(loaded.furniture))]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))
         self._failures, self._refuted = 0, list[Refuted]()
         self._too_small: dict[tuple[int, str], list[Refuted]] = {}
@@ -186,7 +187,7 @@ class GivenPlanMaker(SharedWallsMaker):
             )
             for number, room in enumerate(self.plan.rooms)
         ]
-        plan = Plan(rooms, *self._placer.own_openings(self.plan, layout, seed))
+        plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed))
         # What the plan has stays in its place.
         kept = {frozenset(door.between): door for door in self.plan.doors}
         plan.doors = [

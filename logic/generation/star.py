@@ -21,7 +21,8 @@ from logic.house.star import Star
 from logic.layout.account import FURNITURE, LAYOUT
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import to_furnish
-from logic.placement.placer import Infeasible, Layout, Misfit
+from logic.placement.layout import Layout
+from logic.placement.placer import Infeasible, Misfit
 from logic.placement.plan import StarPlan
 from logic.placement.prolog import Term
 from logic.request.request import Request

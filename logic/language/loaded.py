@@ -31,7 +31,8 @@ from logic.language.asp.vocabulary import (
 from logic.language.metres import impossible, unlikely
 from logic.language.prolog_problems import problem, unknown
 from logic.layout.conditional import Source
-from logic.layout.program import Endless, Program
+from logic.layout.ground import Endless
+from logic.layout.program import Program
 from logic.layout.programs import Programs
 from logic.layout.relaxed import Relaxed
 from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts

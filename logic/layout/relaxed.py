@@ -34,7 +34,8 @@ from logic.layout.conditional import (
     unbound,
 )
 from logic.layout.differences import Differences
-from logic.layout.program import CORE, Conflict, Endless, Instances, Literals, Part
+from logic.layout.ground import Endless, Instances, Literals
+from logic.layout.program import CORE, Conflict, Part
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.house.parts import Rect
-from logic.placement.placer import Placer, RoomLayout
+from logic.placement.layout import RoomLayout
+from logic.placement.placer import Placer
 from logic.placement.prolog import Term
 from logic.request.fixed_rooms import FixedRoom
 

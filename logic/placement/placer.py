@@ -3,9 +3,7 @@
 One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,58 +13,17 @@ from clingo import Symbol, parse_term
 
 from logic.errors import GrammarError, OutOfInferences, Reason
 from logic.grammar import RULES, Grammar
-from logic.house.parts import OUTSIDE
 from logic.includes import height
 from logic.layout import account
 from logic.layout.account import Account
 from logic.layout.program import Conflict
 from logic.placement import prolog
-from logic.placement.plan import Pieces, Plan, PlanDoor, PlanWindow, StarPlan, UnitRange
+from logic.placement.layout import Layout, RoomLayout
+from logic.placement.plan import Pieces, Plan, StarPlan, UnitRange
 from logic.placement.prolog import Term
 from logic.request.fixed_rooms import FixedRoom
-from logic.request.given_plan import OwnPlan
 
 S = TypeVar("S", Plan, UnitRange)
-
-
-@dataclass(frozen=True)
-class RoomLayout:
-    """One room of a layout: its number, type and side, the atoms that furnish it, the seed of its lengths.
-
-    ``given`` is what is known of it before, its size and doors: see ``rules/room/given_rooms.pl``.
-    """
-
-    number: int
-    type: Symbol
-    side: Symbol
-    furniture: Sequence[Symbol]
-    seed: int = 0
-    fixed: FixedRoom | None = None
-    given: Term | str = "any"
-
-
-@dataclass(frozen=True)
-class Layout:
-    """An answer of stage 1: the rooms, clockwise, and which side may stand out past each corner."""
-
-    rooms: Sequence[RoomLayout]
-    corners: Sequence[Symbol]
-
-    @classmethod
-    def unfurnished(cls, atoms: Iterable[Symbol], fixed: Sequence[FixedRoom]) -> "Layout":
-        """What these atoms say, without furniture: types, sides, and which rooms are the ``fixed`` ones."""
-        named = defaultdict[str, list[Symbol]](list)
-        for atom in atoms:
-            named[atom.name].append(atom)
-        types, sides = (
-            {atom.arguments[0].number: atom.arguments[1] for atom in named[name]} for name in ("room", "side")
-        )
-        numbered = {atom.arguments[1].number: fixed[atom.arguments[0].number] for atom in named["numbered"]}
-        rooms = [
-            RoomLayout(number, type_, sides[number], (), fixed=numbered.get(number))
-            for number, type_ in sorted(types.items())
-        ]
-        return cls(rooms, named["corner"])
 
 
 class Infeasible(Exception):
@@ -192,30 +149,6 @@ class Placer:
         reasons = self.ask("plan_conflict", layout, without)
         return None if reasons is None else _conflict(reasons)
 
-    def own_plan_faults(self, plan: OwnPlan, types: Iterable[str]) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-        """What the lengths forbid in a user's plan: facts of ``own.lp``, each with its clauses."""
-        rooms = [
-            Term("room", number, float(room.width), float(room.height))
-            for number, room in enumerate(plan.rooms)
-        ]
-        west, north, east, south = plan.outline
-        size = Term("size", float(east - west), float(south - north))
-        doors = []
-        for door in plan.doors:
-            if wall := plan.wall_of(door):
-                behind = wall.side if wall.behind is None else wall.behind
-                doors.append(Term("door", wall.room, behind, float(door.length)))
-        found = self.ask("own_plan_faults", size, rooms, _walls(plan), doors, types)
-        return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
-
-    def own_openings(
-        self, plan: OwnPlan, layout: Sequence[Symbol], seed: int
-    ) -> tuple[list[PlanDoor], list[PlanWindow]]:
-        """Doors and windows with their places in a plan of the user's, metres: see ``own_plan.pl``."""
-        types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
-        found = self.ask("own_openings", layout, types, _walls(plan), seed)
-        return msgspec.convert((found["doors"], found["windows"]), tuple[list[PlanDoor], list[PlanWindow]])
-
     def furnish(
         self, rooms: Sequence[Any], inferences: int, minimal: bool = True
     ) -> tuple[list[Pieces | None], dict[int, Conflict], int]:
@@ -296,19 +229,6 @@ def _below_its_includes(file: Path) -> str | Term:
 def _fixed(number: int, room: FixedRoom) -> Term:
     size, place = Term("size", room.width, room.depth, room.door), Term("at", room.along, room.wall)
     return Term("fixed", number, room.side, size, place)
-
-
-def _walls(plan: OwnPlan) -> list[Term]:
-    return [
-        Term(
-            "wall",
-            wall.room,
-            wall.side,
-            OUTSIDE if wall.behind is None else wall.behind,
-            *map(float, (wall.place, wall.start, wall.end)),
-        )
-        for wall in plan.walls
-    ]
 
 
 def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:

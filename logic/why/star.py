@@ -12,7 +12,7 @@ from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import Provenance
 from logic.placement.bounds import main_bounds
-from logic.placement.placer import Layout, RoomLayout
+from logic.placement.layout import Layout, RoomLayout
 from logic.request.fixed_rooms import fixed_rooms
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why

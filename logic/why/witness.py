@@ -19,7 +19,8 @@ from logic.house.house import House
 from logic.house.part_names import part_names
 from logic.house.parts import Provenance
 from logic.placement.bounds import room_bounds
-from logic.placement.placer import RoomLayout, located
+from logic.placement.layout import RoomLayout
+from logic.placement.placer import located
 from logic.proofs.answer import unsatisfiable
 from logic.request.request import Request
 from logic.why.alternatives import Search, Tried

@@ -9,7 +9,8 @@ from clingo import Function, Number, Symbol
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.layout.program import CORE, Program
-from logic.placement.placer import Infeasible, Layout, RoomLayout
+from logic.placement.layout import Layout, RoomLayout
+from logic.placement.placer import Infeasible
 
 WIDE = [Number(mm) for mm in (1, 99999, 1, 99999)]
 

@@ -16,7 +16,7 @@ from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.part_names import part_names, target_in
 from logic.layout.program import Program
-from logic.placement.placer import RoomLayout
+from logic.placement.layout import RoomLayout
 from logic.request.fixed_rooms import fixed_rooms
 from logic.request.request import Request
 from logic.why.answer import Derivation, Why

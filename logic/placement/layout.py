@@ -1,0 +1,50 @@
+"""What enters stage 2: the rooms of a layout, as stage 1 makes it."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from clingo import Symbol
+
+from logic.placement.prolog import Term
+from logic.request.fixed_rooms import FixedRoom
+
+
+@dataclass(frozen=True)
+class RoomLayout:
+    """One room of a layout: its number, type and side, the atoms that furnish it, the seed of its lengths.
+
+    ``given`` is what is known of it before, its size and doors: see ``rules/room/given_rooms.pl``.
+    """
+
+    number: int
+    type: Symbol
+    side: Symbol
+    furniture: Sequence[Symbol]
+    seed: int = 0
+    fixed: FixedRoom | None = None
+    given: Term | str = "any"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """An answer of stage 1: the rooms, clockwise, and which side may stand out past each corner."""
+
+    rooms: Sequence[RoomLayout]
+    corners: Sequence[Symbol]
+
+    @classmethod
+    def unfurnished(cls, atoms: Iterable[Symbol], fixed: Sequence[FixedRoom]) -> "Layout":
+        """What these atoms say, without furniture: types, sides, and which rooms are the ``fixed`` ones."""
+        named = defaultdict[str, list[Symbol]](list)
+        for atom in atoms:
+            named[atom.name].append(atom)
+        types, sides = (
+            {atom.arguments[0].number: atom.arguments[1] for atom in named[name]} for name in ("room", "side")
+        )
+        numbered = {atom.arguments[1].number: fixed[atom.arguments[0].number] for atom in named["numbered"]}
+        rooms = [
+            RoomLayout(number, type_, sides[number], (), fixed=numbered.get(number))
+            for number, type_ in sorted(types.items())
+        ]
+        return cls(rooms, named["corner"])
