@@ -14,7 +14,7 @@ STUDIES = {
     "watch": ("benchmarks.generator.watch:WatchStudy", "Seconds from the save of a rule file to its houses."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
-    "devices": ("benchmarks.simulator.devices:Devices", "Simulator and learner on a GPU, beside the CPU."),
+    "gpu": ("benchmarks.simulator.gpu:GPU", "Simulator and learner on a GPU, beside the CPU."),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),
     "agents": ("benchmarks.agents.run:Agents", "Train every preset and its changes, and measure all."),
     "paper": ("benchmarks.paper.run:PaperStudy", "The paper's claims, one by one, and what comes out here."),

@@ -21,7 +21,7 @@ PLANS = ROOT / "tests" / "fixtures" / "plans.jsonl"
 FOREIGN = b"years of my own work\n"
 
 FOLDERS = (
-    *("agents", "devices", "drift", "explorers", "fuzz", "generator", "homes", "learner", "learning"),
+    *("agents", "drift", "explorers", "fuzz", "generator", "gpu", "homes", "learner", "learning"),
     *("paper", "phases", "playing", "sampling", "simulator", "tasks", "throughput", "transfer"),
 )
 """Studies that write into a folder."""

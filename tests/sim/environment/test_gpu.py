@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agent.runs.checkpoint import load
-from benchmarks.simulator.devices import compared
+from benchmarks.simulator.gpu import compared
 from sim import runtime
 from sim.runtime import Array, has_cuda, impl, start, ti
 

@@ -1,4 +1,4 @@
-"""``vitruvius bench devices``: what a GPU changes: steps a second, outcomes, and how fast an agent learns."""
+"""``vitruvius bench gpu``: what a GPU changes: steps a second, outcomes, and how fast an agent learns."""
 
 import json
 import sys
@@ -29,17 +29,17 @@ TRAININGS = (
 SCORED = ("pqn-cpu-512", "pqn-cuda-512", "pqn-cuda-4096")
 """Those whose agents are measured."""
 
-PAGE = Path(__file__).with_name("devices.md")
+PAGE = Path(__file__).with_name("gpu.md")
 
 
 @dataclass(frozen=True)
-class Devices:
+class GPU:
     """Simulator and learner on the CPU and on an NVIDIA GPU of this machine, into gpu.md and gpu.json."""
 
     steps: int = 1_000_000
     """Of each training."""
 
-    out: Path = Path("runs/devices")
+    out: Path = Path("runs/gpu")
     """Folder for the trained agents, gpu.json and gpu.md."""
 
     replace: bool = False
@@ -53,7 +53,7 @@ class Devices:
         import torch
 
         if not torch.cuda.is_available():
-            raise RequestError("bench devices compares the CPU with an NVIDIA GPU: none was found here")
+            raise RequestError("bench gpu compares the CPU with an NVIDIA GPU: none was found here")
         self.out.mkdir(parents=True, exist_ok=True)
         record: dict[str, Any] = {device: self.device(device) for device in ("cpu", "cuda")}
         record["gpu"] = torch.cuda.get_device_name()
