@@ -9,6 +9,7 @@ from agent.algorithms.dqn.config import DQNConfig
 from agent.algorithms.map_completion.config import CompletionConfig
 from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.search.config import SearchConfig
 from agent.learning.config import TrainConfig
 
 
@@ -23,6 +24,7 @@ class Algorithm(NamedTuple):
 TABLE = (
     Algorithm(PQNConfig, "agent.algorithms.pqn.learner:PQN"),
     Algorithm(CompletionConfig, "agent.algorithms.map_completion.learner:MapCompletion"),
+    Algorithm(SearchConfig, "agent.algorithms.search.learner:Search"),
     Algorithm(DQNConfig, "agent.algorithms.dqn.learner:DQN"),
     Algorithm(PaperConfig, "agent.algorithms.paper.learner:Paper"),
 )

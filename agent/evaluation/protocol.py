@@ -9,7 +9,6 @@ from functools import cached_property, partial
 import numpy as np
 
 from agent.algorithms.build import policy_of
-from agent.algorithms.map_completion.config import CompletionConfig
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
@@ -109,9 +108,9 @@ class Setting:
 
 
 def tasks_of(agents: Mapping[str, Sequence[Checkpoint]]) -> tuple[str, ...]:
-    """The tasks that these agents are measured in where none are named: those that map completion among them
-    has learnt, which knows no others; else all target modes.
+    """The tasks that these agents are measured in where none are named: those that readers of maps among them
+    have learnt, which know no others; else all target modes.
     """
     runs = [run.config for each in agents.values() for run in each]
-    learnt = {config.targets: None for config in runs if isinstance(config, CompletionConfig)}
+    learnt = {config.targets: None for config in runs if config.reads_maps}
     return tuple(learnt) or TARGET_MODES

@@ -94,6 +94,9 @@ class TrainConfig:
     learnt_in: ClassVar[str | None] = None
     """Houses that it learns in where none are given: a name of ``sim.environment.arguments``."""
 
+    reads_maps: ClassVar[bool] = False
+    """Whether it learns from a body's maps: then it plays no other task than its own, and no other body."""
+
     parallel: ClassVar[bool] = False
     """Whether several processes can learn as one."""
 

@@ -1,5 +1,6 @@
 """Where an agent meets the simulator: make environments, and the avoidance layers for their bodies."""
 
+import shlex
 from collections.abc import Sequence
 from typing import cast
 
@@ -8,7 +9,8 @@ import torch
 
 from agent.avoidance import Free, Layer, PaperRule, Shield, air
 from agent.learning.config import TrainConfig
-from logic import House, HouseFileError
+from agent.learning.simulator import simulator
+from logic import House, HouseFileError, RequestError
 from logic.spelling import keywords
 from sim import HouseVectorEnv
 from sim.config import Config
@@ -62,6 +64,24 @@ def playable(
         return True
 
     return [house for house in suited(known, houses) if fits(house)] or list(houses)
+
+
+def require_own_maps(config: TrainConfig, envs: HouseVectorEnv) -> None:
+    """Raise ``RequestError`` for another task than a reader of maps has learnt, or a map of other cells."""
+    name, body, learnt = (
+        config.algorithm.replace("-", " "),
+        max(envs.config.body),
+        max(simulator(config).body),
+    )
+    if body != learnt:
+        raise RequestError(
+            f"{name} that learnt maps of a body of {learnt:.3f} m cannot read those of one of {body:.3f} m"
+        )
+    if task(config.targets) != envs.world.task:
+        raise RequestError(
+            f"{name} plays no other task than the one that it has learnt: "
+            f"give --targets {shlex.quote(config.targets)}"
+        )
 
 
 def shield(envs: HouseVectorEnv) -> Shield:

@@ -18,10 +18,9 @@ from agent.planner.mapping.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID
 from agent.planner.mapping.visibility import FINE, fan
 from agent.planner.paths import FAR
 from agent.planner.state import AT, NONE, SIZE, TARGET
-from agent.planner.step import step_kernel, take_kernel
+from agent.planner.step import lead_kernel, step_kernel
 from agent.planner.viewpoints.belief import COUNT
 from agent.planner.viewpoints.choice import views
-from agent.planner.viewpoints.offers import CHOICE, OFFER
 from agent.planner.viewpoints.reachability import SIDE, UNKNOWN, WORDS
 from logic.errors import RequestError
 from sim.config import Config
@@ -32,8 +31,8 @@ __all__ = ["TUNED", "Planner", "PlannerConfig"]
 UNSEEN, FREE, TAKEN = range(3)
 """What ``Planner.occupancy`` says of a cell."""
 
-GIVEN = {"prior", "offers", "offered"}
-"""The arrays of ``PlannerArrays`` that others write, or that are read after a step alone."""
+GIVEN = {"prior"}
+"""The arrays of ``PlannerArrays`` that others write."""
 
 STATE = (*(name for name in PlannerArrays._fields if name not in GIVEN), "states", "advice")
 """The arrays that the next steps depend on."""
@@ -50,28 +49,20 @@ class Planner:
     advice: Tensor
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
 
-    offers: Tensor
-    """(E, K, ``OFFER``) float32, the viewpoints of the last choice: their numbers are listed in
-    ``viewpoints.offers``. The same memory after every step."""
-
-    offered: Tensor
-    """(E, ``CHOICE``) float32, of the last step: how many were offered, 0 where none was chosen; and whether
-    it can go forward. The same memory after every step."""
-
     def __init__(
         self,
         world: Config,
         environments: int,
         config: PlannerConfig = TUNED,
         prior: bool = False,
-        offers: int = 0,
+        led: bool = False,
     ) -> None:
         """Make planners for E environments of the configuration ``world``, in each of which an episode
         begins.
 
         ``prior``: what places count, and which of the unseen ones stop sight, is read from the array of this
-        name, which a network or a study that knows the house fills, and not estimated. ``offers``: at each
-        choice so many viewpoints are noted at most, the planner's own first, of which ``take`` takes another.
+        name, which a network or a study that knows the house fills, and not estimated. ``led``: they choose
+        no viewpoint; where they have none (``lost``) they are given one by ``lead``.
         Raises ``ValueError`` for episodes too long for a cell to keep when it was seen.
         """
         if world.steps > LATEST - 2:
@@ -113,14 +104,12 @@ class Planner:
             "evidence": Array(ti.u8, area if errs else 1),
             "last": Array(ti.f32, count * rays if world.slip else 1),
             "prior": Array(ti.u16, area >> 2 if prior else 1),
-            "offers": Array(ti.f32, count * offers * OFFER),
-            "offered": Array(ti.f32, count * CHOICE if offers else 1),
         }
         kept = {
             "states": Array(ti.i32, count * SIZE),
             "advice": Array(ti.i64, count),
         }
-        self.arrays = given | tables | memory | kept | {"picks": Array(ti.i64, count)}
+        self.arrays = given | tables | memory | kept | {"goals": Array(ti.i32, 3 * count)}
         self.body = body = BodyModel(
             rays=rays,
             columns=world.columns,
@@ -134,16 +123,13 @@ class Planner:
             eighth=45 // world.ray_spacing,
             errs=errs,
             prior=prior,
-            offers=offers,
+            led=led,
         )
         self._launch = Launch(step_kernel(program, config, body), self.arrays)
-        self._take = Launch(take_kernel(program, config, body), self.arrays) if offers else None
+        self._lead = Launch(lead_kernel(program, config, body), self.arrays) if led else None
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._given = [tensors[name] for name in ("observation", "blocked", "action", "begun")]
         self._states = tensors["states"].view(count, SIZE)
-        self.offers = tensors["offers"].view(count, offers, OFFER)
-        self.offered = tensors["offered"].view(-1, CHOICE) if offers else torch.zeros(count, CHOICE)
-        self._picks = tensors["picks"]
         self.advice = tensors["advice"]
 
     def step(self, observation: Tensor, blocked: Tensor, action: Tensor, begun: Tensor) -> None:
@@ -155,14 +141,21 @@ class Planner:
             held.copy_(given.reshape(-1))
         self._launch()
 
-    def take(self, picks: Tensor) -> None:
-        """Go to others of the ``offers`` than the planner chose in the last step: ``picks`` (E,) int64, 0 for
-        its own. Where it chose none, or has not so many, nothing changes.
+    @property
+    def lost(self) -> Tensor:
+        """Where (E,) bool it has no goal: no viewpoint, and no target that is known."""
+        return self.read("kind") == NONE
+
+    def lead(self, environments: np.ndarray, goals: np.ndarray) -> None:
+        """Give viewpoints to planners that are ``led``, in these environments (n,) int: ``goals`` (n, 3) int,
+        the node, the heading there, and how many nodes the path is about long. The advice follows them.
         """
-        if self._take is None:
-            raise ValueError("these planners note no offers: make them with offers")
-        self._picks.copy_(picks)
-        self._take()
+        if self._lead is None:
+            raise ValueError("these planners choose their viewpoints: make them with led")
+        given = self.arrays["goals"].view().reshape(-1, 3)
+        given[:] = -1
+        given[environments] = goals
+        self._lead()
 
     def choose_again(self, environments: np.ndarray) -> None:
         """Choose a viewpoint again in the next step, in these environments (n,) int."""

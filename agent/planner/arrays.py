@@ -52,12 +52,6 @@ class PlannerArrays(NamedTuple):
     prior: Shorts
     """(E, S S / 4) uint16, or one number: what is believed of a block, if that is given (``belief.py``)."""
 
-    offers: Floats
-    """(E, K, ``OFFER``) float32, or one number: the viewpoints that may be taken (``offers.py``)."""
-
-    offered: Floats
-    """(E, ``CHOICE``) float32, or a few numbers: how many, and what else a choice is among."""
-
 
 class PlannerTables(NamedTuple):
     """What follows from the body and its rays, the same for all environments."""

@@ -40,5 +40,5 @@ class BodyModel(NamedTuple):
     prior: bool
     """Whether what unseen places count is given from outside."""
 
-    offers: int
-    """How many viewpoints are noted at a choice, for another to choose among; 0: none."""
+    led: bool
+    """Whether its viewpoints are given from outside, and none is chosen."""

@@ -142,12 +142,6 @@ class PlannerConfig:
     replan_interval: int = 32
     """Steps until the next viewpoint is chosen, though the last was not reached."""
 
-    offer_apart: int = 12
-    """Nodes, along an axis at least, that viewpoints lie apart that are offered to a chooser."""
-
-    offer_share: float = 0.4
-    """Of the greatest gain for its cost that a viewpoint must have, as computed last, to be offered."""
-
     # Paths.
 
     path_interval: int = 8

@@ -1,5 +1,6 @@
 """The goal: the target that was seen, or else the next best view; and the paths to it."""
 
+from agent.planner.body import BodyModel
 from agent.planner.config import PlannerConfig
 from agent.planner.mapping.occupancy import Occupancy
 from agent.planner.paths import FAR, Paths
@@ -10,18 +11,25 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class Goal:
-    """The choice of a goal, for targets of half the side ``half``, in cells."""
+    """The choice of a goal."""
 
     def __init__(
-        self, config: PlannerConfig, occupancy: Occupancy, paths: Paths, viewpoints: Viewpoints, half: float
+        self,
+        config: PlannerConfig,
+        occupancy: Occupancy,
+        paths: Paths,
+        viewpoints: Viewpoints,
+        body: BodyModel,
     ) -> None:
-        self.config, self.occupancy, self.half = config, occupancy, half
+        self.config, self.occupancy, self.half, self.led = config, occupancy, body.target, body.led
         self.paths, self.viewpoints = paths, viewpoints
         self.radius = config.goal_radius_touching if occupancy.touching else config.goal_radius
 
     @ti.func
     def choose(self, memory: ti.template(), tables: ti.template(), state, base, hits):
-        """The goal and the paths to it: the target that was seen, or else the next best view."""
+        """The goal and the paths to it: the target that was seen, or else the next best view, which a body
+        that is led is given afterwards (``lead``).
+        """
         far = self.paths.far(memory, base, state.x, state.y)
         state.stale += hits
         state.path_age += 1
@@ -59,22 +67,40 @@ class Goal:
             state.kind = NONE
         if (state.kind == SEARCH) & (far == FAR):
             state.kind = NONE
-        while state.kind == NONE:
-            self.paths.forget(memory, base, state.queued)
-            state.queued, state.plan_age, search = 0, 0, 1
-            goal, look, longest = self.viewpoints.choose(memory, tables, state, base)
-            state.goal, state.look, within = goal, look, longest
-            if goal >= 0:
-                state.kind = SEARCH
-            elif state.since >= state.time:
-                break
-            else:
-                # All is seen: look again where it has not looked for longest.
-                state.since += ti.max(1, (state.time - state.since) // 2)
-                state.straight = -1
-                self.viewpoints.forget(memory, base)
+        if ti.static(self.led):
+            if state.kind == NONE:
+                self.paths.forget(memory, base, state.queued)
+                state.queued, state.plan_age = 0, 0
+        else:
+            while state.kind == NONE:
+                self.paths.forget(memory, base, state.queued)
+                state.queued, state.plan_age, search = 0, 0, 1
+                goal, look, longest = self.viewpoints.choose(memory, tables, state, base)
+                state.goal, state.look, within = goal, look, longest
+                if goal >= 0:
+                    state.kind = SEARCH
+                elif state.since >= state.time:
+                    break
+                else:
+                    state = self.look_again(memory, state, base)
         if (search > 0) & (state.kind != NONE):
             state = self.search(memory, state, base, within)
+        state.path = self.paths.far(memory, base, state.x, state.y)
+        return state
+
+    @ti.func
+    def look_again(self, memory: ti.template(), state, base):
+        """All is seen: look again where it has not looked for longest."""
+        state.since += ti.max(1, (state.time - state.since) // 2)
+        state.straight = -1
+        self.viewpoints.forget(memory, base)
+        return state
+
+    @ti.func
+    def lead(self, memory: ti.template(), state, base, node, look, within):
+        """Go to a node to look at a heading from there, by a path of ``within`` nodes or a few more."""
+        state.kind, state.goal, state.look, state.plan_age = SEARCH, node, look, 0
+        state = self.search(memory, state, base, within + self.config.path_slack)
         state.path = self.paths.far(memory, base, state.x, state.y)
         return state
 

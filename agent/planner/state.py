@@ -23,6 +23,7 @@ State = ti.types.struct(
     queued=ti.i32,  # how long the last path search's queue is
     path_age=ti.i32,  # steps since that search
     stale=ti.i32,  # cells that were found to be occupied since that search
+    forward=ti.i32,  # whether the rays leave the body room to go forward
     path=ti.i32,  # half cells to the goal, 65535 where no path is known
     new=ti.i32,  # cells seen for the first time in the last step
     seen=ti.i32,  # and ever
@@ -59,11 +60,12 @@ def loaded(states: ti.template(), e):
         queued=states[at + 14],
         path_age=states[at + 15],
         stale=states[at + 16],
-        path=states[at + 17],
-        new=states[at + 18],
-        seen=states[at + 19],
-        found=states[at + 20],
-        found_here=states[at + 21],
+        forward=states[at + 17],
+        path=states[at + 18],
+        new=states[at + 19],
+        seen=states[at + 20],
+        found=states[at + 21],
+        found_here=states[at + 22],
     )
 
 
@@ -76,7 +78,8 @@ def store(states: ti.template(), e, state):
         [
             state.time, state.x, state.y, state.heading, state.aligned, state.straight, state.since,
             state.known, x, y, state.kind, state.goal, state.look, state.plan_age, state.queued,
-            state.path_age, state.stale, state.path, state.new, state.seen, state.found, state.found_here,
+            state.path_age, state.stale, state.forward, state.path, state.new, state.seen, state.found,
+            state.found_here,
         ]
     )  # fmt: skip
     for k in ti.static(range(SIZE)):

@@ -44,11 +44,11 @@ class Step:
         self.target = TargetEstimate(config, body.target)
         self.belief = Belief(config, self.occupancy, body.prior)
         candidates = Candidates(config, self.occupancy, self.belief)
-        self.viewpoints = Viewpoints(config, self.occupancy, candidates, body.offers)
+        self.viewpoints = Viewpoints(config, self.occupancy, candidates)
         self.paths = Paths(config, self.occupancy)
         self.advice = Advice(self.occupancy, self.paths)
         self.ahead = body.step // 2 if body.touching else body.step
-        self.goal = Goal(config, self.occupancy, self.paths, self.viewpoints, body.target)
+        self.goal = Goal(config, self.occupancy, self.paths, self.viewpoints, body)
 
     @ti.func
     def move(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
@@ -172,10 +172,10 @@ class Step:
         return state, sight
 
     @ti.func
-    def advise(self, memory: ti.template(), state, base, forward):
+    def advise(self, memory: ti.template(), state, base):
         """The action that leads to the goal."""
         px, py, heading = state.x, state.y, state.heading
-        gains = self.advice.gains(memory, base, px, py, heading, forward)
+        gains = self.advice.gains(memory, base, px, py, heading, state.forward)
         turn = self.advice.turn(memory, base, px, py, heading, gains)
         if (state.kind == SEARCH) & (state.look >= 0) & (state.path == 0):
             turn = (state.look - heading) & 7
@@ -205,32 +205,28 @@ def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
             state, fresh = parts.move(memory, tables, observation, state, base, e, action[e], hit, fresh)
             state, sight = parts.see(memory, tables, observation, state, base, e)
             state, sight = parts.remember(memory, state, sight, base, hit)
-            if ti.static(body.offers):
-                parts.viewpoints.offers.begin(memory, e, sight.forward)
+            state.forward = sight.forward
             state = parts.goal.choose(memory, tables, state, base, sight.hits)
-            advice[e] = parts.advise(memory, state, base, sight.forward)
+            advice[e] = parts.advise(memory, state, base)
             store(states, e, state)
 
     return step
 
 
 @cache
-def take_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
-    """The kernel that takes another viewpoint than the planner chose, in the step in which it chose."""
+def lead_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
+    """The kernel that gives planners viewpoints in the step in which they have none."""
     parts = Step(config, body)
 
     @kernel
-    def take(picks: Longs, memory: PlannerArrays, states: Ints, advice: Longs):
+    def lead(goals: Ints, memory: PlannerArrays, states: Ints, advice: Longs):
         ti.loop_config(block_dim=8)
-        for e in range(picks.shape[0]):
-            pick = ti.cast(picks[e], ti.i32)
-            if (pick > 0) & (pick < parts.viewpoints.offers.number(memory, e)):
+        for e in range(advice.shape[0]):
+            node = goals[3 * e]
+            if node >= 0:
                 base, state = e * parts.occupancy.area, loaded(states, e)
-                state.goal, state.look, within = parts.viewpoints.offers.taken(memory, e, pick)
-                state = parts.goal.search(memory, state, base, within + parts.config.path_slack)
-                state.path = parts.paths.far(memory, base, state.x, state.y)
-                forward = parts.viewpoints.offers.forward(memory, e)
-                advice[e] = parts.advise(memory, state, base, forward)
+                state = parts.goal.lead(memory, state, base, node, goals[3 * e + 1], goals[3 * e + 2])
+                advice[e] = parts.advise(memory, state, base)
                 store(states, e, state)
 
-    return take
+    return lead

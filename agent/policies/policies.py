@@ -44,13 +44,10 @@ class Policy(Protocol):
 
 
 class Chooser(Protocol):
-    """Chooses among the viewpoints that planners offer."""
-
-    offers: int
-    """How many it asks for, at most."""
+    """Chooses viewpoints for planners."""
 
     def __call__(self, planner: Planner) -> object:
-        """Choose where the planners chose in their last step: by ``Planner.take``."""
+        """Give viewpoints to those that are lost after their last step: by ``Planner.lead``."""
         ...
 
 
@@ -65,7 +62,7 @@ class Tracker:
         chooser: Chooser | None = None,
     ) -> None:
         """Make planners for environments of the configuration ``world``; for ``prior`` see ``Planner``.
-        ``chooser`` takes other viewpoints than they do.
+        With a ``chooser`` they are led: it chooses the viewpoints.
         """
         self.world, self.config, self.prior, self.chooser = world, config, prior, chooser
         self.planner = self._planner(1)
@@ -86,8 +83,7 @@ class Tracker:
         return self.planner
 
     def _planner(self, environments: int) -> Planner:
-        offers = self.chooser.offers if self.chooser else 0
-        return Planner(self.world, environments, self.config, self.prior, offers)
+        return Planner(self.world, environments, self.config, self.prior, led=self.chooser is not None)
 
 
 class QPolicy:
@@ -135,7 +131,7 @@ class QPolicy:
 
 class Explorer:
     """The planner's advice under avoidance: to the target that was seen, or else to the next best view, or to
-    that which a chooser takes. Nothing is learnt but what its ``tracker`` foresees, or its chooser has.
+    that which a chooser gives. Nothing is learnt but what its ``tracker`` foresees, or its chooser has.
     """
 
     choice: ActionChoice

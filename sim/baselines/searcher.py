@@ -15,6 +15,9 @@ import numpy as np
 from sim.baselines.coverage import WORD, LineOfSight, bit, in_steps, origins_of
 from sim.baselines.priors import PRIORS, PriorName
 from sim.baselines.view_planner import (
+    DONE,
+    KNOWN,
+    LENGTH,
     LINES,
     PLACE,
     REPLAN,
@@ -38,9 +41,6 @@ judges a look, about: whole numbers of steps. The posterior itself is of all pla
 AT_ONCE = 32
 """Environments that plan at a time: it bounds the memory of their searches for paths."""
 
-EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
-"""Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
-
 
 class Searcher:
     """Actions for the E environments of a ``HouseVectorEnv``, whose episodes begin at sampled starts.
@@ -48,8 +48,9 @@ class Searcher:
     Only on the CPU; the bank must stay as it is. It takes 0.3 MB and 30 ms a house to prepare.
     """
 
-    def __init__(self, envs: HouseVectorEnv, prior: PriorName = "task") -> None:
-        """Survey the houses, and find what a look from each viewpoint would show.
+    def __init__(self, envs: HouseVectorEnv, prior: PriorName = "task", pitch: int | None = None) -> None:
+        """Survey the houses, and find what a look from each viewpoint would show; viewpoints are ``pitch``
+        steps apart, ``VIEWS`` by default.
 
         ``prior`` is what it believes: ``task``, where the task puts targets and how often; ``floor``, all
         free floor of the house alike, as if it did not know the task; ``finds``, the task's regions, which of
@@ -63,7 +64,7 @@ class Searcher:
         tables = survey(world.backend, world.bank, list(range(len(world.places))), world.lattices)
         self.prior = PRIORS[prior](world, tables, in_steps(SAMPLES, world))
         spots, samples = self.prior.spots, self.prior.samples
-        pitch = in_steps(VIEWS, world)
+        pitch = pitch or in_steps(VIEWS, world)
         shapes = np.array([table.moves.shape for table in tables])
         words = -(-max(map(len, samples)) // WORD)
         views = 8 * np.prod(-(-shapes // pitch), axis=1)
@@ -157,18 +158,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
         for slot in range(slots):
             for turn in range((count - slot + slots - 1) // slots):
                 e = slot + turn * slots
-                state, note = loaded(world, e), search.notes[e]
-                if note[EPISODE] != state.episode or note[FOUND] != state.found:
-                    near = ti.Vector([ti.math.nan, ti.math.nan])
-                    if note[EPISODE] == state.episode:
-                        near = search.last[e]
-                    planner.restart(search, e, state, near)
-                    note = ti.Vector([state.episode, state.found, 0, 0, 0])
-                    search.last[e] = state.target
-                if not note[KNOWN]:
-                    known = planner.look(world, search, e, state)
-                    if known:
-                        note[KNOWN], note[LENGTH] = 1, 0
+                state, note = loaded(world, e), planner.watched(world, search, e)
                 if note[DONE] >= note[LENGTH]:
                     note[DONE] = 0
                     note[LENGTH] = planner.plan(world, search, e, slot, slots, state, note[KNOWN])

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from sim.backends.backend import TARGET
 from sim.baselines.coverage import WORD, LineOfSight, bit
 from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
+from sim.world.episodes import loaded
 
 REPLAN = 48
 """Steps until it plans again: what it saw on its path may have made another one better."""
@@ -20,6 +21,9 @@ Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)
 SPOT, SPOTS, SAMPLE, SAMPLED, VIEW, PLACE, COLUMNS, LINES = range(8)
 """Of a house: its first spot and their number, its samples, its first view; its lattice's first place,
 columns and rows."""
+
+EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
+"""Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
 
 Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
 Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
@@ -99,6 +103,23 @@ class ViewPlanner:
             search.left[first + k // ti.static(WORD)] |= bit(k)
 
     @ti.func
+    def watched(self, world: ti.template(), search: ti.template(), e):
+        """Look from where the body is, after a pick-up for another target; an environment's notes."""
+        state, note = loaded(world, e), search.notes[e]
+        if note[EPISODE] != state.episode or note[FOUND] != state.found:
+            near = ti.Vector([ti.math.nan, ti.math.nan])
+            if note[EPISODE] == state.episode:
+                near = search.last[e]
+            self.restart(search, e, state, near)
+            note = ti.Vector([state.episode, state.found, 0, 0, 0])
+            search.last[e] = state.target
+        if not note[KNOWN]:
+            known = self.look(world, search, e, state)
+            if known:
+                note[KNOWN], note[LENGTH] = 1, 0
+        return note
+
+    @ti.func
     def look(self, world: ti.template(), search: ti.template(), e, state):
         """Whether a ray meets the target; if not, strike out the spots where one would have."""
         distance, kinds = self.sight.backend.see(
@@ -136,22 +157,9 @@ class ViewPlanner:
             self.first_left(search, e),
             search.sampled.shape[0] // slots,
         )
-        base = slot * (search.queue.shape[0] // slots)
-        total = ti.f32(0.0)
-        for word in range(words):
-            search.sampled[slot * words + word] = 0
-        for k in range(row[SAMPLED]):
-            spot = search.samples[row[SAMPLE] + k]
-            if search.left[left + spot // ti.static(WORD)] & bit(spot):
-                search.sampled[slot * words + k // ti.static(WORD)] |= bit(k)
-                total += search.weights[e * words + k // ti.static(WORD)]
-        across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
-        pose = 8 * (state.cell[0] * row[LINES] + state.cell[1]) + state.cell[2]
-        search.distance[base + pose], search.queue[base] = (
-            ti.u16(1),
-            pose,
-        )  # one more than it is: 0 is unknown
-        head, tail, goal, best, searching = 0, 1, -1, ti.f32(0.0), True
+        base, total = slot * (search.queue.shape[0] // slots), self.sample(search, row, e, slot, words)
+        tail = self.source(search, row, base, state)
+        head, goal, best, searching = 0, -1, ti.f32(0.0), True
         while searching and head < tail:
             pose = search.queue[base + head]
             head += 1
@@ -170,23 +178,11 @@ class ViewPlanner:
                     cell = ti.Vector([i, j, heading])
                     gain = self.turned(world, search, slot * words, e * words, state, cell)
                 elif i % ti.static(self.pitch) == 0 and j % ti.static(self.pitch) == 0:
-                    view = i // ti.static(self.pitch) * across + j // ti.static(self.pitch)
-                    view = (row[VIEW] + 8 * view + heading) * words
-                    for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
-                        both = search.shown[view + word] & search.sampled[slot * words + word]
-                        gain += search.weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
+                    gain = self.shown(search, row, e, slot, words, ti.Vector([i, j, heading]))
                 if gain / cost > best:
                     goal, best = pose, gain / cost
             if searching:
-                moves_here = ti.cast(search.moves[row[PLACE] + place], ti.i32)
-                for turn in ti.static((1, 7)):
-                    other = heading + turn & 7
-                    if moves_here >> (8 + other % 2) & 1:
-                        tail = self.found(search, base, tail, 8 * place + other, away + 1)
-                if moves_here >> heading & 1:
-                    forward = self.headings[heading]
-                    ahead = 8 * (place + forward[0] * row[LINES] + forward[1]) + heading
-                    tail = self.found(search, base, tail, ahead, away + 1)
+                tail = self.spread(search, row, base, tail, pose)
         if goal < 0 and not known:
             goal = self.nearest(search, row, left, base)
         length = 0
@@ -195,6 +191,30 @@ class ViewPlanner:
         for k in range(base, base + tail):
             search.distance[base + search.queue[k]] = ti.u16(0)
         return length
+
+    @ti.func
+    def sample(self, search: ti.template(), row, e, slot, words):
+        """Note which samples are left; what they weigh together."""
+        left, total = self.first_left(search, e), ti.f32(0.0)
+        for word in range(words):
+            search.sampled[slot * words + word] = 0
+        for k in range(row[SAMPLED]):
+            spot = search.samples[row[SAMPLE] + k]
+            if search.left[left + spot // ti.static(WORD)] & bit(spot):
+                search.sampled[slot * words + k // ti.static(WORD)] |= bit(k)
+                total += search.weights[e * words + k // ti.static(WORD)]
+        return total
+
+    @ti.func
+    def shown(self, search: ti.template(), row, e, slot, words, cell):
+        """The weight of the samples that are left and that a view shows."""
+        across, gain = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch), ti.f32(0.0)
+        view = cell[0] // ti.static(self.pitch) * across + cell[1] // ti.static(self.pitch)
+        view = (row[VIEW] + 8 * view + cell[2]) * words
+        for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
+            both = search.shown[view + word] & search.sampled[slot * words + word]
+            gain += search.weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
+        return gain
 
     @ti.func
     def turned(self, world: ti.template(), search: ti.template(), base, weight, state, cell):
@@ -210,6 +230,30 @@ class ViewPlanner:
                 met = self.sight.meets(distance, state.origin, cell, self.sight.spot(corner, i, j))
                 gain += search.weights[weight + k // ti.static(WORD)] * ti.cast(met, ti.f32)
         return gain
+
+    @ti.func
+    def source(self, search: ti.template(), row, base, state):
+        """Begin a search for paths where the body is; the queue's end."""
+        pose = 8 * (state.cell[0] * row[LINES] + state.cell[1]) + state.cell[2]
+        # A distance is noted as one more than it is: 0 is unknown.
+        search.distance[base + pose], search.queue[base] = ti.u16(1), pose
+        return 1
+
+    @ti.func
+    def spread(self, search: ti.template(), row, base, tail, pose):
+        """Note the poses that one action leads to; the queue's end."""
+        place, heading = pose >> 3, pose & 7
+        away = ti.cast(search.distance[base + pose], ti.i32)
+        moves_here = ti.cast(search.moves[row[PLACE] + place], ti.i32)
+        for turn in ti.static((1, 7)):
+            other = heading + turn & 7
+            if moves_here >> (8 + other % 2) & 1:
+                tail = self.found(search, base, tail, 8 * place + other, away)
+        if moves_here >> heading & 1:
+            forward = self.headings[heading]
+            ahead = 8 * (place + forward[0] * row[LINES] + forward[1]) + heading
+            tail = self.found(search, base, tail, ahead, away)
+        return tail
 
     @ti.func
     def found(self, search: ti.template(), base, tail, pose, away):

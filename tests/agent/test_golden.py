@@ -38,8 +38,8 @@ SMALL: dict[str, dict[str, Any]] = {
 }
 """What is changed so that a preset learns something in so few steps."""
 
-RECORDED = [preset for preset in PRESETS if preset != "map-completion"]
-"""Which views that one takes depends on how a processor rounds."""
+RECORDED = [preset for preset, config in PRESETS.items() if not config.reads_maps]
+"""Which views the others take depends on how a processor rounds."""
 
 EXPLORERS = {
     "explorer, secondary": ("secondary", 0.0),

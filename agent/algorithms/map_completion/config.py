@@ -42,6 +42,7 @@ class CompletionConfig(TrainConfig):
     """Longer gradients are clipped to this norm."""
 
     algorithm: ClassVar[str] = "map-completion"
+    reads_maps: ClassVar[bool] = True
     positive: ClassVar[tuple[str, ...]] = (
         *(*TrainConfig.positive, "num_steps", "update_epochs", "batch_size", "max_grad_norm"),
     )

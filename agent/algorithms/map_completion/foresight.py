@@ -1,24 +1,17 @@
 """Planners that foresee: what a network predicts of unseen ground is written into their ``prior``."""
 
-import shlex
-
 import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.map_completion.config import CompletionConfig
 from agent.algorithms.map_completion.marks import Marks
 from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.algorithms.map_completion.windows import LOOKED, Windows, seen
-from agent.learning.simulator import simulator
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.planner.config import CERTAIN
 from agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
 from agent.policies.policies import Tracker
-from logic.errors import RequestError
-from sim import HouseVectorEnv
 from sim.config import Config
-from sim.tasks.tasks import task
 
 EVERY, NEWS = 48, 64
 """Steps of an environment between two predictions, at least; cells that must be new. After a pick-up it
@@ -109,18 +102,3 @@ class Foresight(Tracker):
         count = np.where(path, count.clip(1), 0)
         wall = np.rint(BLOCKED * (1 - np.where(known, 1.0, sight))).astype(np.uint16)
         return wall << WALL | (PATH * path).astype(np.uint16) | count
-
-
-def require_foreseen(config: CompletionConfig, envs: HouseVectorEnv) -> None:
-    """Raise ``RequestError`` for another task than map completion has learnt, or a map of other cells."""
-    body, learnt = max(envs.config.body), max(simulator(config).body)
-    if body != learnt:
-        raise RequestError(
-            f"map completion that learnt maps of a body of {learnt:.3f} m cannot read those of one "
-            f"of {body:.3f} m"
-        )
-    if task(config.targets) != envs.world.task:
-        raise RequestError(
-            "map completion plays no other task than the one that it has learnt: "
-            f"give --targets {shlex.quote(config.targets)}"
-        )

@@ -11,13 +11,13 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.map_completion.foresight import Foresight, require_foreseen
+from agent.algorithms.map_completion.foresight import Foresight
 from agent.algorithms.map_completion.marks import Marks
 from agent.algorithms.map_completion.network import CompletionNetwork, Prediction
 from agent.algorithms.map_completion.sight import cast_rays
 from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.algorithms.map_completion.windows import Windows, seen
-from agent.learning.environments import shield
+from agent.learning.environments import require_own_maps, shield
 from agent.learning.learner import Learner, Progress, Tally
 from agent.learning.simulator import simulator
 from agent.policies.network import seeded
@@ -85,7 +85,7 @@ class MapCompletion(Learner):
         network: CompletionNetwork, config: CompletionConfig, envs: HouseVectorEnv, seed: int = 0
     ) -> Explorer:
         """The explorer, by planners that foresee."""
-        require_foreseen(config, envs)
+        require_own_maps(config, envs)
         return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
 
     def __init__(self, config: CompletionConfig, envs: HouseVectorEnv) -> None:

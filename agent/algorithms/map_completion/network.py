@@ -94,9 +94,9 @@ class CompletionNetwork(nn.Module):
             passed.append(x)
             x = down(F.max_pool2d(x, 2))
         for narrow, up in zip(reversed(self.narrow), reversed(self.up), strict=True):
-            x = up(F.interpolate(_pointwise(narrow, x), scale_factor=2.0) + passed.pop())
+            x = up(F.interpolate(pointwise(narrow, x), scale_factor=2.0) + passed.pop())
         # A product for each part of the last layer: the gradients of parts of one product are slow to join.
-        own, kinds = (_pointwise(self.out, x, part) for part in (slice(OWN), slice(OWN, None)))
+        own, kinds = (pointwise(self.out, x, part) for part in (slice(OWN), slice(OWN, None)))
         count, _, high, wide = own.shape
         blocks = own.permute(0, 2, 3, 1).reshape(count, high, wide, FIELDS, 2, 2)
         blocks = blocks.permute(3, 0, 1, 4, 2, 5).reshape(FIELDS, count, 2 * high, 2 * wide)
@@ -106,7 +106,7 @@ class CompletionNetwork(nn.Module):
         return Prediction(floor, sight, target, kinds)
 
 
-def _pointwise(layer: nn.Conv2d, x: Tensor, part: slice = slice(None)) -> Tensor:
+def pointwise(layer: nn.Conv2d, x: Tensor, part: slice = slice(None)) -> Tensor:
     """A convolution over 1 by 1 of ``x`` (n, C, H, W), or a part of its channels, as a product of matrices:
     torch has no fast one for channels that lie last.
     """

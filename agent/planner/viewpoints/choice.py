@@ -9,7 +9,6 @@ import numpy as np
 from agent.planner.config import CERTAIN, PlannerConfig
 from agent.planner.mapping.occupancy import OCCUPIED, SOLID, Occupancy
 from agent.planner.viewpoints.candidates import NOT_COMPUTED, Candidates
-from agent.planner.viewpoints.offers import Offers
 from sim.runtime import ti
 
 TRIED = 128
@@ -41,11 +40,9 @@ class Viewpoints:
     viewpoint along both axes first, of those between them only where these tell that it may be the best.
     """
 
-    def __init__(
-        self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates, offers: int = 0
-    ) -> None:
-        """Choose on this map; for a choice of others, note so many ``offers``."""
-        self.config, self.occupancy, self.offers = config, occupancy, Offers(config, occupancy, offers)
+    def __init__(self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates) -> None:
+        """Choose on this map."""
+        self.config, self.occupancy = config, occupancy
         self.candidates, self.pitch = candidates, candidates.pitch
         self.places = config.view_range // config.view_stride
         # A place on a ray stands for stride by stride cells, as wide as rays are apart there.
@@ -114,8 +111,6 @@ class Viewpoints:
                         memory.gains[part + self.candidates.place(x, y)] = ti.cast(
                             ti.min(highest, float(NOT_COMPUTED - 1)), ti.u16
                         )
-        if ti.static(self.offers.most):
-            self.offers.note(self, memory, tables, state, base, number, best, goal, look, within)
         for k in range(listed):
             i = first + ti.cast(memory.queue[base + self.candidates.listed + k], ti.i32)
             memory.candidates[i] = memory.candidates[i] & ti.cast(TRIED, ti.u8)

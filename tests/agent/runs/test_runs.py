@@ -18,6 +18,7 @@ from agent.algorithms.build import algorithm_of
 from agent.algorithms.map_completion.config import CompletionConfig
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.pqn.learner import PQN
+from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.table import PRESETS
 from agent.banks import bank_hash
 from agent.learning.learner import Diverged
@@ -37,6 +38,9 @@ HOUSES = [random_house(seed) for seed in range(4)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
 COMPLETION = CompletionConfig(targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4))
+SEARCH = SearchConfig(
+    targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4), buffer_size=16, batch_size=2
+)
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 
 
@@ -115,8 +119,8 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 @pytest.mark.parametrize(
     "config",
-    [CONFIG, RECURRENT, REPLAY, COMPLETION],
-    ids=["pqn", "pqn-recurrent", "dqn", "map-completion"],
+    [CONFIG, RECURRENT, REPLAY, COMPLETION, SEARCH],
+    ids=["pqn", "pqn-recurrent", "dqn", "map-completion", "search"],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""

@@ -1,0 +1,196 @@
+"""Learning to search: a network plays, and learns what each view was worth where it chose one."""
+
+import json
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.algorithms.search.chooser import ViewChooser, best
+from agent.algorithms.search.config import SearchConfig
+from agent.algorithms.search.network import ViewMaps, ViewNetwork, turned, views
+from agent.algorithms.search.values import TrueValues
+from agent.learning.environments import require_own_maps, shield
+from agent.learning.learner import Learner, Progress, Tally
+from agent.policies.network import seeded
+from agent.policies.policies import Explorer
+from logic.errors import RequestError
+from sim import HouseVectorEnv
+
+LEAST = 0.02
+"""What views count at least in the loss."""
+
+MOST = 4.0
+"""Logarithms of values beyond which the loss goes on along a line."""
+
+
+class Search(Learner):
+    """A run of a network that searches. In each turn it plays on for some steps, and its choices go into a
+    buffer; then it learns from random ones of these. Episodes are cut short at random, so that they differ.
+    """
+
+    config: SearchConfig
+    network: ViewNetwork
+
+    @staticmethod
+    def network_of(config: SearchConfig) -> ViewNetwork:
+        """See ``Learner``."""
+        with seeded(config.seed):
+            return ViewNetwork(config.channels)
+
+    @staticmethod
+    def policy_of(
+        network: ViewNetwork, config: SearchConfig, envs: HouseVectorEnv, seed: int = 0
+    ) -> Explorer:
+        """The body, led by the network."""
+        require_own_maps(config, envs)
+        return Explorer(shield(envs), envs.config, chooser=ViewChooser(network, envs.config))
+
+    def __init__(self, config: SearchConfig, envs: HouseVectorEnv) -> None:
+        """Begin a run; ``envs`` has NEXT_STEP autoreset. Raises ``RequestError`` behind closed doors."""
+        if envs.config.closed_doors:
+            raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
+        super().__init__(config, envs, report=config.num_steps)
+        self.optimizer = torch.optim.AdamW(
+            self.network.parameters(), lr=config.learning_rate, weight_decay=1e-4, foreach=True
+        )
+        self.random = np.random.default_rng(self.seed)
+        self.chooser = ViewChooser(self.network, envs.config, self.choose)
+        self.explorer = Explorer(self.avoidance, envs.config, chooser=self.chooser)
+        self.explorer.begin(envs.num_envs)
+        self.tracker = self.explorer.tracker
+        self.reader = self.chooser.reader_of(self.tracker.planner)
+        self.truth = TrueValues(envs, self.tracker.planner)
+        self.buffer: ViewMaps | None = None
+        self.made, self.due, self.regret = 0, 0.0, (0.0, 0)
+        self.reset_envs()
+        self.begun = torch.ones(envs.num_envs, dtype=torch.bool)
+
+    def iterate(self) -> Progress:
+        """Play, and learn from the choices that were made."""
+        start, tally = perf_counter(), Tally()
+        self.restart()
+        for _ in range(self.config.num_steps):
+            self.step(tally)
+        loss = self.learn()
+        self.clock.all += perf_counter() - start
+        return self.report(tally, loss=loss, epsilon=self.guided)
+
+    @property
+    def guided(self) -> float:
+        """Share of the choices that are the true best views."""
+        return max(0.0, 1 - self.fraction / max(self.config.guided, 1e-9))
+
+    def restart(self) -> None:
+        """Begin other episodes in a share of the environments."""
+        mask = self.random.random(self.envs.num_envs) < self.config.restarts
+        if mask.any():
+            observation, _ = self.envs.reset(options={"reset_mask": mask})
+            self.s, begun = torch.as_tensor(observation), torch.from_numpy(mask)
+            self.tracker.fresh |= begun
+            self.begun |= begun
+            self.blocked, self.ended = self.blocked & ~begun, self.ended & ~begun
+
+    def step(self, tally: Tally) -> None:
+        """A step of all environments."""
+        before, start, ended = self.explorer.interventions, perf_counter(), self.ended
+        self.truth.watch(np.flatnonzero(self.begun.numpy()), self.reader)
+        actions = self.explorer(self.s, self.blocked)
+        self.clock.mapping += perf_counter() - start
+        reward, _, _ = self.step_envs(actions)
+        tally.add(reward, ~ended, torch.tensor(self.explorer.interventions - before))
+        # The step after an end began the next episode.
+        self.tracker.fresh |= ended
+        self.begun = ended
+
+    def choose(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
+        """The views to go to, the network's or the true best; and note what all are worth."""
+        worth = self.truth.read(environments, self.reader.corners(environments)) * views(maps)
+        picks = self.chooser.greedy(environments, maps)
+        self.note(maps._replace(worth=worth.half()), ~torch.from_numpy(self.truth.known(environments)), picks)
+        told = torch.from_numpy(self.random.random(len(environments)) < self.guided)
+        return torch.where(told & (worth.flatten(1).amax(1) > 0), best(worth, maps), picks)
+
+    def note(self, maps: ViewMaps, valid: Tensor, picks: Tensor) -> None:
+        """Keep choices that are ``valid`` (n,) bool, over the oldest ones."""
+        most = maps.worth.float().flatten(1).amax(1)
+        valid &= (most > 0) & (picks >= 0)
+        number, size = int(valid.sum()), self.config.buffer_size
+        if self.buffer is None:
+            self.buffer = ViewMaps(*(field.new_zeros(size, *field.shape[1:]) for field in maps))
+        at = (self.made + torch.arange(number)) % size
+        for kept, field in zip(self.buffer, maps, strict=True):
+            kept[at] = field[valid]
+        worth = maps.worth.float().flatten(1).gather(1, picks.clamp(min=0)[:, None])[:, 0]
+        share, count = self.regret
+        self.regret = share + float((worth / most.clamp(min=1e-9))[valid].sum()), count + number
+        self.made += number
+        self.due += self.config.passes * number / self.config.batch_size
+
+    def learn(self) -> float:
+        """Learn from random choices, as often as is due; the mean loss."""
+        config, losses = self.config, []
+        self.anneal(config.final_lr_fraction)
+        held = min(self.made, config.buffer_size)
+        while self.buffer is not None and self.due >= 1 and held >= 4 * config.batch_size:
+            rows = torch.from_numpy(self.random.integers(0, held, config.batch_size))
+            batch = turned(
+                ViewMaps(*(field[rows] for field in self.buffer)),
+                int(self.random.integers(4)),
+                bool(self.random.random() < 0.5),
+            )
+            loss = value_loss(self.network(batch), batch.worth.float(), config.focus)
+            losses.append(self.descend(loss, config.max_grad_norm))
+            self.due -= 1
+        return float(torch.stack(losses).mean()) if losses else 0.0
+
+    def own_state(self) -> dict[str, Any]:
+        """The optimiser, the maps, the choices, and where the bodies are."""
+        return {
+            "optimizer": self.optimizer.state_dict(),
+            "map": self.tracker.planner.state,
+            "reader": self.reader.state,
+            "truth": self.truth.state,
+            "buffer": {} if self.buffer is None else self.buffer._asdict(),
+            "counts": {"made": self.made, "due": self.due},
+            "last": {name: getattr(self, name).clone() for name in LAST},
+            "tracker": {name: getattr(self.tracker, name).clone() for name in ("actions", "fresh")},
+            "random": json.dumps(self.random.bit_generator.state),
+        }
+
+    def restore_own(self, state: dict[str, Any]) -> None:
+        """Take up what ``own_state`` gave."""
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.tracker.planner.state = state["map"]
+        self.reader.state, self.truth.state = state["reader"], state["truth"]
+        self.buffer = ViewMaps(**state["buffer"]) if state["buffer"] else None
+        self.made, self.due = int(state["counts"]["made"]), float(state["counts"]["due"])
+        for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):
+            for name, value in values.items():
+                setattr(owner, name, value)
+        self.random.bit_generator.state = json.loads(state["random"])
+
+
+LAST = ("s", "blocked", "ended", "begun")
+"""What the next step starts from."""
+
+
+def value_loss(values: Tensor, worth: Tensor, focus: float) -> Tensor:
+    """The deviance of logarithms of ``values`` (n, 8, G, G), minus infinity for no view, from what the views
+    are worth (n, 8, G, G), as if that were counts (Poisson regression): it is least at the mean of the worth,
+    so what cannot be known is averaged over.
+
+    Views count by the network's own opinion of them, their value for that of the best to the power ``focus``:
+    weights that do not depend on the label leave the mean where it is.
+    """
+    legal = torch.isfinite(values)
+    values = values.masked_fill(~legal, -20.0)
+    with torch.no_grad():
+        weight = ((values - values.flatten(1).amax(1)[:, None, None, None]) * focus).exp().clamp(
+            min=LEAST
+        ) * legal
+        weight /= weight.sum((1, 2, 3), keepdim=True)
+    mean = torch.where(values > MOST, (1 + values - MOST) * float(np.exp(MOST)), values.clamp(max=MOST).exp())
+    return ((mean - worth * values) * weight).sum((1, 2, 3)).mean()

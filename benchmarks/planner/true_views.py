@@ -1,0 +1,43 @@
+"""A body that is led by what views are worth in the true house: the most that a network that searches can
+have."""
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.algorithms.search.chooser import ViewChooser, best
+from agent.algorithms.search.network import ViewMaps, ViewNetwork, views
+from agent.algorithms.search.values import TrueValues
+from agent.learning.environments import shield
+from agent.planner import Planner
+from agent.policies.policies import Explorer
+from sim import HouseVectorEnv
+
+
+class TrueChooser(ViewChooser):
+    """Goes to the true best views, by labels in place of a network's values."""
+
+    def __init__(self, envs: HouseVectorEnv) -> None:
+        super().__init__(ViewNetwork((1, 1)), envs.config, self.told)
+        self.envs = envs
+        self.truth: TrueValues | None = None
+
+    def __call__(self, planner: Planner) -> None:
+        """See ``Chooser``."""
+        if self.truth is None:
+            self.truth = TrueValues(self.envs, planner)
+        self.truth.watch(np.flatnonzero(planner.read("time").numpy() == 1), self.reader_of(planner))
+        super().__call__(planner)
+
+    def told(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
+        """The best views by their labels."""
+        reader, truth = self.reader, self.truth
+        assert reader is not None
+        assert truth is not None
+        worth = truth.read(environments, reader.corners(environments))
+        return best(torch.where(views(maps), worth, -torch.inf), maps)
+
+
+def true_views(envs: HouseVectorEnv) -> Explorer:
+    """The body with the true values."""
+    return Explorer(shield(envs), envs.config, chooser=TrueChooser(envs))

@@ -1,0 +1,128 @@
+"""What every view of a grid about a body is worth to a searcher: the label of those that learn to choose
+views.
+
+A view is worth the probability that it shows the target, by the exact posterior over the target's places,
+divided by the steps of a shortest path to it, and a few more. So it is the searcher's own measure, of every
+view in place of the best one.
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from sim.actions import HEADINGS
+from sim.baselines.coverage import LineOfSight
+from sim.baselines.searcher import AT_ONCE, Searcher
+from sim.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
+from sim.environment.vector import HouseVectorEnv
+from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
+from sim.world.episodes import Episodes, WorldArrays, loaded
+
+FRAME = 3
+"""Numbers of a frame: see ``ViewValues.read``."""
+
+
+class ViewValues(Searcher):
+    """The values of views in E environments. ``watch`` before each step."""
+
+    def __init__(self, envs: HouseVectorEnv, side: int, pitch: int) -> None:
+        """Value grids of ``side`` by ``side`` places, ``pitch`` steps apart."""
+        super().__init__(envs, pitch=pitch)
+        self.side, count = side, self.world.num_envs
+        self.arrays |= {
+            "asked": Array(ti.i32, count),
+            "frames": Array(ti.i32, FRAME * count),
+            "worth": Array(ti.f32, count * 8 * side**2),
+        }
+        watch, value = _kernels(start(), self.world.kernels.episodes, pitch, side)
+        self.watch = Launch(watch, self.world.arrays | self.arrays)
+        self._value = Launch(value, self.world.arrays | self.arrays)
+
+    def read(self, environments: np.ndarray, frames: np.ndarray) -> np.ndarray:
+        """What the views from places of a grid are worth (n, 8, S, S) float32, targets a step, in these
+        environments (n,) int; 0 where the body cannot stand or come to.
+
+        ``frames`` (n, 3) int: the lattice's place i, j at the grid's north-west, a multiple of the pitch, and
+        by how many quarters the grid is turned counter-clockwise, as are the eight headings. The place in the
+        middle of the grid, S / 2 from its corner, is the body's own, wherever that stands.
+        """
+        asked = self.arrays["asked"].view()
+        asked[:] = -1
+        asked[: len(environments)] = environments
+        self.arrays["frames"].view()[: frames.size] = frames.ravel()
+        self._value()
+        shape = len(environments), 8, self.side, self.side
+        return self.arrays["worth"].view()[: np.prod(shape)].reshape(shape)
+
+
+@cache
+def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[Any, Any]:
+    planner = ViewPlanner(LineOfSight(episodes), pitch)
+    middle = side // 2 * side + side // 2
+
+    @kernel
+    def watch(world: WorldArrays, search: SearcherArrays):
+        """Look, and strike out what is seen."""
+        for e in range(world.reals.shape[0]):
+            search.notes[e] = planner.watched(world, search, e)
+
+    @ti.func
+    def along(quarter):
+        """Steps of the lattice, i and j, to the grid's east (2,) and south (2,)."""
+        way = ti.Vector([0, 0, 0, 0])
+        for q in ti.static(range(4)):
+            if quarter == q:
+                east, south = ti.static(HEADINGS[2 * q]), ti.static(HEADINGS[(2 * q + 6) % 8])
+                way = ti.Vector([east[0], east[1], south[0], south[1]])
+        return way
+
+    @ti.func
+    def place(row, frame_i, frame_j, way, k):
+        """The lattice's place, i and j, of the grid's k-th; whether the lattice has it."""
+        east, south = pitch * (k % ti.static(side)), pitch * (k // ti.static(side))
+        i, j = frame_i + east * way[0] + south * way[2], frame_j + east * way[1] + south * way[3]
+        return i, j, (i >= 0) & (i < row[COLUMNS]) & (j >= 0) & (j < row[LINES])
+
+    @kernel
+    def value(world: WorldArrays, search: SearcherArrays, asked: Ints, frames: Ints, worth: Floats):
+        """Search for paths to all poses, and value what is asked."""
+        count = asked.shape[0]
+        slots = ti.min(ti.static(AT_ONCE), count)
+        words = search.sampled.shape[0] // slots
+        ti.loop_config(block_dim=1)
+        for slot in range(slots):
+            for turn in range((count - slot + slots - 1) // slots):
+                n = slot + turn * slots
+                e, at = asked[n], n * ti.static(8 * side * side)
+                if e >= 0:
+                    state = loaded(world, e)
+                    row, base = search.rows[state.house], slot * (search.queue.shape[0] // slots)
+                    total = ti.max(1e-9, planner.sample(search, row, e, slot, words))
+                    head, tail = 0, planner.source(search, row, base, state)
+                    while head < tail:
+                        tail = planner.spread(search, row, base, tail, search.queue[base + head])
+                        head += 1
+                    quarter, own = frames[3 * n + 2], slot * words
+                    way = along(quarter)
+                    for k in range(ti.static(side * side)):
+                        i, j, inside = place(row, frames[3 * n], frames[3 * n + 1], way, k)
+                        if k == ti.static(middle):
+                            i, j, inside = state.cell[0], state.cell[1], 1
+                        for look in range(8):
+                            gain, cell = ti.f32(0.0), ti.Vector([i, j, (look + 2 * quarter) & 7])
+                            away = 0
+                            if inside:
+                                pose = 8 * (i * row[LINES] + j) + cell[2]
+                                away = ti.cast(search.distance[base + pose], ti.i32) - 1
+                            if away > 0:
+                                if k == ti.static(middle):
+                                    gain = planner.turned(world, search, own, e * words, state, cell)
+                                else:
+                                    gain = planner.shown(search, row, e, slot, words, cell)
+                                gain /= total * (ti.cast(away, ti.f32) + VIEWPOINT_COST)
+                            worth[at + look * ti.static(side * side) + k] = gain
+                    for k in range(base, base + tail):
+                        search.distance[base + search.queue[k]] = ti.u16(0)
+
+    return watch, value

@@ -1,0 +1,360 @@
+"""A network that searches: what it reads, what views are worth, where it goes, and what it refuses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from agent.algorithms.build import learner_of, network_of, policy_of
+from agent.algorithms.search.chooser import ViewChooser, best
+from agent.algorithms.search.config import SearchConfig
+from agent.algorithms.search.learner import value_loss
+from agent.algorithms.search.network import (
+    FAR,
+    HEADINGS,
+    LEVELS,
+    PLACES,
+    ViewMaps,
+    ViewNetwork,
+    turned,
+    views,
+)
+from agent.learning.environments import make_envs, shield
+from agent.planner import TUNED
+from agent.planner.frame import AXES
+from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
+from agent.planner.viewpoints.choice import Viewpoints
+from agent.policies.policies import Explorer
+from benchmarks.planner.true_views import true_views
+from logic import generate
+from logic.errors import RequestError
+from sim.config import DEFAULT, PAPER
+from sim.tasks.survey import survey
+
+HOUSES = list(generate(4, seed=31, count=4))
+EVERYONE = np.arange(len(HOUSES))
+MIDDLE = PLACES // 2
+SMALL = SearchConfig(targets="secondary", channels=(4, 4), num_envs=4, num_steps=16, batch_size=4)
+
+
+def played(policy, envs, steps, look=lambda: None):
+    """Targets after some steps, one environment in each house; ``look`` is called after each action."""
+    policy.begin(envs.num_envs)
+    houses = np.arange(envs.num_envs) % len(envs.houses)
+    observation = torch.as_tensor(envs.reset(seed=3, options={"house": houses})[0])
+    blocked, found = torch.zeros(envs.num_envs, dtype=torch.bool), 0.0
+    for _ in range(steps):
+        actions = policy(observation, blocked)
+        look()
+        observation, reward, _, _, info = envs.step_torch(actions)
+        blocked, found = info["blocked"], found + float(reward.sum())
+    return found
+
+
+class Noted(ViewChooser):
+    """A chooser that keeps what it read, where it went, and the maps as they were then."""
+
+    def __call__(self, planner):
+        self.choices, self.waiting = getattr(self, "choices", []), []
+        super().__call__(planner)
+        for e, path in self.waiting:
+            self.choices[path]["path"] = int(planner.read("path")[e])
+
+    def values(self, maps):
+        values, reader = super().values(maps), self.reader
+        lost = np.flatnonzero(reader.planner.lost.numpy())
+        for n, (e, corner) in enumerate(zip(lost, reader.corners(lost), strict=True)):
+            self.waiting.append((e, len(self.choices)))
+            names = ("since", "time", "x", "y", "heading")
+            self.choices.append(
+                {name: int(reader.planner.read(name)[e]) for name in names}
+                | {"e": e, "corner": corner, "maps": ViewMaps(*(each[n : n + 1] for each in maps))}
+                | {"cells": reader.planner.arrays["cells"].numpy().reshape(-1, 256, 256)[e]}
+                | {"pick": int(best(values[n : n + 1], ViewMaps(*(each[n : n + 1] for each in maps))))}
+            )
+        return values
+
+
+@pytest.fixture(scope="module")
+def choices():
+    """The choices of a new network, to which far views cost nothing, in some steps."""
+    torch.manual_seed(0)
+    envs, network = make_envs(HOUSES, len(HOUSES), "secondary"), ViewNetwork((4, 4))
+    network.price.data.zero_()
+    chooser = Noted(network, envs.config)
+    played(Explorer(shield(envs), envs.config, chooser=chooser), envs, 250)
+    assert len(chooser.choices) > 20
+    return chooser.choices
+
+
+def test_blocks_hold_the_cells_about_each_place_and_since_when(choices):
+    for choice in choices[::8]:
+        maps, cells = choice["maps"], choice["cells"]
+        for i, j in np.random.default_rng(0).integers(0, 2 * PLACES, size=(200, 2)):
+            y, x = choice["corner"] - 2 + 2 * np.array([i, j])
+            four = [int(cells[(y + a) % 256, (x + b) % 256]) for a in (0, 1) for b in (0, 1)]
+            times = [(cell & OCCUPIED - 1) >> FLAGS for cell in four]
+            count = sum(cell >= OCCUPIED for cell in four)
+            count += LEVELS * sum(time > 0 for time in times)
+            count += LEVELS**2 * sum(time >= max(1, choice["since"]) for time in times)
+            assert maps.blocks[0, i, j] == count
+            ago = choice["time"] - max(times)
+            age = 1 + 16 * np.log2(1 + ago) if max(times) else 0
+            assert abs(int(maps.ages[0, i, j]) - age) <= 1
+        seen = maps.blocks[0] // LEVELS % LEVELS
+        assert (seen > 0).any()
+
+
+def test_the_known_way_to_a_place_is_that_of_the_path_that_the_body_then_takes(choices):
+    away = []
+    for choice in choices:
+        look, i, j = np.unravel_index(choice["pick"], (HEADINGS, PLACES, PLACES))
+        way = int(choice["maps"].ways[0, i, j])
+        assert way != FAR
+        assert (way == 0) == ((i, j) == (MIDDLE, MIDDLE))
+        assert way > 0 or look != choice["heading"]
+        away.append((way, choice["path"] / 2))
+    ways, paths = np.array([each for each in away if each[1] < 30000]).T
+    assert len(ways) > 0.9 * len(away)
+    # Where no path comes so near, it ends beside the place, maybe on this side of a wall.
+    assert np.median(np.abs(ways - paths)) < 3
+    assert (np.abs(ways - paths) < 8).mean() > 0.8
+    assert ways.max() > 12
+
+
+def test_the_middle_is_the_body_and_the_start_is_where_it_was(choices):
+    for choice in choices:
+        place = (np.array([choice["y"], choice["x"]]) // 2) // 4
+        assert np.array_equal(choice["corner"] // 4 + MIDDLE, place)
+        assert np.array_equal(choice["maps"].start[0].numpy(), MIDDLE - place)
+
+
+def test_no_view_is_the_goal_twice_between_two_pick_ups(choices):
+    taken = {}
+    for choice in choices:
+        look, i, j = np.unravel_index(choice["pick"], (HEADINGS, PLACES, PLACES))
+        goals = taken.setdefault((choice["e"], choice["since"]), [])
+        goal = (look, *(choice["corner"] // 4 + (i, j)))
+        noted = {
+            (h, *(choice["corner"] // 4 + (south, east)))
+            for south, east in np.argwhere(choice["maps"].taken[0].numpy())
+            for h in range(HEADINGS)
+            if choice["maps"].taken[0, south, east] >> h & 1
+        }
+        assert goal not in goals
+        assert noted <= set(goals)  # those that the window still shows
+        goals.append(goal)
+    assert max(map(len, taken.values())) > 3
+
+
+@pytest.mark.filterwarnings("ignore:.*Calling non-taichi function:SyntaxWarning")
+def test_the_rule_that_chooses_views_is_not_called(monkeypatch):
+    """With a fault in its place the network plays on, and the explorer does not."""
+
+    def fault(*given):
+        raise AssertionError("a rule chose a view")
+
+    monkeypatch.setattr(Viewpoints, "choose", fault)
+    monkeypatch.setattr(Viewpoints, "gain", fault)
+    envs = make_envs(HOUSES[:1], 1, "secondary")
+    other = replace(TUNED, gain_most=TUNED.gain_most + 1)  # so that kernels are compiled with the fault
+    chooser = ViewChooser(ViewNetwork((4, 4)), envs.config)
+    policy = Explorer(shield(envs), envs.config, other, chooser=chooser)
+    played(policy, envs, 40)
+    assert int(policy.tracker.planner.seen[0]) > 0
+    with pytest.raises(Exception, match="a rule chose a view"):
+        played(Explorer(shield(envs), envs.config, other), envs, 1)
+
+
+def test_a_body_without_a_view_to_go_to_turns():
+    maps = ViewMaps(*(torch.zeros(1, 1) for _ in ViewMaps._fields))
+    maps = maps._replace(taken=torch.zeros(1, PLACES, PLACES, dtype=torch.uint8))
+    assert best(torch.full((1, HEADINGS, PLACES, PLACES), -torch.inf), maps) == -1
+    envs = make_envs(HOUSES[:1], 1, "secondary")
+    chooser = ViewChooser(ViewNetwork((4, 4)), envs.config, lambda envs, maps: torch.tensor([-1]))
+    policy, actions = Explorer(shield(envs), envs.config, chooser=chooser), []
+    played(policy, envs, 20, lambda: actions.append(int(policy.tracker.actions[0])))
+    assert set(actions) <= {0, 1}
+
+
+@pytest.fixture(scope="module")
+def valued():
+    """Bodies on their way, what views are worth to them, and where their windows lie."""
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
+    policy = true_views(envs)
+    chooser, told = policy.tracker.chooser, []
+    picks = chooser.picks
+
+    def noted(environments, maps):
+        corners = chooser.reader.corners(environments)
+        worth = chooser.truth.read(environments, corners).clone()
+        poses = envs.unwrapped.world.describe()[0]
+        told.extend(
+            zip(environments, maps.ways, maps.blocks, worth, corners, poses[environments], strict=True)
+        )
+        return picks(environments, maps)
+
+    chooser.picks = noted
+    played(policy, envs, 250)
+    return envs, chooser.truth, told
+
+
+def test_what_a_view_is_worth_is_of_its_place_and_heading_in_the_house(valued):
+    """By another way: where the body can stand in the lattice, and what rays from there show."""
+    envs, truth, told = valued
+    world = envs.unwrapped.world
+    bank = survey(world.backend, world.bank, list(range(len(HOUSES))), world.lattices)
+    place, stands, worth_there = np.stack(np.meshgrid(*[np.arange(PLACES)] * 2, indexing="ij"), -1), 0, 0
+    for e, ways, blocks, worth, corner, pose in told[:40]:
+        nodes = corner + 4 * place  # south, east of the start
+        east, south = AXES[truth.quarter[e]]
+        lattice = truth.start[e] + truth.steps * (nodes[..., 1:] * east + nodes[..., :1] * south)
+        at = (pose[:2] - world.lattices[e].origin) / world.config.step
+        middle = lattice[MIDDLE, MIDDLE]
+        assert np.abs(middle - at).max() < 4 * truth.steps  # the body's place
+        part = bank[e].part
+        inside = ((lattice >= 0) & (lattice < part.shape)).all(-1)
+        can = np.zeros(inside.shape, bool)
+        can[inside] = part[tuple(lattice[inside].T)] > 0
+        near = lattice % truth.pitch
+        assert near.max() <= truth.steps - 1  # of the views that are known, at most a part of a node aside
+        some = worth.amax(0).numpy() > 0
+        some[MIDDLE, MIDDLE] = False
+        stands += (can & some).sum()
+        worth_there += some.sum()
+        seen = (blocks.numpy() // LEVELS % LEVELS == 4)[1::2, 1::2]
+        assert (worth >= 0).all()
+        assert float(worth.max()) < 100 / 5
+        assert (seen & (ways.numpy() != FAR)).any()
+    assert worth_there > 1000
+    assert stands > 0.97 * worth_there
+
+
+def test_who_goes_by_true_values_finds_more_than_the_explorer():
+    envs = make_envs(list(generate(5, seed=77, count=12)), 12, "secondary")
+    assert played(true_views(envs), envs, 300) > 1.1 * played(Explorer(shield(envs), envs.config), envs, 300)
+
+
+def random_maps(count=3):
+    """Maps at random, the body on the middle; what views are worth is 1 where they were taken."""
+    random = torch.Generator().manual_seed(0)
+
+    def draw(most, *shape, kind=torch.uint8):
+        return torch.randint(0, most, (count, *shape), generator=random).to(kind)
+
+    taken = draw(256, PLACES, PLACES)
+    ways = draw(200, PLACES, PLACES, kind=torch.int16) - 1
+    ways[:, MIDDLE, MIDDLE] = 0
+    worth = (taken[:, None].int() >> torch.arange(HEADINGS)[:, None, None] & 1).half()
+    blocks = draw(125, 2 * PLACES, 2 * PLACES)
+    blocks[:, ::2, ::2] = blocks[:, 1::2, ::2] = blocks[:, ::2, 1::2] = blocks[:, 1::2, 1::2]
+    return ViewMaps(
+        blocks, blocks, ways, taken, taken, torch.full((count, 2), 3.0), torch.rand(count, 3),
+        draw(8, kind=torch.int64), worth,
+    )  # fmt: skip
+
+
+def test_turned_maps_are_of_the_same_views():
+    maps = random_maps()
+    for quarters in range(4):
+        for mirrored in (False, True):
+            other = turned(maps, quarters, mirrored)
+            bits = torch.arange(HEADINGS)[:, None, None]
+            assert torch.equal((other.taken[:, None].int() >> bits & 1).half(), other.worth)
+            assert (other.ways[:, MIDDLE, MIDDLE] == 0).all()
+            assert torch.equal(other.finds, other.taken) or quarters or mirrored
+    once = turned(turned(maps, 1, False), 3, False)
+    inner = slice(1, None)
+    assert torch.equal(once.ways[:, inner, inner], maps.ways[:, inner, inner])
+    assert torch.equal(once.worth[:, :, inner, inner], maps.worth[:, :, inner, inner])
+    assert torch.equal(once.heading, maps.heading)
+    assert torch.equal(once.start, maps.start)
+    # A quarter counter-clockwise: what lay to the east lies to the north, and so does its heading.
+    east = maps._replace(ways=torch.full_like(maps.ways, FAR), heading=torch.zeros(3, dtype=torch.int64))
+    east.ways[:, MIDDLE, MIDDLE + 5] = 7
+    north = turned(east, 1, False)
+    assert (north.ways[:, MIDDLE - 5, MIDDLE] == 7).all()
+    assert (north.heading == 2).all()
+    west = turned(east, 0, True)
+    assert (west.ways[:, MIDDLE, MIDDLE - 5] == 7).all()
+    assert (west.heading == 4).all()
+
+
+def test_a_network_values_the_views_that_a_path_leads_to():
+    torch.manual_seed(0)
+    network, maps = ViewNetwork((4, 4)), random_maps()
+    values = network(maps)
+    assert values.shape == (3, HEADINGS, PLACES, PLACES)
+    assert torch.equal(torch.isfinite(values), views(maps))
+    assert not views(maps)[torch.arange(3), maps.heading, MIDDLE, MIDDLE].any()
+    # The same view, farther away or behind more turns, is worth less at first.
+    near = maps._replace(ways=torch.full_like(maps.ways, 10))
+    far = maps._replace(ways=torch.full_like(maps.ways, 100))
+    assert network(near).mean() > network(far).mean() + 1
+    for name in ("blocks", "ages", "finds", "taken", "start", "scalars", "heading"):
+        field = getattr(maps, name)
+        changed = field + 1 if field.is_floating_point() else (field + 1) % 8
+        other = network(maps._replace(**{name: changed}))
+        both = torch.isfinite(other) & torch.isfinite(values)
+        assert not torch.equal(other[both], values[both]), name
+
+
+@pytest.mark.parametrize("focus", [0.0, 1.0])
+def test_the_loss_is_least_at_the_mean_of_what_views_are_worth(focus):
+    """What cannot be known is averaged: half of the time 1, half of the time 0."""
+    worth = torch.zeros(2, 1, 1, 3)
+    worth[0, 0, 0] = torch.tensor([1.0, 0.4, 0.0])
+    values = torch.tensor([0.5, 0.2, 1e-4]).log().expand(2, 1, 1, 3).clone()
+    values[..., 2] = -torch.inf
+    least = value_loss(values, worth, focus)
+    for change in (-0.1, 0.1):
+        for k in range(2):
+            other = values.clone()
+            other[..., k] += change
+            # The weights may differ; the gradient at the mean is what is claimed.
+            other.requires_grad_()
+            value_loss(other, worth, focus).backward()
+            assert float(other.grad[..., k].sum()) * change > 0
+    values.requires_grad_()
+    value_loss(values, worth, focus).backward()
+    assert torch.allclose(values.grad[..., :2].sum(0), torch.zeros(1, 1, 2), atol=1e-6)
+    assert torch.isfinite(least)
+
+
+def test_a_run_learns_what_views_are_worth():
+    envs = make_envs(HOUSES, 4, "secondary")
+    learner = learner_of(replace(SMALL, steps=4000, guided=0.5, passes=30.0, learning_rate=1e-2), envs)
+    losses = [now.loss for now in learner.train()]
+    assert np.mean(losses[-8:]) < np.mean([loss for loss in losses if loss][:4])
+    assert learner.made > 60
+    assert learner.buffer.worth[: learner.made].float().amax((1, 2, 3)).min() > 0
+
+
+@pytest.mark.parametrize(
+    ("targets", "preset", "message"),
+    [
+        ("main", "default", "plays no other task than the one that it has learnt: give --targets secondary"),
+        ("secondary", replace(PAPER, body=(0.4, 0.4)), "cannot read those of one of 0.400 m"),
+    ],
+)
+def test_another_task_or_another_body_is_refused(targets, preset, message):
+    envs = make_envs(HOUSES, 1, targets, preset=preset)
+    with pytest.raises(RequestError, match=message):
+        policy_of(network_of(SMALL), SMALL, envs)
+
+
+def test_closed_doors_are_refused_in_one_line():
+    config = replace(SMALL, sim=("closed_doors=3",))
+    envs = make_envs(HOUSES, 4, "secondary", preset=replace(DEFAULT, closed_doors=3))
+    with pytest.raises(RequestError, match="leave out --sim closed_doors"):
+        learner_of(config, envs)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"channels": (4,)}, {"guided": 1.5}, {"device": "cuda"}, {"buffer_size": 0}, {"focus": -1.0}],
+)
+def test_a_config_that_no_run_can_have_is_refused(changes):
+    with pytest.raises(RequestError):
+        SearchConfig(**changes)
