@@ -30,6 +30,10 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_windows_hold_the_four_cells_about_each_other_node": "large maps",
         "test_who_foresees_the_truth_finds_more_and_another_house_less": "many episodes",
     },
+    "agent/algorithms/search/test_search.py": {
+        "test_who_goes_by_true_values_finds_more_than_the_explorer": "many episodes",
+        "test_a_run_learns_what_views_are_worth": "it learns",
+    },
     "agent/algorithms/dqn/test_dqn.py": {
         "test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk": "it learns",
     },

@@ -24,7 +24,7 @@ class Algorithm(NamedTuple):
 TABLE = (
     Algorithm(PQNConfig, "agent.algorithms.pqn.learner:PQN"),
     Algorithm(CompletionConfig, "agent.algorithms.map_completion.learner:MapCompletion"),
-    Algorithm(SearchConfig, "agent.algorithms.search.learner:Search"),
+    Algorithm(SearchConfig, "agent.algorithms.search.learner:LearnedSearch"),
     Algorithm(DQNConfig, "agent.algorithms.dqn.learner:DQN"),
     Algorithm(PaperConfig, "agent.algorithms.paper.learner:Paper"),
 )

@@ -26,7 +26,7 @@ MOST = 4.0
 """Logarithms of values beyond which the loss goes on along a line."""
 
 
-class Search(Learner):
+class LearnedSearch(Learner):
     """A run of a network that searches. In each turn it plays on for some steps, and its choices go into a
     buffer; then it learns from random ones of these. Episodes are cut short at random, so that they differ.
     """

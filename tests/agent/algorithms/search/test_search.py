@@ -1,6 +1,7 @@
 """A network that searches: what it reads, what views are worth, where it goes, and what it refuses."""
 
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from agent.algorithms.build import learner_of, network_of, policy_of
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import value_loss
+from agent.algorithms.search.maps import MapReader
 from agent.algorithms.search.network import (
     FAR,
     HEADINGS,
@@ -62,7 +64,7 @@ class Noted(ViewChooser):
             self.choices[path]["path"] = int(planner.read("path")[e])
 
     def values(self, maps):
-        values, reader = super().values(maps), self.reader
+        values, reader = super().values(maps), cast(MapReader, self.reader)
         lost = np.flatnonzero(reader.planner.lost.numpy())
         for n, (e, corner) in enumerate(zip(lost, reader.corners(lost), strict=True)):
             self.waiting.append((e, len(self.choices)))
@@ -183,7 +185,7 @@ def valued():
     """Bodies on their way, what views are worth to them, and where their windows lie."""
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     policy = true_views(envs)
-    chooser, told = policy.tracker.chooser, []
+    chooser, told = cast(Any, policy.tracker.chooser), []
     picks = chooser.picks
 
     def noted(environments, maps):
@@ -315,16 +317,17 @@ def test_the_loss_is_least_at_the_mean_of_what_views_are_worth(focus):
             # The weights may differ; the gradient at the mean is what is claimed.
             other.requires_grad_()
             value_loss(other, worth, focus).backward()
-            assert float(other.grad[..., k].sum()) * change > 0
+            assert float(cast(torch.Tensor, other.grad)[..., k].sum()) * change > 0
     values.requires_grad_()
     value_loss(values, worth, focus).backward()
-    assert torch.allclose(values.grad[..., :2].sum(0), torch.zeros(1, 1, 2), atol=1e-6)
+    assert torch.allclose(cast(torch.Tensor, values.grad)[..., :2].sum(0), torch.zeros(1, 1, 2), atol=1e-6)
     assert torch.isfinite(least)
 
 
 def test_a_run_learns_what_views_are_worth():
     envs = make_envs(HOUSES, 4, "secondary")
-    learner = learner_of(replace(SMALL, steps=4000, guided=0.5, passes=30.0, learning_rate=1e-2), envs)
+    config = replace(SMALL, steps=4000, guided=0.5, passes=30.0, learning_rate=1e-2)
+    learner = cast(Any, learner_of(config, envs))
     losses = [now.loss for now in learner.train()]
     assert np.mean(losses[-8:]) < np.mean([loss for loss in losses if loss][:4])
     assert learner.made > 60
