@@ -39,6 +39,9 @@ STATED = SHARED_WALLS / "stated.lp"
 ACCESS, OWN = SHARED_WALLS / "access.lp", SHARED_WALLS / "own.lp"
 """What a plan of the user's has in the place of a topology."""
 
+DISSECTION, BRIEF = TOPOLOGIES / "dissection.lp", RULES / "brief" / "brief.lp"
+"""What a house by a brief has in the place of its grammar's topology."""
+
 COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
 
@@ -86,6 +89,17 @@ class Grammar:
     def name_of(self, file: Path) -> str:
         """One of its files in short: see ``name_in``."""
         return name_in(file, self.directory, SHIPPED.resolve())
+
+    def for_brief(self) -> "Grammar":
+        """The same rules with the topology of a brief in the place of their own (``logic.generation.brief``)."""
+        own = tuple(file for file in self.own if file.stem != self.topology_name)
+        topology = (*PLANS, ADJACENT, DISSECTION, BRIEF)
+        return replace(self, own=own, topology=topology, topology_name=DISSECTION.stem)
+
+    @property
+    def names_contacts(self) -> bool:
+        """Whether a rule asks which rooms share a wall."""
+        return ADJACENT in self.topology
 
     def for_own_plan(self) -> "Grammar":
         """The same rules without their topology: those of a user's plan (``logic.request.given_plan``)."""

@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 
 from logic.errors import LimitReached, OutOfInferences, RequestError
+from logic.generation.brief import BriefMaker
 from logic.generation.feasibility import Feasibility
 from logic.generation.given_plan import GivenPlanMaker
 from logic.generation.maker import Maker
@@ -45,6 +46,7 @@ class Builder:
         feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.house_facts)
         self.maker: Maker = (shared if grammar.shares_walls else StarMaker)(grammar, self.loaded, feasibility)
         self._given: GivenPlanMaker | None = None
+        self._briefed: BriefMaker | None = None
         self._promises: dict[Program, Promises] = {}
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -71,13 +73,17 @@ class Builder:
         return GivenPlanMaker if request.plan else type(self.maker)
 
     def maker_of(self, request: Request) -> Maker:
-        """Who makes the houses of a request: in a plan of the user's, see ``given_plan.py``."""
-        if request.plan and not self.grammar.shares_walls:
+        """Who makes the houses of a request: in a plan of the user's, or by a brief, others do."""
+        if (request.plan or request.brief) and not self.grammar.shares_walls:
             raise RequestError(
-                f"plan: a house of the grammar {self.grammar.name} is a star around a main room: take rules "
+                f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a star around a main room: take rules "
                 "for rooms that share walls, as --grammar home"
             )
         self.require_known(request)
+        if request.brief:
+            if self._briefed is None or self._briefed.brief != request.brief:
+                self._briefed = BriefMaker(self.grammar, self.loaded, request.brief)
+            return self._briefed
         if request.plan is None:
             return self.maker
         if self._given is None or self._given.plan != request.plan:
@@ -87,7 +93,7 @@ class Builder:
     def require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
-        if request.rooms > self.loaded.most_rooms and not request.plan:
+        if request.rooms > self.loaded.most_rooms and not (request.plan or request.brief):
             raise RequestError(
                 f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by "
                 f"its topology, not {request.rooms}"
@@ -97,6 +103,11 @@ class Builder:
         for room in request.plan.rooms if request.plan else ():
             if room.type and room.type not in furniture:
                 raise RequestError(f"plan: {room.name}: {unknown('room type', room.type, furniture)}")
+        for number, room in enumerate(request.brief.rooms if request.brief else ()):
+            if room.type and room.type not in furniture:
+                raise RequestError(
+                    f"brief: rooms[{number}] ({room.name}): {unknown('room type', room.type, furniture)}"
+                )
         for name in request.furniture:
             type_, _, piece = name.rpartition(".")
             if type_:

@@ -1,5 +1,6 @@
 """How a search of stage 1 branches: on the picks in a sampled order, house after house in one search."""
 
+import math
 from collections.abc import Iterable
 
 import clingo
@@ -15,9 +16,12 @@ class Brancher(clingo.Propagator):
     would stay behind.
     """
 
-    def __init__(self, picks: np.ndarray) -> None:
-        """Know the pick literals of a program."""
+    def __init__(self, picks: np.ndarray, patience: int | None = None) -> None:
+        """Know the pick literals of a program. With ``patience`` the solver is left to itself after so many
+        decisions: then what it finds depends on all that it has solved before.
+        """
         self._picks: list[int] = picks.tolist()
+        self._patience = math.inf if patience is None else patience
         self._solver_literals: list[int] = []
         self._first_switch = 0
         self.branch()
@@ -66,6 +70,9 @@ class Brancher(clingo.Propagator):
 
     def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
         """The next pick that is neither taken nor refused."""
+        self._patience -= 1
+        if self._patience < 0:
+            return fallback
         queue, then, scanned, level = self._queue, self._then, self._scanned, assignment.decision_level
         scanned.extend([0] * (level + 1 - len(scanned)))
         # What was decided when this level began, and so up to its place in the queue, still is.

@@ -14,13 +14,13 @@ from weakref import finalize
 from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
-from logic.grammar import ADJACENT, GUARD, RULES
+from logic.grammar import ADJACENT, BRIEF, GUARD, RULES
 from logic.layout.reading import load, parse
 
 DIFFERENCES, HOUSE = RULES / "shared_walls" / "differences.lp", "house"
 """The file that states differences, and its part that does so."""
 
-STATING = DIFFERENCES, ADJACENT, GUARD
+STATING = DIFFERENCES, ADJACENT, GUARD, BRIEF
 """All that state some."""
 
 _spent = list[object]()

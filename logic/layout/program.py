@@ -56,6 +56,14 @@ would keep, and propagate, all that it ever learns. This keeps fewer, and more w
 heuristic has nothing to choose: a cheap one.
 """
 
+FREE = ("--configuration=handy", "--sign-def=rnd", "--rand-freq=0.02")
+"""Arguments of a program that is solved for one house, where layouts are hard to find: clasp chooses the order
+of its search, at random by a ``--seed``, and only begins with the sampled picks.
+"""
+
+PATIENCE = 200
+"""How often such a search branches on the sampled picks before it goes its own way."""
+
 LAYOUTS = 1000
 """After as many, a program forgets all that it has learnt, since even so that grows slowly."""
 
@@ -75,16 +83,18 @@ class Program:
         parts: Iterable[Part],
         arguments: Iterable[str] = (),
         most: int | None = None,
+        seed: int | None = None,
     ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
-        A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
+        With a ``seed`` the program is for one house (``FREE``). A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
         way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks = remarks = list[str]()
+        search = LASTING if seed is None else (*FREE, f"--seed={seed}")
         self._control = clingo.Control(
-            [*LASTING, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
+            [*search, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
             # Of the list alone: in a circle with its control, a theory might be freed first, which crashes.
             logger=lambda _, text: remarks.append(text),
             message_limit=1000,
@@ -104,7 +114,7 @@ class Program:
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = Literals(self._control.symbolic_atoms)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
-        self._brancher = Brancher(self._choices)
+        self._brancher = Brancher(self._choices, None if seed is None else PATIENCE)
         self._control.register_propagator(self._brancher)
         self._search = ExitStack()
         self._handle: clingo.SolveHandle | None = None

@@ -56,6 +56,12 @@ class Programs:
             arguments=arguments,
         )
 
+    def house(self, request: Request, seed: int) -> Program:
+        """The program of one house's rooms, which searches at random by a seed: see ``program.FREE``."""
+        self._account.at(GROUNDING, f"grounding the rules for {request.rooms} rooms (clingo)")
+        stages = [("house", []), *parts(self._walls), *parts(room_requirements(request))]
+        return Program(self._grammar.asp, {"rooms": request.rooms}, stages, seed=seed)
+
     @cache  # noqa: B019
     def units(
         self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()

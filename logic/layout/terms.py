@@ -1,18 +1,22 @@
 """What enters stage 1 beside the rules, as ASP terms: a request's requirements and a grammar's lengths."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import ceil, floor
+from math import ceil, floor, log
 from typing import Any
 
 from clingo import Function, Number, Symbol
 
 from logic.layout.program import Part
+from logic.request.brief import LEAST_SIDE, Brief, area_ranges, requirements as brief_lines, void_numbers
 from logic.request.fixed_rooms import FixedRoom
 from logic.request.given_plan import OwnPlan
 from logic.request.request import MOST, Range, Request
 
 STEP = 500
 """Millimetres: how precisely stage 1 knows the depth of a unit."""
+
+STAIR = 1.08
+"""How much wider the steps of an area are at least than those before them."""
 
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
 """For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
@@ -37,7 +41,8 @@ def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
 def room_requirements(request: Request) -> list[Symbol]:
     """All that a request requires of the rooms of a house."""
     own = own_requirements(request.plan) if request.plan else {}
-    return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own]
+    brief = [each for _, some in brief_requirements(request.brief) for each in some] if request.brief else []
+    return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own, *brief]
 
 
 def shared_requirements(request: Request) -> list[Symbol]:
@@ -74,6 +79,39 @@ def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
         if some:
             found[Function("only", [Function(kind)])] = f"plan: there are no other {kind}"
     return found
+
+
+def brief_requirements(brief: Brief) -> list[tuple[str, list[Symbol]]]:
+    """What a brief requires, each line in words: see ``rules/brief/brief.lp``."""
+    return [(f"brief: {line.words}", [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
+
+
+def brief_facts(brief: Brief, few: bool) -> list[Symbol]:
+    """What stage 1 is told of a brief beside what it requires: voids, and areas as stairs.
+
+    ``few``: whether rooms share a wall is asked of those alone of which the brief says so.
+    """
+    found = [_term("void", number) for number in void_numbers(brief)]
+    found += [Function("few", [])] if few else []
+    for box, (least, most) in area_ranges(brief).items():
+        ratio = max(STAIR, (most / least) ** 0.5)
+        lower = ceil(log(most / least) / log(ratio) - 1e-9)
+        found.append(_term("drop", box, lower))
+        widest = 10 * most / (1e3 * LEAST_SIDE) * 10
+        for number, width in enumerate(_stairs(1e3 * LEAST_SIDE, widest, ratio)):
+            depth = 100 * most / width
+            ends = floor(width), ceil(width), floor(depth), ceil(depth)
+            found.append(_term("step", box, number, *ends))
+    return found
+
+
+def _stairs(least: float, most: float, ratio: float) -> list[float]:
+    """Widths, each so much wider than the one before, until one is as wide as the most."""
+    return [least * ratio**number for number in range(1 + ceil(log(most / least) / log(ratio)))]
+
+
+def _term(name: str, *arguments: str | int) -> Symbol:
+    return Function(name, [Number(each) if isinstance(each, int) else Function(each) for each in arguments])
 
 
 def granted(requirement: Symbol) -> Symbol:

@@ -73,6 +73,11 @@ def wall_lengths(placer: Placer, types: Iterable[str]) -> list[Any]:
     return placer.ask("plan_lengths", types)
 
 
+def brief_lengths(placer: Placer, types: Iterable[str]) -> list[Any]:
+    """As ``wall_lengths``, of sizes and areas as they are stated, of which nothing is left out."""
+    return placer.ask("brief_lengths", types)
+
+
 def area_bounds(placer: Placer, types: Iterable[str]) -> list[Any]:
     """The least and greatest area of the house; type, areas and widths of each type of room. In metres
     and square metres, and empty where no area of the house is stated: ``totals.pl``.

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from logic.errors import RequestError
+from logic.request.brief import Brief, read_brief
 from logic.request.fixed_rooms import FixedRoom, from_records
 from logic.request.given_plan import OwnPlan
 from logic.spelling import numbered, unknown
@@ -56,6 +57,8 @@ class Request:
     """Rooms of another house, clockwise."""
     plan: OwnPlan | None = None
     """All rooms, if they have their places already."""
+    brief: Brief | None = None
+    """What is wanted of each room by its name."""
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
@@ -67,6 +70,7 @@ class Request:
             record.get("cell", 0.0),
             tuple(from_records(record.get("keep", ()))),
             msgspec.convert(record["plan"], OwnPlan) if "plan" in record else None,
+            read_brief(record["brief"]) if "brief" in record else None,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -80,6 +84,8 @@ class Request:
             record["keep"] = [msgspec.to_builtins(fixed.room) for fixed in self.fixed]
         if self.plan:
             record["plan"] = msgspec.to_builtins(self.plan)
+        if self.brief:
+            record["brief"] = msgspec.to_builtins(self.brief)
         return record
 
     def furniture_of(self, type_: str) -> list[tuple[str, str, Range]]:
@@ -114,7 +120,8 @@ class Request:
         drawn += (
             [f"{', '.join(self.plan.kept)} with the furniture kept"] if self.plan and self.plan.kept else []
         )
-        return ", ".join([rooms, *types, *pieces, *grid, *fixed, *drawn])
+        briefed = ["all as the brief says"] if self.brief else []
+        return ", ".join([rooms, *types, *pieces, *grid, *fixed, *drawn, *briefed])
 
 
 def as_range(name: str, count: Any) -> Range:

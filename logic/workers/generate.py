@@ -20,6 +20,7 @@ from logic.errors import (
 from logic.grammar import SHIPPED, find
 from logic.house.house import House
 from logic.house.parts import BODY
+from logic.request.brief import Brief, alone, read_brief
 from logic.request.fixed_rooms import fixed_rooms
 from logic.request.given_plan import SNAP, OwnPlan, keeping, read_plan
 from logic.request.request import MOST_ROOMS, Count, Request, whole
@@ -39,6 +40,9 @@ from logic.workers.messages import (
 from logic.workers.solver import GRACE, LOADING, START_UP, Idle, Solver
 
 _idle = Idle()
+
+PLAIN = "plain"
+"""The grammar of a brief alone: it says nothing of rooms."""
 
 TRIED = (10, 20)
 """Numbers of rooms with which lint tries which rule takes too much, where it judges rules too long."""
@@ -61,7 +65,8 @@ def generate(
     plan_unit: str = "m",
     snap: float = SNAP,
     keep: House | None = None,
-    grammar: str | Path = "family",
+    brief: str | Path | Mapping[str, Any] | Brief | None = None,
+    grammar: str | Path | None = None,
     seed: int = 0,
     count: int = 1,
     start: int = 0,
@@ -93,6 +98,7 @@ def generate(
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
     own = None if plan is None else read_plan(plan, plan_unit, snap)
+    asked = None if brief is None else read_brief(brief)
     if keep is not None and keep.main_room is None:
         if own is None:
             raise RequestError(
@@ -102,6 +108,8 @@ def generate(
         own, keep = keeping(own, keep), None
     if own:
         rooms = _rooms_of(own, rooms, cell, keep)
+    if asked:
+        rooms = _rooms_of_brief(asked, rooms, own, keep)
     if rooms is None:
         raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
     rooms = whole("rooms", rooms, 1, MOST_ROOMS)
@@ -127,9 +135,11 @@ def generate(
                 'more, or keep some of them: keep=house.only("R0"), on the command line --keep-rooms R0'
             )
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
-    wanted = replace(wanted, plan=own)
+    if asked and grammar is None:
+        asked, grammar = alone(asked), PLAIN
+    wanted = replace(wanted, plan=own, brief=asked)
     question = MakeHouse(request=wanted.to_dict(), seed=seed, index=start, inferences=inferences)
-    rules = find(grammar)
+    rules = find(grammar or "family")
     opening = Open(grammar=str(rules.directory), cell=cell)
     return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
 
@@ -142,6 +152,17 @@ def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None)
     for name, given in (("cell", cell), ("keep", keep)):
         if given:
             raise RequestError(f"plan: all rooms have their places already: leave out {name} or plan")
+    return number
+
+
+def _rooms_of_brief(brief: Brief, rooms: int | None, plan: OwnPlan | None, keep: House | None) -> int:
+    """How many rooms a brief has. Raises ``RequestError`` for what a request cannot have beside it."""
+    number = len(brief.rooms)
+    if rooms not in (None, number):
+        raise RequestError(f"brief: it has {number} rooms, but rooms={rooms}: leave rooms out")
+    for name, given in (("plan", plan), ("keep", keep)):
+        if given:
+            raise RequestError(f"brief: its rooms have no places yet: leave out {name} or brief")
     return number
 
 

@@ -1,4 +1,4 @@
-:- module(plans, [answer_record/2, plan_placed/3, unit_extremes/3, unit_depths/1, plan_lengths/2, plan_conflict/3,
+:- module(plans, [answer_record/2, plan_placed/3, unit_extremes/3, unit_depths/1, plan_lengths/2, brief_lengths/2, plan_conflict/3,
                   plan_system/2]).
 
 /** <module> Plans where rooms share walls: the goals that Python asks
@@ -11,6 +11,7 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module(library(lists)).
 :- use_module('../answers').
 :- use_module(areas).
+:- use_module('../brief/brief').
 :- use_module(contacts).
 :- use_module('../linear/exact').
 :- use_module('../language/grammar_files').
@@ -47,6 +48,7 @@ unit_depths(Json) :-
     as_json(Range, Json).
 
 answer_record(infeasible(Why), _{infeasible:Reasons}) :- maplist(reason_record, Why, Reasons).
+answer_record(open(Why), _{infeasible:Reasons, open:true}) :- maplist(reason_record, Why, Reasons).
 answer_record(range(Low,High), _{range:[Low,High]}).
 answer_record(plan(Rooms,Doors,Windows), _{rooms:Rs, doors:Ds, windows:Ws}) :-
     maplist(room_record, Rooms, Rs),
@@ -85,11 +87,41 @@ within(System, Constraint, X, Range) :- findall(R, ( posted(System), Constraint,
 
 step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-From)/4.
 
+%!  brief_lengths(+Types, -Json) is det.
+%
+%   As plan_lengths/2, of sizes and areas as they are stated: what loses no size that is right.
+
+brief_lengths(Types, Json) :-
+    length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
+    maplist(stated_extremes, Types, Records),
+    least_contact(Contact),
+    as_json([Doorway,Contact,Records], Json).
+
+stated_extremes(Type, [Type,Reach,Bends,Brims]) :-
+    room_extent(Type, W1-W2, D1-D2),
+    maplist(metres, [W1,W2,D1,D2], Reach),
+    (   grammar:room_area(Type, Least, Most)
+    ->  metres(W1, From), metres(W2, To),
+        findall([At,Deep], ( step(From, To, At), Deep is Most/At ), Bends),
+        findall([At,Deep], ( step(From, To, At), Deep is Least/At ), Brims)
+    ;   Bends = [], Brims = [] ), !.
+stated_extremes(Type, [Type,[1,0,1,0],[],[]]).
+
 %!  plan_conflict(+Atoms, +Without, -Json) is det.
 %
 %   Json lists the reasons of a minimal conflict of these walls where the clauses Without are left out; null if there is
 %   none, as where a topology lacks some walls.
 
+plan_conflict(Atoms, Without, Json) :-
+    of_brief(Atoms), !,
+    brief_system(Atoms, plan(Lines,Rooms), System, Items),
+    exclude(resting_on(Without), System, Rest),
+    exclude(item_resting_on(Without), Items, Others),
+    (   items_decided(minimal, Lines, Rooms, Rest, Others, refuted(Conflict), 0, _)
+    ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
+        sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
+    ;   Reasons = null ),
+    as_json(Reasons, Json).
 plan_conflict(Atoms, Without, Json) :-
     (   whole_system(Atoms, [], Plan, System),
         exclude(resting_on(Without), System, Rest),
@@ -100,6 +132,8 @@ plan_conflict(Atoms, Without, Json) :-
         sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
     ;   Reasons = null ),
     as_json(Reasons, Json).
+
+item_resting_on(Without, item(_,_,_,Why,_)) :- resting_on(Without, _-Why).
 
 resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !.
 

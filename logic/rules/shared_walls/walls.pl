@@ -1,4 +1,4 @@
-:- module(walls, [walls_placed//4, wall_system/3, whole_system/4, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
+:- module(walls, [walls_placed//4, wall_system/3, whole_system/4, brief_system/4, of_brief/1, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
 
 /** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
 
@@ -19,12 +19,15 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
+:- use_module(library(yall)).
 :- use_module(areas).
+:- use_module('../brief/brief').
 :- use_module(contacts).
 :- use_module('../linear/exact').
 :- use_module('../linear/grid').
 :- use_module('../language/lengths').
 :- use_module('../linear/linear').
+:- use_module('../language/sizes').
 :- use_module(lines).
 :- use_module(openings).
 :- use_module(totals).
@@ -34,6 +37,10 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
 %   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`.
 
+walls_placed(Atoms, _, Proof, Answer) -->
+    { of_brief(Atoms), !, brief_system(Atoms, plan(Lines,Rooms), System, Items) },
+    items_decided(Proof, Lines, Rooms, System, Items, Found),
+    decided_answer(Found, Atoms, Rooms, System, Answer).
 walls_placed(Atoms, Given, Proof, Answer) -->
     { whole_system(Atoms, Given, Plan, System), Plan = plan(_,Rooms) },
     (   plan_sample(real-3, Atoms, Plan, System)
@@ -44,10 +51,42 @@ walls_placed(Atoms, Given, Proof, Answer) -->
     ->  plan_openings(Atoms, Rooms, Answer)
     ;   { refuted(System, Answer) } ).                     % no whole numbers satisfy them, or no plan is of that area
 
+decided_answer(placed, Atoms, Rooms, _, Answer)              --> plan_openings(Atoms, Rooms, Answer).
+decided_answer(refuted(Conflict), _, _, _, Answer)           --> { refuted(Conflict, Answer) }.
+decided_answer(open, Atoms, _, System, open(Reasons))        --> { refuted(System, infeasible(Why)), findall(Slim, chosen_step(Atoms, Slim), Steps), append(Steps, Why, Reasons) }.
+
 plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
     (   { total_area(Total) }
     ->  { rooms_sized(Rooms, Atoms, Sized), sampling_order(Lines, Rooms, Order) }, total_sample(Arithmetic, Order, System, Total, Rooms, Sized, Halvings)
     ;   lines_sample(Arithmetic, Lines, Rooms, System) ).
+
+%!  brief_system(+Atoms, -Plan, -System, -Items) is det.
+%
+%   As wall_system/3 for the rooms of a brief, with the items of their areas (brief.pl).
+
+brief_system(Atoms, Plan, System, Items) :-
+    wall_system(Atoms, [], Plan, Walls),
+    Plan = plan(Lines,Rooms),
+    plan_boxes(Atoms, Lines, Rooms, Boxes),
+    phrase(brief_constraints(Atoms, Boxes), Lengths),
+    area_items(Atoms, Boxes, Items, Sides),
+    append([Walls,Lengths,Sides], All),
+    fewest_unknowns_first(All, System).
+
+of_brief(Atoms) :- memberchk(granted(_), Atoms).
+
+%   plan_boxes(+Atoms, +Lines, +Rooms, -Boxes): the rooms, the voids and the outline.
+
+plan_boxes(Atoms, Lines, Rooms, [room(outline,none,sides(West,East,North,South),none)|Boxes]) :-
+    maplist([Side,X]>>memberchk(outline(Side)-X, Lines), [west,east,north,south], [West,East,North,South]),
+    findall(void-V, member(void(V), Atoms), Voids),
+    list_to_assoc(Lines, Places),
+    placed_rooms(Voids, Atoms, Places, Free),
+    append(Rooms, Free, Boxes).
+
+chosen_step(Atoms, Step) :-
+    member(step(B,I,_,_,_,_), Atoms),
+    ( memberchk(slim(B,I), Atoms) -> Step = slim(B,I) ; Step = not(slim(B,I)) ).
 
 %!  whole_system(+Atoms, +Given, -Plan, -System) is det.
 %
@@ -181,7 +220,8 @@ because([C|Cs]) --> [C], because(Cs).
 room_size_constraints(Room, Atoms, Constraints) :-
     room_sized(Atoms, Room, sized(T,W,D,Own,Across,Along)),
     append([Own,Across], Wide), append([Own,Along], Deep), append([Own,Across,Along], Both),
-    room_system(T, W0, D0, System),
+    Room = room(R,_,_,_),
+    ( has_area(Atoms, R) -> room_size_system(T, W0, D0, System) ; room_system(T, W0, D0, System) ),
     maplist(explained(W0, D0, Wide, Deep, Both), System, Sizes),
     W0 = W, D0 = D,
     ( memberchk(runs(_,_), Own), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).

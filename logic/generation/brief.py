@@ -1,0 +1,66 @@
+"""Houses by a brief: the rooms that it names, in any dissection of an outline.
+
+Each house has a program of its own, which clasp searches in an order that it learns: with doors, areas and
+sizes given, a layout is hard to find by picks that are sampled one after the other.
+"""
+
+from collections.abc import Collection
+
+import numpy as np
+from clingo import Symbol
+from msgspec import structs
+
+from logic.errors import LimitReached, RequestError
+from logic.generation.evidence import NoLayout
+from logic.generation.feasibility import Feasibility
+from logic.generation.shared_walls import SharedWallsMaker
+from logic.grammar import Grammar
+from logic.house.house import House
+from logic.language.loaded import LoadedGrammar
+from logic.layout.program import Nogood, Program
+from logic.layout.programs import Programs
+from logic.layout.terms import brief_facts, granted, room_requirements, wall_facts
+from logic.placement.lengths import brief_lengths
+from logic.placement.plan import Pieces, Plan
+from logic.request.brief import Brief
+from logic.request.request import Request
+
+
+class BriefMaker(SharedWallsMaker):
+    """Makes houses of one brief by one grammar."""
+
+    advice = "another seed, larger rooms, or fewer lines in the brief"
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, brief: Brief) -> None:
+        """Find what stage 1 is to know of the brief."""
+        if loaded.depths:
+            raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
+        self.brief = brief
+        rules = grammar.for_brief()
+        facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture))
+        facts += [(fact, ()) for fact in brief_facts(brief, few=not grammar.names_contacts)]
+        super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts))
+        symbols = [fact for fact, _ in facts]
+        self._programs = Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)
+        self._one_house: Program | None = None
+
+    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+        """A furnished house; see ``Maker.made``."""
+        self._one_house = self._programs.house(request, int(rng.integers(2**31)))
+        return super().made(request, rng, inferences)
+
+    def complete(
+        self, request: Request, rng: np.random.Generator, inferences: int
+    ) -> tuple[Plan, list[Pieces], int]:
+        """As of any plan, with the names of the brief."""
+        plan, pieces, left = super().complete(request, rng, inferences)
+        for place, room in enumerate(self.brief.rooms):
+            as_named = {"name": room.name, "type": room.label or plan.rooms[place].type}
+            plan.rooms[place] = structs.replace(plan.rooms[place], **as_named)
+        return plan, pieces, left
+
+    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
+        """That of one house."""
+        if self._one_house is None:
+            return super()._program(request)
+        return self._one_house, [granted(each) for each in room_requirements(request)], []

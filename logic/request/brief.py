@@ -1,0 +1,341 @@
+"""A brief: what a user wants of the rooms of a house, each by its name.
+
+Its form is JSON (``docs/briefs.md``). What cannot be meant is refused here; what cannot be met is found
+later, as a proof that names lines of the brief (``logic.generation.brief``).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import ceil, floor
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import msgspec
+from msgspec import Meta
+
+from logic.errors import RequestError
+from logic.house.files import opened
+from logic.house.parts import OUTSIDE
+from logic.spelling import unknown
+
+MOST_ROOMS = 24
+"""Of a brief: the rules grow with the cube of the number of its rooms."""
+
+TOLERANCE, LEAST_TOLERANCE = 0.1, 0.001
+"""Of an area or a size that is one number: so much more or less, as a share of it."""
+
+LEAST_SIDE = 0.5
+"""Metres: no side of a room with an area is shorter; ``rules/brief/brief.pl``."""
+
+LONGEST, LARGEST = 400.0, 100_000.0
+"""Metres and square metres: what whole numbers of stage 1 can hold."""
+
+Side = Literal["north", "east", "south", "west"]
+Place = Annotated[float, Meta(ge=0, le=LONGEST)]
+Span = float | tuple[float, float]
+"""One number, or the least and the greatest: metres, or square metres."""
+
+Name = Annotated[str, Meta(min_length=1, max_length=100)]
+Pair = tuple[Name, Name]
+
+
+class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """A part of a brief's JSON."""
+
+
+class BriefRoom(Part, frozen=True):
+    """A room that is wanted. All but its name may be left out."""
+
+    name: Name
+    type: str = ""
+    """One of the grammar's."""
+    label: str = ""
+    """What it is called in the place of a type, by a grammar that has none."""
+    area: Span | None = None
+    """Square metres; one number is met within the ``tolerance``."""
+    size: tuple[Span, Span] | None = None
+    """Its two sides, either way round, metres."""
+    tolerance: Annotated[float, Meta(ge=0, le=1)] | None = None
+    outside: bool | tuple[Side, ...] = False
+    """Whether it has an outer wall, or which of its sides are outer walls."""
+    windows: tuple[Side, ...] = ()
+    """Sides in which it has a window."""
+
+
+class Entrance(Part, frozen=True):
+    """By which room, and which of its sides, the house is entered."""
+
+    room: Name
+    side: Side | None = None
+
+
+class Void(Part, frozen=True):
+    """A part of the outline that is no house, metres: a notch at a corner, or a court that lies anywhere."""
+
+    width: Span | None = None
+    depth: Span | None = None
+    corner: Literal["north-west", "north-east", "south-east", "south-west"] | None = None
+    x: Place | None = None
+    y: Place | None = None
+
+
+class Outline(Part, frozen=True):
+    """The rectangle around the house, metres: its width from west to east, its depth from north to south."""
+
+    width: Span | None = None
+    depth: Span | None = None
+    voids: tuple[Void, ...] = ()
+
+
+class Brief(Part, frozen=True):
+    """What is wanted of the rooms of a house, each by its name."""
+
+    rooms: tuple[BriefRoom, ...]
+    doors: tuple[Pair, ...] = ()
+    no_doors: tuple[Pair, ...] = ()
+    next_to: tuple[Pair, ...] = ()
+    """Rooms that share a wall, with a door in it or without."""
+    apart: tuple[Pair, ...] = ()
+    """Rooms that share none."""
+    entrance: Name | Entrance | None = None
+    outline: Outline = Outline()
+    area: Span | None = None
+    """Of all within the outline but the voids, square metres."""
+    tolerance: Annotated[float, Meta(ge=0, le=1)] = TOLERANCE
+
+    @property
+    def names(self) -> list[str]:
+        """Of its rooms, in their order."""
+        return [room.name for room in self.rooms]
+
+
+class Requirement(NamedTuple):
+    """What a line of a brief requires, in words and as terms of ``rules/brief/brief.lp``: name, arguments.
+
+    Lengths are whole millimetres, areas square centimetres; boxes are numbers of rooms, then of voids, or
+    ``outline``.
+    """
+
+    words: str
+    terms: tuple[tuple[Any, ...], ...]
+
+
+def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
+    """A brief, from its JSON form or a file of it. Raises ``RequestError`` for what cannot be meant."""
+    if isinstance(source, str | Path):
+        try:
+            with opened(Path(source)) as file:
+                source = msgspec.json.decode(file.read())
+        except OSError as error:
+            raise RequestError(f"brief: {source} cannot be read: {error.strerror}") from None
+        except msgspec.DecodeError as error:
+            raise RequestError(f"brief: {source} is no JSON: {error}") from None
+    try:
+        brief = source if isinstance(source, Brief) else msgspec.convert(source, Brief)
+    except msgspec.ValidationError as error:
+        raise RequestError(f"brief: {str(error)[0].lower()}{str(error)[1:]}") from None
+    _require_sense(brief)
+    return brief
+
+
+def requirements(brief: Brief) -> list[Requirement]:
+    """What a brief requires, line by line."""
+    return list(_requirements(brief))
+
+
+def alone(brief: Brief) -> Brief:
+    """The brief without a grammar, whose types of rooms are labels."""
+    rooms = [msgspec.structs.replace(room, type="", label=room.label or room.type) for room in brief.rooms]
+    return msgspec.structs.replace(brief, rooms=tuple(rooms))
+
+
+def void_numbers(brief: Brief) -> range:
+    """The numbers of its voids."""
+    return range(len(brief.rooms), len(brief.rooms) + len(brief.outline.voids))
+
+
+def area_ranges(brief: Brief) -> dict[int | str, tuple[int, int]]:
+    """The least and the greatest area of each box that has one, square centimetres."""
+    found: dict[int | str, tuple[int, int]] = {
+        number: _area(room.area, _tolerance(brief, room))
+        for number, room in enumerate(brief.rooms)
+        if room.area is not None
+    }
+    if brief.area is not None:
+        least, most = _area(brief.area, brief.tolerance)
+        voids = [_void_area(void) for void in brief.outline.voids]
+        found["outline"] = least + sum(low for low, _ in voids), most + sum(high for _, high in voids)
+    return found
+
+
+def _requirements(brief: Brief) -> Iterator[Requirement]:
+    places = {name: number for number, name in enumerate(brief.names)}
+    areas = area_ranges(brief)
+    for number, room in enumerate(brief.rooms):
+        if room.type:
+            yield Requirement(f"{room.name} is of type {room.type}", (("typed", number, room.type),))
+        if room.area is not None:
+            yield Requirement(
+                f"{room.name} has {_square_metres(areas[number])}", (("area", number, *areas[number]),)
+            )
+        if room.size is not None:
+            one, other = (_length(side, _tolerance(brief, room)) for side in room.size)
+            words = f"{room.name} measures {_metres(one)} by {_metres(other)}"
+            yield Requirement(words, (("sides", number, *one, *other),))
+        if room.outside is True:
+            yield Requirement(f"{room.name} has an outer wall", (("outer", number),))
+        for side in room.outside or () if not isinstance(room.outside, bool) else ():
+            yield Requirement(f"{room.name} has an outer wall in the {side}", (("outer", number, side),))
+        for side in room.windows:
+            yield Requirement(f"{room.name} has a window in the {side}", (("lit", number, side),))
+    for pairs, term, words in (
+        (brief.doors, "door", "a door joins {} and {}"),
+        (brief.no_doors, "no_door", "no door joins {} and {}"),
+        (brief.next_to, "next", "{} is next to {}"),
+        (brief.apart, "apart", "{} is not next to {}"),
+    ):
+        for one, other in pairs:
+            yield Requirement(words.format(one, other), ((term, places[one], places[other]),))
+    if brief.entrance is not None:
+        entrance = Entrance(brief.entrance) if isinstance(brief.entrance, str) else brief.entrance
+        place = places[entrance.room]
+        if entrance.side:
+            words = f"the house is entered by {entrance.room} from the {entrance.side}"
+            yield Requirement(words, (("entry", place), ("entry", place, entrance.side)))
+        else:
+            yield Requirement(f"the house is entered by {entrance.room}", (("entry", place),))
+    yield from _outline(brief)
+    if brief.area is not None:
+        within = _square_metres(_area(brief.area, brief.tolerance))
+        yield Requirement(f"the house has {within}", (("area", "outline", *areas["outline"]),))
+
+
+def _outline(brief: Brief) -> Iterator[Requirement]:
+    outline = brief.outline
+    for axis, name, span in (("x", "wide", outline.width), ("y", "deep", outline.depth)):
+        if span is not None:
+            length = _length(span, 0)
+            yield Requirement(
+                f"the outline is {_metres(length)} {name}", (("extent", "outline", axis, *length),)
+            )
+    for number, void in zip(void_numbers(brief), outline.voids, strict=True):
+        terms: list[tuple[Any, ...]] = []
+        for axis, span in (("x", void.width), ("y", void.depth)):
+            if span is not None:
+                terms.append(("extent", number, axis, *_length(span, 0)))
+        for axis, place in (("x", void.x), ("y", void.y)):
+            if place is not None:
+                terms.append(("offset", number, axis, *_length((place, place), 0)))
+        for side in void.corner.split("-") if void.corner else ():
+            terms.append(("rim", number, side))
+        if terms:
+            yield Requirement(_void_words(void), tuple(terms))
+
+
+def _void_words(void: Void) -> str:
+    sizes = [
+        f"{_metres(_length(span, 0))} {name}"
+        for name, span in (("wide", void.width), ("deep", void.depth))
+        if span is not None
+    ]
+    places = [f"{axis} {place:g} m" for axis, place in (("x", void.x), ("y", void.y)) if place is not None]
+    what = f"a notch in the {void.corner}" if void.corner else "a void"
+    return ", ".join([what, *sizes]) + (f", at {' and '.join(places)}" if places else "")
+
+
+def _tolerance(brief: Brief, room: BriefRoom) -> float:
+    return brief.tolerance if room.tolerance is None else room.tolerance
+
+
+def _bounds(span: Span, tolerance: float) -> tuple[float, float]:
+    if isinstance(span, tuple):
+        return span
+    return span * (1 - tolerance), span * (1 + tolerance)
+
+
+def _area(span: Span, tolerance: float) -> tuple[int, int]:
+    """Square centimetres; of some width, however exact it is meant: sizes are sampled in it."""
+    least, most = _bounds(span, max(tolerance, LEAST_TOLERANCE))
+    if most < least * (1 + 2 * LEAST_TOLERANCE):
+        middle = (least + most) / 2
+        least, most = middle * (1 - LEAST_TOLERANCE), middle * (1 + LEAST_TOLERANCE)
+    return floor(1e4 * least + 1e-6), ceil(1e4 * most - 1e-6)
+
+
+def _length(span: Span, tolerance: float) -> tuple[int, int]:
+    """Millimetres."""
+    least, most = _bounds(span, tolerance)
+    return floor(1e3 * least + 1e-6), ceil(1e3 * most - 1e-6)
+
+
+def _void_area(void: Void) -> tuple[int, int]:
+    """Square centimetres; raises ``RequestError`` where it is not known."""
+    if void.width is None or void.depth is None:
+        raise RequestError("brief: area: a house with voids has an area where these have a width and a depth")
+    (w, wide), (d, deep) = _length(void.width, 0), _length(void.depth, 0)
+    return w * d // 100, -(-wide * deep // 100)
+
+
+def _square_metres(area: tuple[int, int]) -> str:
+    least, most = (f"{each / 1e4:.4g}" for each in area)
+    return f"{least} to {most} m²"
+
+
+def _metres(length: tuple[int, int]) -> str:
+    least, most = (f"{each / 1e3:g}" for each in length)
+    return f"{least} m" if least == most else f"{least} to {most} m"
+
+
+def _require_sense(brief: Brief) -> None:
+    """Refuse what cannot be meant."""
+    if not 1 <= len(brief.rooms) <= MOST_ROOMS:
+        raise RequestError(f"brief: rooms: 1 to {MOST_ROOMS} rooms, not {len(brief.rooms)}")
+    names = brief.names
+    for number, room in enumerate(brief.rooms):
+        where = f"brief: rooms[{number}]"
+        if room.name in names[:number]:
+            raise RequestError(
+                f"{where}: rooms[{names.index(room.name)}] is named {room.name} too: give each its own name"
+            )
+        if room.name == OUTSIDE:
+            raise RequestError(f"{where}: {OUTSIDE} is no name of a room")
+        _require_span(f"{where} ({room.name}): area", room.area, LARGEST)
+        for side in room.size or ():
+            _require_span(f"{where} ({room.name}): size", side)
+        if room.area is not None and _area(room.area, _tolerance(brief, room))[1] < 1e4 * LEAST_SIDE**2:
+            raise RequestError(
+                f"{where} ({room.name}): area: {room.area} m² is less than {LEAST_SIDE:g} m by {LEAST_SIDE:g} m"
+            )
+    for key in ("doors", "no_doors", "next_to", "apart"):
+        _require_pairs(key, getattr(brief, key), names)
+    if brief.entrance is not None:
+        entrance = brief.entrance if isinstance(brief.entrance, str) else brief.entrance.room
+        if entrance not in names:
+            raise RequestError(f"brief: entrance: {unknown('room', entrance, names)}")
+    _require_span("brief: area", brief.area, LARGEST)
+    _require_span("brief: outline.width", brief.outline.width)
+    _require_span("brief: outline.depth", brief.outline.depth)
+    for number, void in enumerate(brief.outline.voids):
+        where = f"brief: outline.voids[{number}]"
+        _require_span(f"{where}: width", void.width)
+        _require_span(f"{where}: depth", void.depth)
+        if void.corner and (void.x is not None or void.y is not None):
+            raise RequestError(f"{where}: a notch at a corner is there: leave out x and y, or corner")
+    area_ranges(brief)
+
+
+def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> None:
+    for number, pair in enumerate(pairs):
+        for name in pair:
+            if name not in names:
+                raise RequestError(f"brief: {key}[{number}]: {unknown('room', name, names)}")
+        if pair[0] == pair[1]:
+            raise RequestError(f"brief: {key}[{number}]: {pair[0]} and itself: name two rooms")
+
+
+def _require_span(where: str, span: Span | None, largest: float = LONGEST) -> None:
+    if span is None:
+        return
+    least, most = span if isinstance(span, tuple) else (span, span)
+    if not 0 < least <= most <= largest:
+        given = f"{span:g}" if isinstance(span, float | int) else f"[{least:g}, {most:g}]"
+        raise RequestError(f"{where}: above 0 and up to {largest:g}, the least first, not {given}")

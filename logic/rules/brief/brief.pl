@@ -1,0 +1,229 @@
+:- module(brief, [brief_constraints//2, area_items/4, has_area/2, items_decided//6]).
+
+/** <module> What a brief says of lengths and areas, beside the walls of a layout
+
+Lengths of requirements are whole millimetres, areas square centimetres (brief.lp). A box is room(B,Type,Sides,Edges) as in
+walls.pl: a room, a void, or the `outline`.
+
+An area between Least and Most is no linear constraint. Where the shape of a box is nearly known, as stage 1 has chosen it, one
+tangent of W*D = Most and some chords of W*D = Least let in no size that is wrong, and most that are right: where these have a
+solution, it is exact. For a refutation it is the other way round: tangents of W*D = Least and the chord of W*D = Most over the
+widths that stage 1 leaves lose no size that is right. Where neither decides, the widths of a box are halved.
+
+An item is item(W,D,Least-Most,Why,Range): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2).
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(library(pairs)).
+:- use_module(library(yall)).
+:- use_module(library(clpr)).
+:- use_module('../linear/exact').
+:- use_module('../linear/grid').
+:- use_module('../linear/linear').
+:- use_module('../language/grammar_files').
+:- use_module('../shared_walls/areas').
+:- use_module('../shared_walls/lines').
+
+% No side of a box with an area is shorter, in metres; a void is at least so long both ways.
+least_side(0.5).
+least_void(1.0).
+
+% - lines that are linear ----------------------------------------------------------------------------------------------
+
+%!  brief_constraints(+Atoms, +Boxes)// describes the constraints.
+
+brief_constraints(Atoms, Boxes) -->
+    { findall(Q, ( member(granted(Q), Atoms), is_length(Q) ), Requirements) },
+    requirements(Requirements, Atoms, Boxes),
+    voids(Boxes).
+
+is_length(extent(_,_,_,_)).
+is_length(offset(_,_,_,_)).
+is_length(sides(_,_,_,_,_)).
+
+requirements([], _, _) --> [].
+requirements([Q|Qs], Atoms, Boxes) -->
+    { arg(1, Q, B), memberchk(room(B,_,Sides,Edges), Boxes) },
+    requirement(Q, Sides, Edges, Atoms, Boxes),
+    requirements(Qs, Atoms, Boxes).
+
+requirement(Q, Sides, Edges, _, _) -->
+    { Q = extent(_,Axis,L,M), along(Axis, Sides, Edges, X1, X2, Lines), bounds(L, M, Low, High) },
+    [(X1+Low =< X2)-[granted(Q)|Lines], (X2 =< X1+High)-[granted(Q)|Lines]].
+requirement(Q, Sides, Edges, _, Boxes) -->
+    { Q = offset(_,Axis,L,M), along(Axis, Sides, Edges, X, _, [Line|_]),
+      memberchk(room(outline,_,Outline,_), Boxes), along(Axis, Outline, none, O, _, _), bounds(L, M, Low, High) },
+    [(O+Low =< X)-[granted(Q),Line], (X =< O+High)-[granted(Q),Line]].
+requirement(Q, Sides, Edges, Atoms, _) -->
+    { Q = sides(R,A,B,C,E),
+      ( memberchk(turned(R), Atoms) -> How = [turned(R)], X = C-E, Y = A-B ; A-B == C-E -> How = [], X = A-B, Y = X ; How = [not(turned(R))], X = A-B, Y = C-E ),
+      sides_range(x, X, Sides, Edges, [granted(Q)|How], Cs1), sides_range(y, Y, Sides, Edges, [granted(Q)|How], Cs2), append(Cs1, Cs2, Cs) },
+    each(Cs).
+
+each([])     --> [].
+each([C|Cs]) --> [C], each(Cs).
+
+sides_range(Axis, L-M, Sides, Edges, Why, [(X1+Low =< X2)-All,(X2 =< X1+High)-All]) :-
+    along(Axis, Sides, Edges, X1, X2, Lines), bounds(L, M, Low, High), append(Why, Lines, All).
+
+bounds(L, M, Low, High) :- LM is L/1000, MM is M/1000, rounded_up(LM, Low), in_unit(MM, High).
+
+along(x, sides(X1,X2,_,_), Edges, X1, X2, Lines) :- ( Edges = edges(W,E,_,_) -> Lines = [W,E] ; Lines = [] ).
+along(y, sides(_,_,Y1,Y2), Edges, Y1, Y2, Lines) :- ( Edges = edges(_,_,N,S) -> Lines = [N,S] ; Lines = [] ).
+
+voids([]) --> [].
+voids([room(V,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Boxes]) --> !,
+    { least_void(M), in_unit(M, Least) },
+    [(X1+Least =< X2)-[West,East], (Y1+Least =< Y2)-[North,South]],
+    voids(Boxes).
+voids([_|Boxes]) --> voids(Boxes).
+
+% - areas --------------------------------------------------------------------------------------------------------------
+
+%!  has_area(+Atoms, +Box) is semidet.
+
+has_area(Atoms, Box) :- memberchk(granted(area(Box,_,_)), Atoms).
+
+%!  area_items(+Atoms, +Boxes, -Items, -Sides) is det.
+%
+%   Items of all boxes with an area, and the constraint of each that its sides are no slits.
+
+area_items(Atoms, Boxes, Items, Sides) :-
+    findall(area(B,L,M), member(granted(area(B,L,M)), Atoms), Areas),
+    maplist(area_item(Atoms, Boxes), Areas, Items0, Slits),
+    append(Slits, Sides),
+    append(Items0, Items1),
+    ( house_item(Boxes, Item) -> Items = [Item|Items1] ; Items = Items1 ).
+
+%   area_item(+Atoms, +Boxes, +Area, -Items, -Slits): that of the brief, and of the grammar where this says more.
+
+area_item(Atoms, Boxes, Area, [item(W,D,Least-Most,Why,Range)|Others], [(Slit =< W)-Why,(Slit =< D)-Why]) :-
+    Area = area(B,L,M), memberchk(room(B,Type,sides(X1,X2,Y1,Y2),Edges), Boxes),
+    W = X2-X1, D = Y2-Y1,
+    ( Edges = edges(E1,E2,E3,E4) -> Lines = [E1,E2,E3,E4] ; Lines = [] ),
+    maplist(squares, [L,M], [Least,Most]),
+    least_side(S), in_unit(S, Slit),
+    width_range(B, Atoms, Slit, Most, Range),
+    Why = [granted(Area)|Lines],
+    (   B \== outline, grammar:room_area(Type, L1, M1), maplist(square, [L1,M1], [Least1,Most1]),
+        \+ ( Least1 =< Least, Most =< Most1 )
+    ->  Others = [item(W,D,Least1-Most1,[room_area(Type),room(B,Type)|Lines],Range)]
+    ;   Others = [] ).
+
+squares(Centimetres, Squares) :- Area is Centimetres/10000, square(Area, Squares).
+
+%   width_range(+Box, +Atoms, +Slit, +Most, -Range): between the steps that stage 1 has chosen.
+
+width_range(B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
+    findall(I-(W-V), member(step(B,I,W,V,_,_), Atoms), Steps),
+    findall(I, member(slim(B,I), Atoms), Slim),
+    ( Slim = [_|_] -> min_list(Slim, Least), memberchk(Least-(_-V1), Steps), mm(V1, High), WhyHigh = [slim(B,Least)] ; High is Most/Slit, WhyHigh = [], Least = none ),
+    (   integer(Least), Least > 0, Before is Least - 1, memberchk(Before-(W1-_), Steps)
+    ->  mm(W1, Low), WhyLow = [not(slim(B,Before))]
+    ;   Low = Slit, WhyLow = [] ).
+
+mm(Millimetres, X) :- M is Millimetres/1000, in_unit(M, X).
+
+%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states, where all of the outline is house.
+
+house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],from(Slit,[])-upto(High,[]))) :-
+    clause(grammar:house_area(_,_), _), grammar:house_area(L, M), !,
+    \+ memberchk(room(_,void,_,_), Boxes),
+    maplist(square, [L,M], [Least,Most]),
+    memberchk(room(outline,_,sides(X1,X2,Y1,Y2),_), Boxes),
+    least_side(S), in_unit(S, Slit), High is Most/Slit.
+
+% - whether there are lengths that have the areas ------------------------------------------------------------------------
+
+%!  items_decided(+Proof, ?Lines, +Rooms, +System, +Items, -Answer)// is det.
+%
+%   Answer is `placed`, and all Lines are numbers, sampled as by lines_sample//4; refuted(Conflict), a part of the System and of
+%   what follows from the Items that is refuted in rational arithmetic, a minimal one where the Proof is `minimal`; or `open`.
+
+items_decided(Proof, Lines, Rooms, System, Items, Answer) -->
+    decided(24, _, Proof, layout(Lines,Rooms,System), Items, Answer).
+
+decided(Left, Left, _, Layout, Items, placed) -->
+    { maplist(chosen_width, Items, Widths) },
+    inner_sample(Layout, Items, Widths), !.
+decided(Left, Left, Proof, layout(_,_,System), Items, refuted(Conflict)) -->
+    { outer_system(System, Items, Outer), exact_conflict(Proof, Outer, Conflict) }, !.
+decided(Left0, Left, Proof, Layout, Items, Answer) -->
+    { Layout = layout(_,_,System), outer_system(System, Items, Outer), outer_point(Outer, Items, Sizes) }, !,
+    (   { maplist([Width-_,Width]>>true, Sizes, Widths) }, inner_sample(Layout, Items, Widths)
+    ->  { Answer = placed, Left = Left0 }
+    ;   { Left0 > 0, widest_miss(Items, Sizes, Item, Others) }
+    ->  { halves(Item, Lower, Upper), Left1 is Left0 - 1 },
+        decided(Left1, Left2, Proof, Layout, [Lower|Others], Answer1),
+        other_half(Answer1, Left2, Left, Proof, Layout, [Upper|Others], Answer)
+    ;   { Answer = open, Left = Left0 } ).
+decided(Left, Left, _, _, _, open) --> [].
+
+other_half(placed, Left, Left, _, _, _, placed) --> !.
+other_half(Answer1, Left0, Left, Proof, Layout, Items, Answer) -->
+    decided(Left0, Left, Proof, Layout, Items, Answer2),
+    { both(Answer1, Answer2, Answer) }.
+
+both(_, placed, placed) :- !.
+both(refuted(C1), refuted(C2), refuted(C)) :- !, append(C1, C2, C).
+both(_, _, open).
+
+halves(item(W,D,Area,Why,from(W1,Why1)-upto(W2,Why2)), item(W,D,Area,Why,from(W1,Both)-upto(Half,Both)), item(W,D,Area,Why,from(Half,Both)-upto(W2,Both))) :-
+    Half is sqrt(W1*W2), append(Why1, Why2, Both).
+
+chosen_width(item(_,_,_,_,from(W1,_)-upto(W2,_)), W) :- W is sqrt(W1*W2).
+
+inner_sample(layout(Lines,Rooms,System), Items, Widths) -->
+    { maplist(inner, Items, Widths, Inner), append([System|Inner], All) },
+    lines_sample(real, Lines, Rooms, All).
+
+%   inner(+Item, +Width, -Constraints): about a shape of this width, what lets in no wrong size. The tangent of the greatest area
+%   leaves the widths between W1 and W2; over these the chords of the least one.
+
+inner(item(W,D,Least-Most,Why,_), Width, [(Steep*W + D =< Sum)-Why|Chords]) :-
+    Steep is sqrt(Least*Most)/Width**2, Sum is 2*sqrt(Steep*Most),
+    Middle is sqrt(Most/Steep), Away is sqrt(max(0, 1 - Least/Most)),
+    W1 is Middle*(1 - Away), W2 is Middle*(1 + Away),
+    Step is (W2/W1)**(1/4),
+    findall(A-B, ( between(0, 3, K), A is W1*Step**K, B is A*Step ), Parts),
+    maplist(inner_chord(W, D, Least, Why), Parts, Chords).
+
+inner_chord(W, D, Area, Why, W1-W2, (Sum =< Slope*W + D)-Why) :- Slope is Area/(W1*W2), Sum is Area/W1 + Area/W2.
+
+% - that no lengths have them ------------------------------------------------------------------------------------------------
+
+%   outer_system(+System, +Items, -All): what loses no right size.
+
+outer_system(System, Items, All) :- maplist(outer, Items, Outer), append([System|Outer], All).
+
+%   A little is added for what floats are off: the constraints are looked at in rational arithmetic.
+
+outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2)), [(W1 =< W)-Lower,(W =< W2)-Upper,(Slope*W + D =< Sum)-All|Tangents]) :-
+    append(Why, Why1, Lower), append(Why, Why2, Upper), append(Lower, Why2, All),
+    Slope is Most/(W1*W2), Sum is (Most/W1 + Most/W2)*(1 + 1.0e-9),
+    Middle is sqrt(W1*W2),
+    maplist(outer_tangent(W, D, Least, Why), [W1,Middle,W2], Tangents).
+
+outer_tangent(W, D, Area, Why, At, (Sum =< Slope*W + D)-Why) :- Slope is Area/At**2, Sum is 2*Area/At*(1 - 1.0e-9).
+
+%   outer_point(+System, +Items, -Sizes) is semidet: sizes of all items in one solution.
+
+outer_point(System, Items, Sizes) :-
+    findall(Found, ( posted(System), term_variables(Items, Xs), settled(Xs), maplist(size_of, Items, Found) ), [Sizes]).
+
+settled([]).
+settled([X|Xs]) :- ( number(X) -> true ; inf(X, Low), sup(X, High), V is (Low+High)/2, {X = V} ), settled(Xs).
+
+size_of(item(W,D,_,_,_), Width-Depth) :- Width is W, Depth is D.
+
+%   widest_miss(+Items, +Sizes, -Item, -Others) is semidet: the item whose size misses its area by most; fails where none does,
+%   or not by more than floats are off.
+
+widest_miss(Items, Sizes, Item, Others) :-
+    maplist(missed, Items, Sizes, Misses),
+    pairs_keys_values(Pairs, Misses, Items),
+    max_member(Miss-_, Pairs), Miss > 1.0e-7,
+    once(( nth0(Place, Misses, Miss), nth0(Place, Items, Item, Others) )).
+
+missed(item(_,_,Least-Most,_,_), W-D, Miss) :- Area is W*D, Miss is max(Least-Area, Area-Most)/Most.
