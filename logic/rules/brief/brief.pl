@@ -57,7 +57,7 @@ requirement(Q, Sides, Edges, _, Boxes) -->
     [(O+Low =< X)-[granted(Q),Line], (X =< O+High)-[granted(Q),Line]].
 requirement(Q, Sides, Edges, Atoms, _) -->
     { Q = sides(R,A,B,C,E),
-      ( memberchk(turned(R), Atoms) -> How = [turned(R)], X = C-E, Y = A-B ; A-B == C-E -> How = [], X = A-B, Y = X ; How = [not(turned(R))], X = A-B, Y = C-E ),
+      ( memberchk(turned(R), Atoms) -> How = [turned(R)], X = C-E, Y = A-B ; A-B == C-E -> How = [], X = A-B, Y = A-B ; How = [not(turned(R))], X = A-B, Y = C-E ),
       sides_range(x, X, Sides, Edges, [granted(Q)|How], Cs1), sides_range(y, Y, Sides, Edges, [granted(Q)|How], Cs2), append(Cs1, Cs2, Cs) },
     each(Cs).
 
@@ -73,7 +73,7 @@ along(x, sides(X1,X2,_,_), Edges, X1, X2, Lines) :- ( Edges = edges(W,E,_,_) -> 
 along(y, sides(_,_,Y1,Y2), Edges, Y1, Y2, Lines) :- ( Edges = edges(_,_,N,S) -> Lines = [N,S] ; Lines = [] ).
 
 voids([]) --> [].
-voids([room(V,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Boxes]) --> !,
+voids([room(_,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Boxes]) --> !,
     { least_void(M), in_unit(M, Least) },
     [(X1+Least =< X2)-[West,East], (Y1+Least =< Y2)-[North,South]],
     voids(Boxes).
@@ -150,7 +150,8 @@ decided(Left, Left, _, Layout, Items, placed) -->
 decided(Left, Left, Proof, layout(_,_,System), Items, refuted(Conflict)) -->
     { outer_system(System, Items, Outer), exact_conflict(Proof, Outer, Conflict) }, !.
 decided(Left0, Left, Proof, Layout, Items, Answer) -->
-    { Layout = layout(_,_,System), outer_system(System, Items, Outer), outer_point(Outer, Items, Sizes) }, !,
+    { Layout = layout(Lines,Rooms,System), outer_system(System, Items, Outer) },
+    outer_sizes(Lines, Rooms, Outer, Items, Sizes), !,
     (   { maplist([Width-_,Width]>>true, Sizes, Widths) }, inner_sample(Layout, Items, Widths)
     ->  { Answer = placed, Left = Left0 }
     ;   { Left0 > 0, widest_miss(Items, Sizes, Item, Others) }
@@ -207,13 +208,11 @@ outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2)), [(W1 =< W)-Lower,(W 
 
 outer_tangent(W, D, Area, Why, At, (Sum =< Slope*W + D)-Why) :- Slope is Area/At**2, Sum is 2*Area/At*(1 - 1.0e-9).
 
-%   outer_point(+System, +Items, -Sizes) is semidet: sizes of all items in one solution.
+%   outer_sizes(+Lines, +Rooms, +Outer, +Items, -Sizes)// is semidet: sizes of all items where no right size is lost.
 
-outer_point(System, Items, Sizes) :-
-    findall(Found, ( posted(System), term_variables(Items, Xs), settled(Xs), maplist(size_of, Items, Found) ), [Sizes]).
-
-settled([]).
-settled([X|Xs]) :- ( number(X) -> true ; inf(X, Low), sup(X, High), V is (Low+High)/2, {X = V} ), settled(Xs).
+outer_sizes(Lines, Rooms, Outer, Items, Sizes, S0, S) :-
+    member(Arithmetic, [real,rational]),
+    findall(Found-S1, ( lines_sample(Arithmetic, Lines, Rooms, Outer, S0, S1), maplist(size_of, Items, Found) ), [Sizes-S]), !.
 
 size_of(item(W,D,_,_,_), Width-Depth) :- Width is W, Depth is D.
 
