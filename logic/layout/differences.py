@@ -48,6 +48,8 @@ class Differences:
             from clingodl import ClingoDLTheory
 
             self._theory = ClingoDLTheory()
+            if BRIEF in self.files:  # Its areas are many differences of few lines.
+                self._theory.configure("propagate", "full")
             self._theory.register(control)
             # A control that is freed calls its theory: of a circle, the collector might free that one first.
             _spent.clear()

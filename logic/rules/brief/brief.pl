@@ -49,25 +49,23 @@ requirements([Q|Qs], Atoms, Boxes) -->
     requirements(Qs, Atoms, Boxes).
 
 requirement(Q, Sides, Edges, _, _) -->
-    { Q = extent(_,Axis,L,M), along(Axis, Sides, Edges, X1, X2, Lines), bounds(L, M, Low, High) },
-    [(X1+Low =< X2)-[granted(Q)|Lines], (X2 =< X1+High)-[granted(Q)|Lines]].
+    { Q = extent(_,Axis,L,M), along(Axis, Sides, Edges, X1, X2, Lines) },
+    between(X2-X1, L-M, [granted(Q)|Lines]).
 requirement(Q, Sides, Edges, _, Boxes) -->
     { Q = offset(_,Axis,L,M), along(Axis, Sides, Edges, X, _, [Line|_]),
-      memberchk(room(outline,_,Outline,_), Boxes), along(Axis, Outline, none, O, _, _), bounds(L, M, Low, High) },
-    [(O+Low =< X)-[granted(Q),Line], (X =< O+High)-[granted(Q),Line]].
+      memberchk(room(outline,_,Outline,_), Boxes), along(Axis, Outline, none, O, _, _) },
+    between(X-O, L-M, [granted(Q),Line]).
 requirement(Q, Sides, Edges, Atoms, _) -->
     { Q = sides(R,A,B,C,E),
       ( memberchk(turned(R), Atoms) -> How = [turned(R)], X = C-E, Y = A-B ; A-B == C-E -> How = [], X = A-B, Y = A-B ; How = [not(turned(R))], X = A-B, Y = C-E ),
-      sides_range(x, X, Sides, Edges, [granted(Q)|How], Cs1), sides_range(y, Y, Sides, Edges, [granted(Q)|How], Cs2), append(Cs1, Cs2, Cs) },
-    each(Cs).
+      along(x, Sides, Edges, X1, X2, Across), along(y, Sides, Edges, Y1, Y2, Down),
+      append([[granted(Q)],How,Across], WhyX), append([[granted(Q)],How,Down], WhyY) },
+    between(X2-X1, X, WhyX), between(Y2-Y1, Y, WhyY).
 
-each([])     --> [].
-each([C|Cs]) --> [C], each(Cs).
+%   between(+Length, +Millimetres, +Why)//: what has one value only is an equation, which leaves CLP(R) one unknown less.
 
-sides_range(Axis, L-M, Sides, Edges, Why, [(X1+Low =< X2)-All,(X2 =< X1+High)-All]) :-
-    along(Axis, Sides, Edges, X1, X2, Lines), bounds(L, M, Low, High), append(Why, Lines, All).
-
-bounds(L, M, Low, High) :- LM is L/1000, MM is M/1000, rounded_up(LM, Low), in_unit(MM, High).
+between(X, L-L, Why) --> { \+ on_grid }, !, { Metres is L/1000 }, [(X = Metres)-Why].
+between(X, L-M, Why) --> { LM is L/1000, MM is M/1000, rounded_up(LM, Low), in_unit(MM, High) }, [(Low =< X)-Why, (X =< High)-Why].
 
 along(x, sides(X1,X2,_,_), Edges, X1, X2, Lines) :- ( Edges = edges(W,E,_,_) -> Lines = [W,E] ; Lines = [] ).
 along(y, sides(_,_,Y1,Y2), Edges, Y1, Y2, Lines) :- ( Edges = edges(_,_,N,S) -> Lines = [N,S] ; Lines = [] ).
@@ -146,15 +144,18 @@ items_decided(Proof, Lines, Rooms, System, Items, Answer) -->
 
 decided(Left, Left, _, Layout, Items, placed) -->
     { maplist(chosen_width, Items, Widths) },
-    inner_sample(Layout, Items, Widths), !.
-decided(Left, Left, Proof, layout(_,_,System), Items, refuted(Conflict)) -->
-    { outer_system(System, Items, Outer), exact_conflict(Proof, Outer, Conflict) }, !.
+    near_sample(3, Layout, Items, Widths), !.
+decided(Left, Left, _, layout(_,_,System), Items, refuted(Conflict)) -->
+    { maplist(widened, Items, Wide), outer_system(System, Wide, Outer), middle(Outer, impossible(Conflict)) }, !.
 decided(Left0, Left, Proof, Layout, Items, Answer) -->
-    { Layout = layout(Lines,Rooms,System), outer_system(System, Items, Outer) },
-    outer_sizes(Lines, Rooms, Outer, Items, Sizes), !,
-    (   { maplist([Width-_,Width]>>true, Sizes, Widths) }, inner_sample(Layout, Items, Widths)
+    { Layout = layout(_,_,System), outer_system(System, Items, Outer), middle(Outer, Middle) }, !,
+    (   { Middle = impossible(Conflict) }
+    ->  { Answer = refuted(Conflict), Left = Left0 }
+    ;   { Middle = at(Xs, Values), copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes), maplist([Width-_,Width]>>true, Sizes, Widths) },
+        { held(Layout, Held) },
+        near_sample(3, Held, Items, Widths)
     ->  { Answer = placed, Left = Left0 }
-    ;   { Left0 > 0, widest_miss(Items, Sizes, Item, Others) }
+    ;   { Left0 > 0, Middle = at(Xs, Values), copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes), widest_miss(Items, Sizes, Item, Others) }
     ->  { halves(Item, Lower, Upper), Left1 is Left0 - 1 },
         decided(Left1, Left2, Proof, Layout, [Lower|Others], Answer1),
         other_half(Answer1, Left2, Left, Proof, Layout, [Upper|Others], Answer)
@@ -173,7 +174,36 @@ both(_, _, open).
 halves(item(W,D,Area,Why,from(W1,Why1)-upto(W2,Why2)), item(W,D,Area,Why,from(W1,Both)-upto(Half,Both)), item(W,D,Area,Why,from(Half,Both)-upto(W2,Both))) :-
     Half is sqrt(W1*W2), append(Why1, Why2, Both).
 
+%   held(+Layout, -Held): the same, or where CLP(R) is wrong, with constraints that are eased by a tenth of a micrometre.
+
+held(layout(Lines,Rooms,System), layout(Lines,Rooms,Held)) :- ( \+ posted(System) -> maplist(eased, System, Held) ; Held = System ).
+
+eased((A =< B)-Why, (A =< B + 1.0e-7)-Why).
+eased((A = B)-Why, (A = B)-Why).
+
 chosen_width(item(_,_,_,_,from(W1,_)-upto(W2,_)), W) :- W is sqrt(W1*W2).
+
+%   near_sample(+Tries, +Layout, +Items, +Widths)// is semidet: about these shapes, or those that come as near to the areas as these
+%   let them, again and again.
+
+near_sample(_, Layout, Items, Widths) --> inner_sample(Layout, Items, Widths), !.
+near_sample(Tries, Layout, Items, Widths) -->
+    { Tries > 0, Fewer is Tries - 1, Layout = layout(_,_,System), nearest(System, Items, Widths, Nearer) },
+    near_sample(Fewer, Layout, Items, Nearer).
+
+nearest(System, Items, Widths, Nearer) :-
+    maplist(inner, Items, Widths, Inner),
+    term_variables(System-Inner, Xs),
+    findall(Values, ( posted(System), {Off >= -1}, maplist(each_off(Off), Inner), inf(Off, _, Xs, Values) ), [Values]),
+    copy_term(Xs-Items, Values-There),
+    maplist(width_of, There, Nearer).
+
+each_off(Off, Constraints) :- maplist(off(Off), Constraints).
+
+% Off is a share of what is on the side of the number.
+off(T, (A =< B)-_) :- ( number(A) -> {A =< B + A*T} ; {A =< B + B*T} ).
+
+width_of(item(W,_,_,_,_), Width) :- Width is W.
 
 inner_sample(layout(Lines,Rooms,System), Items, Widths) -->
     { maplist(inner, Items, Widths, Inner), append([System|Inner], All) },
@@ -208,11 +238,39 @@ outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2)), [(W1 =< W)-Lower,(W 
 
 outer_tangent(W, D, Area, Why, At, (Sum =< Slope*W + D)-Why) :- Slope is Area/At**2, Sum is 2*Area/At*(1 - 1.0e-9).
 
-%   outer_sizes(+Lines, +Rooms, +Outer, +Items, -Sizes)// is semidet: sizes of all items where no right size is lost.
+%   widened(+Item, -Wide): with all widths that its area leaves, whatever stage 1 has chosen.
 
-outer_sizes(Lines, Rooms, Outer, Items, Sizes, S0, S) :-
-    member(Arithmetic, [real,rational]),
-    findall(Found-S1, ( lines_sample(Arithmetic, Lines, Rooms, Outer, S0, S1), maplist(size_of, Items, Found) ), [Sizes-S]), !.
+widened(item(W,D,Least-Most,Why,_), item(W,D,Least-Most,Why,from(Slit,[])-upto(High,[]))) :-
+    least_side(S), in_unit(S, Slit), High is Most/Slit.
+
+%   middle(+System, -Middle) is semidet.
+%
+%   Middle is at(Xs,Values), a point in which the System holds with as much to spare as there is, or impossible(Conflict). All
+%   constraints are loosened by the least amount with which they have a solution: those that bind there are in conflict where
+%   that is more than nothing. It is confirmed in rational arithmetic.
+
+middle(System, Middle) :-
+    term_variables(System, Xs),
+    findall(T-Values, ( {Loose >= -1}, maplist(loosened(Loose), System), inf(Loose, T, Xs, Values) ), [T-Values]),
+    (   T > 1.0e-9
+    ->  copy_term(Xs-System, Values-There),
+        binding(There, System, T, Tight),
+        ( exact_conflict(minimal, Tight, Conflict) -> true ; exact_conflict(minimal, System, Conflict) ),
+        Middle = impossible(Conflict)
+    ;   Middle = at(Xs, Values) ).
+
+loosened(T, (A =< B)-_) :- {A - T =< B}.
+loosened(T, (A = B)-_)  :- {A - T =< B, B - T =< A}.
+
+%   binding(+There, +System, +T, -Tight): those of the System that bind, as they are There.
+
+binding([], [], _, []).
+binding([C-_|There], [Constraint|System], T, Tight) :-
+    ( binds(T, C) -> Tight = [Constraint|More] ; Tight = More ),
+    binding(There, System, T, More).
+
+binds(T, A =< B) :- A - B > T - 1.0e-7.
+binds(T, A = B)  :- abs(A - B) > T - 1.0e-7.
 
 size_of(item(W,D,_,_,_), Width-Depth) :- Width is W, Depth is D.
 
