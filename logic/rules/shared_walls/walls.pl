@@ -19,7 +19,6 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
-:- use_module(library(yall)).
 :- use_module(areas).
 :- use_module('../brief/brief').
 :- use_module(contacts).
@@ -78,11 +77,13 @@ of_brief(Atoms) :- memberchk(granted(_), Atoms).
 %   plan_boxes(+Atoms, +Lines, +Rooms, -Boxes): the rooms, the voids and the outline.
 
 plan_boxes(Atoms, Lines, Rooms, [room(outline,none,sides(West,East,North,South),none)|Boxes]) :-
-    maplist([Side,X]>>memberchk(outline(Side)-X, Lines), [west,east,north,south], [West,East,North,South]),
+    maplist(outline_place(Lines), [west,east,north,south], [West,East,North,South]),
     findall(void-V, member(void(V), Atoms), Voids),
     list_to_assoc(Lines, Places),
     placed_rooms(Voids, Atoms, Places, Free),
     append(Rooms, Free, Boxes).
+
+outline_place(Lines, Side, X) :- memberchk(outline(Side)-X, Lines).
 
 chosen_step(Atoms, Step) :-
     member(step(B,I,_,_,_,_), Atoms),
