@@ -11,7 +11,6 @@ from clingo import Symbol
 from msgspec import structs
 
 from logic.errors import LimitReached, RequestError
-from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility
 from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import Grammar
@@ -24,6 +23,7 @@ from logic.placement.lengths import brief_lengths
 from logic.placement.plan import Pieces, Plan
 from logic.request.brief import Brief
 from logic.request.request import Request
+from logic.spelling import numbered
 
 
 class BriefMaker(SharedWallsMaker):
@@ -46,8 +46,17 @@ class BriefMaker(SharedWallsMaker):
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house; see ``Maker.made``."""
+        self._undecided = 0
         self._one_house = self._programs.house(request, int(rng.integers(2**31)))
         return super().made(request, rng, inferences)
+
+    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        if self._undecided:
+            return LimitReached(
+                f"{numbered(self._undecided, 'arrangement')} of the brief's rooms could not be decided, and all "
+                "others are impossible: give its areas a wider range (tolerance)"
+            )
+        return super()._no_layout(request, unfurnishable)
 
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int

@@ -19,6 +19,7 @@ from logic.layout.program import Conflict
 from logic.layout.programs import GIVEN
 from logic.layout.relaxed import Relaxed, Statement
 from logic.layout.terms import (
+    brief_requirements,
     Lengths,
     granted,
     own_requirements,
@@ -83,8 +84,10 @@ class Feasibility:
             laws=laws,
         )
         statements = list(relaxed.statements)
-        for reason, requirement in zip(reasons, required, strict=True):
+        for reason, requirement in zip(reasons, required, strict=False):
             statements.append(relaxed.choice(reason, [granted(requirement)]))
+        for words, terms in brief_requirements(request.brief) if request.brief else ():
+            statements.append(relaxed.choice(Reason(words), list(map(granted, terms))))
         for type_ in sorted(unfurnishable):
             statements.append(relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms)))
         return relaxed, statements

@@ -47,6 +47,8 @@ class SharedWallsMaker(Maker):
     """Where rooms cannot be furnished."""
 
     making: Making | None = None
+    _undecided = 0
+    """Layouts of which it is not known whether their areas can be had."""
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
@@ -117,6 +119,7 @@ class SharedWallsMaker(Maker):
             except Infeasible as proof:
                 inferences -= proof.inferences
                 nogoods.append(proof.conflicts[0].atoms)
+                self._undecided += proof.undecided
                 self._placer.account.refuted(proof.conflicts[0].clauses)
             else:
                 return solved, layout, inferences - solved.inferences

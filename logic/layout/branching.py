@@ -7,6 +7,10 @@ import clingo
 import numpy as np
 
 
+AGAIN = 4
+"""Searches that are left to the solver after one that is led."""
+
+
 class Brancher(clingo.Propagator):
     """Makes the solver branch on the picks in a given order, each to be taken where it still can be.
 
@@ -18,13 +22,16 @@ class Brancher(clingo.Propagator):
 
     def __init__(self, picks: np.ndarray, patience: int | None = None) -> None:
         """Know the pick literals of a program. With ``patience`` the solver is left to itself after so many
-        decisions: then what it finds depends on all that it has solved before.
+        decisions: then what it finds depends on all that it has solved before. It is led again at each
+        ``AGAIN``-th search, for what is refuted has many neighbours that are refuted too.
         """
         self._picks: list[int] = picks.tolist()
-        self._patience = math.inf if patience is None else patience
+        self._patience = self._left = math.inf if patience is None else patience
+        self._searches = 0
         self._solver_literals: list[int] = []
         self._first_switch = 0
         self.branch()
+        self._searches = 0
         self._begin(self._first_switch)
 
     def branch(
@@ -36,6 +43,8 @@ class Brancher(clingo.Propagator):
         with them.
         """
         self._order, self._nogoods = order, nogoods
+        self._left = self._patience if self._searches % AGAIN == 0 or self._patience == math.inf else 0
+        self._searches += 1
         self._then = [1, *(place + 1 for place in then)]
         self.waiting = True
         """Whether no model is found in this order yet, nor looked for."""
@@ -70,8 +79,8 @@ class Brancher(clingo.Propagator):
 
     def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
         """The next pick that is neither taken nor refused."""
-        self._patience -= 1
-        if self._patience < 0:
+        self._left -= 1
+        if self._left < 0:
             return fallback
         queue, then, scanned, level = self._queue, self._then, self._scanned, assignment.decision_level
         scanned.extend([0] * (level + 1 - len(scanned)))

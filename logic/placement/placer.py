@@ -29,10 +29,13 @@ S = TypeVar("S", Plan, UnitRange)
 class Infeasible(Exception):
     """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for a plan's walls."""
 
-    def __init__(self, conflicts: Mapping[int, Conflict], inferences: int) -> None:
-        """Keep the conflict in each room, by number, and the Prolog inferences that the proof took."""
+    def __init__(self, conflicts: Mapping[int, Conflict], inferences: int, undecided: bool = False) -> None:
+        """Keep the conflict in each room, by number, and the Prolog inferences that the proof took.
+
+        ``undecided``: none is proved, nor is a solution found; the conflict is all that there is.
+        """
         super().__init__(f"rooms {list(conflicts)} are infeasible")
-        self.conflicts, self.inferences = conflicts, inferences
+        self.conflicts, self.inferences, self.undecided = conflicts, inferences, undecided
 
 
 class Misfit(Exception):
@@ -141,7 +144,7 @@ class Placer:
         if "limit" in answer:
             raise OutOfInferences
         if "infeasible" in answer:
-            raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"])
+            raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"], "open" in answer)
         return msgspec.convert(answer, kind)
 
     def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:

@@ -145,12 +145,11 @@ items_decided(Proof, Lines, Rooms, System, Items, Answer) -->
 decided(Left, Left, _, Layout, Items, placed) -->
     { maplist(chosen_width, Items, Widths) },
     near_sample(3, Layout, Items, Widths), !.
-decided(Left, Left, _, layout(_,_,System), Items, refuted(Conflict)) -->
-    { maplist(widened, Items, Wide), outer_system(System, Wide, Outer), middle(Outer, impossible(Conflict)) }, !.
 decided(Left0, Left, Proof, Layout, Items, Answer) -->
     { Layout = layout(_,_,System), outer_system(System, Items, Outer), middle(Outer, Middle) }, !,
     (   { Middle = impossible(Conflict) }
-    ->  { Answer = refuted(Conflict), Left = Left0 }
+    ->  { Left = Left0, maplist(widened, Items, Wide), outer_system(System, Wide, Whole),
+          ( middle(Whole, impossible(Stronger)) -> Answer = refuted(Stronger) ; Answer = refuted(Conflict) ) }
     ;   { Middle = at(Xs, Values), copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes), maplist([Width-_,Width]>>true, Sizes, Widths) },
         { held(Layout, Held) },
         near_sample(3, Held, Items, Widths)
@@ -194,14 +193,15 @@ near_sample(Tries, Layout, Items, Widths) -->
 nearest(System, Items, Widths, Nearer) :-
     maplist(inner, Items, Widths, Inner),
     term_variables(System-Inner, Xs),
-    findall(Values, ( posted(System), {Off >= -1}, maplist(each_off(Off), Inner), inf(Off, _, Xs, Values) ), [Values]),
+    findall(Values, ( posted(System), foldl(off, Inner, 0, Off), inf(Off, _, Xs, Values) ), [Values]),
     copy_term(Xs-Items, Values-There),
     maplist(width_of, There, Nearer).
 
-each_off(Off, Constraints) :- maplist(off(Off), Constraints).
+%   off(+Constraints, +Sum, -More): they are off by no more than a share that is added to the Sum.
 
-% Off is a share of what is on the side of the number.
-off(T, (A =< B)-_) :- ( number(A) -> {A =< B + A*T} ; {A =< B + B*T} ).
+off(Constraints, Sum, Sum+Share) :- {Share >= 0}, maplist(off_by(Share), Constraints).
+
+off_by(Share, (A =< B)-_) :- ( number(A) -> {A =< B + A*Share} ; {A =< B + B*Share} ).
 
 width_of(item(W,_,_,_,_), Width) :- Width is W.
 
