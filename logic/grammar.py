@@ -91,7 +91,7 @@ class Grammar:
         return name_in(file, self.directory, SHIPPED.resolve())
 
     def for_brief(self) -> "Grammar":
-        """The same rules with the topology of a brief in the place of their own (``logic.generation.brief``)."""
+        """The same rules with the topology of a brief: see ``logic.generation.brief``."""
         own = tuple(file for file in self.own if file.stem != self.topology_name)
         topology = (*PLANS, ADJACENT, DISSECTION, BRIEF)
         return replace(self, own=own, topology=topology, topology_name=DISSECTION.stem)

@@ -16,7 +16,7 @@ from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import Grammar
 from logic.house.house import House
 from logic.language.loaded import LoadedGrammar
-from logic.layout.program import Nogood, Program
+from logic.layout.program import Program
 from logic.layout.programs import Programs
 from logic.layout.terms import brief_facts, granted, room_requirements, wall_facts
 from logic.placement.lengths import brief_lengths
@@ -53,8 +53,8 @@ class BriefMaker(SharedWallsMaker):
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         if self._undecided:
             return LimitReached(
-                f"{numbered(self._undecided, 'arrangement')} of the brief's rooms could not be decided, and all "
-                "others are impossible: give its areas a wider range (tolerance)"
+                f"{numbered(self._undecided, 'arrangement')} of the brief's rooms could not be decided, and "
+                "all others are impossible: give its areas a wider range (tolerance)"
             )
         return super()._no_layout(request, unfurnishable)
 

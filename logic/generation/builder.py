@@ -76,8 +76,8 @@ class Builder:
         """Who makes the houses of a request: in a plan of the user's, or by a brief, others do."""
         if (request.plan or request.brief) and not self.grammar.shares_walls:
             raise RequestError(
-                f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a star around a main room: take rules "
-                "for rooms that share walls, as --grammar home"
+                f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a star "
+                "around a main room: take rules for rooms that share walls, as --grammar home"
             )
         self.require_known(request)
         if request.brief:

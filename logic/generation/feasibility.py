@@ -19,8 +19,8 @@ from logic.layout.program import Conflict
 from logic.layout.programs import GIVEN
 from logic.layout.relaxed import Relaxed, Statement
 from logic.layout.terms import (
-    brief_requirements,
     Lengths,
+    brief_requirements,
     granted,
     own_requirements,
     parts,

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 import clingo
 import numpy as np
 
-
 AGAIN = 4
 """Searches that are left to the solver after one that is led."""
 

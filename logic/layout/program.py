@@ -57,8 +57,8 @@ heuristic has nothing to choose: a cheap one.
 """
 
 FREE = ("--configuration=handy", "--sign-def=rnd", "--rand-freq=0.02")
-"""Arguments of a program that is solved for one house, where layouts are hard to find: clasp chooses the order
-of its search, at random by a ``--seed``, and only begins with the sampled picks.
+"""Arguments of a program that is solved for one house, where layouts are hard to find: clasp chooses the
+order of its search, at random by a ``--seed``, and only begins with the sampled picks.
 """
 
 PATIENCE = 200
@@ -87,8 +87,8 @@ class Program:
     ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
-        With a ``seed`` the program is for one house (``FREE``). A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
-        way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
+        With a ``seed`` the program is for one house (``FREE``). A layout is the atoms that hold and that the
+        rules show. ``remarks`` keeps what clingo remarks on the way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks = remarks = list[str]()

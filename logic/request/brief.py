@@ -303,7 +303,8 @@ def _require_sense(brief: Brief) -> None:
             _require_span(f"{where} ({room.name}): size", side)
         if room.area is not None and _area(room.area, _tolerance(brief, room))[1] < 1e4 * LEAST_SIDE**2:
             raise RequestError(
-                f"{where} ({room.name}): area: {room.area} m² is less than {LEAST_SIDE:g} m by {LEAST_SIDE:g} m"
+                f"{where} ({room.name}): area: {room.area} m² is less than the least, {LEAST_SIDE:g} m by "
+                f"{LEAST_SIDE:g} m"
             )
     for key in ("doors", "no_doors", "next_to", "apart"):
         _require_pairs(key, getattr(brief, key), names)

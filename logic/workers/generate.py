@@ -88,8 +88,11 @@ def generate(
     a file of either (``docs/house-file.md``). Doors, windows and furniture are generated in it, and ``rooms``
     may be left out. ``plan_unit`` is GeoJSON's: ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges
     within ``snap`` metres of each other are one wall, of which is warned (``PlanWarning``).
-    ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
-    request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
+    ``brief`` says what is wanted of each room by its name (``docs/briefs.md``), as JSON, a file of it, or a
+    ``Brief``: without a grammar it alone says what the house is.
+    ``grammar`` is a shipped grammar's name or a directory; by default ``family``. House ``i`` is
+    a function of the grammar, the request, the seed and ``i``: the number of ``workers``, each a process,
+    changes nothing but the time.
     ``inferences`` (of Prolog) and ``seconds`` bound each house; to start processes and to load the rules,
     which takes some seconds, has a limit of its own (``solver.START_UP``).
 

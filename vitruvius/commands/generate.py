@@ -29,6 +29,7 @@ class Generate:
 
     groups: ClassVar = {
         "rooms": "What the houses have",
+        "brief": "Rooms that are wanted, each by its name",
         "plan": "Rooms that are given",
         "grammar": "Which houses, of all that there are",
         "workers": "Work",
@@ -36,7 +37,8 @@ class Generate:
     }
 
     rooms: int | None = None
-    """Number of rooms, 1 to 128, not counted a main room as in family; with a plan, as many as it has."""
+    """Number of rooms, 1 to 128, not counted a main room as in family; with a plan or a brief, as many as it
+    has."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
     """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
@@ -46,6 +48,10 @@ class Generate:
 
     cell: float = 0.0
     """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
+
+    brief: Streamed | None = None
+    """JSON file (docs/briefs.md): rooms with types, areas, doors and neighbours, an outline. Without
+    --grammar, the brief alone says what the house is."""
 
     plan: Streamed | None = None
     """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
@@ -66,8 +72,8 @@ class Generate:
     keep_rooms: tuple[str, ...] = ()
     """Which of its rooms, as in --keep-rooms R0 R2; without it, all."""
 
-    grammar: str = "family"
-    """A shipped grammar's name, or a directory of rules."""
+    grammar: str | None = None
+    """A shipped grammar's name, or a directory of rules; family, or with a brief none."""
 
     seed: int = 0
     """With the index of a house, all that its random choices depend on."""
@@ -119,6 +125,7 @@ class Generate:
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             cell=self.cell,
+            brief=self.brief,
             plan=self.plan or self._plan_kept(),
             plan_unit=self.plan_unit,
             snap=self.snap,
@@ -158,7 +165,8 @@ class Generate:
         from vitruvius.answers.houses import Generated
 
         out = str(self.out) if self.out and self.out != STANDARD else None
-        of = Generated(out, made, round(seconds, 3), self.grammar, self.seed, self.start, **found)
+        grammar = self.grammar or ("plain" if self.brief else "family")
+        of = Generated(out, made, round(seconds, 3), grammar, self.seed, self.start, **found)
         print_answer("generate", of, 0 if all(each.exact for each in of.counted) else 4)
 
     def _held(self, out: Path, first: House) -> int:
@@ -231,7 +239,7 @@ class Generate:
         from logic import count_layouts
         from vitruvius.answers.houses import Layouts
 
-        for option, given in (("--keep", self.keep), ("--plan", self.plan)):
+        for option, given in (("--keep", self.keep), ("--plan", self.plan), ("--brief", self.brief)):
             if given:
                 raise RequestError(f"--count-layouts counts those of whole houses: leave out {option}")
         if self.rooms is None:
@@ -251,7 +259,7 @@ class Generate:
                 self.rooms,
                 types=counts("--type", self.type),
                 furniture=counts("--piece", self.piece),
-                grammar=self.grammar,
+                grammar=self.grammar or "family",
                 seconds=self.seconds,
                 report=report,
             ):

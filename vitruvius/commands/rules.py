@@ -40,6 +40,9 @@ class Explain:
     piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
     """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
 
+    brief: Streamed | None = None
+    """JSON file (docs/briefs.md): what is wanted of rooms, each by its name."""
+
     plan: Streamed | None = None
     """A house file of one house, or GeoJSON, with all rooms in their places."""
 
@@ -69,7 +72,7 @@ class Explain:
         say_warnings()
         if self.file is not None:
             return self._house(self.file)
-        if (self.rooms is None and self.plan is None) or self.why is not None:
+        if (self.rooms is None and self.plan is None and self.brief is None) or self.why is not None:
             raise RequestError(
                 "explain a request, as in explain --rooms 3 --type bathroom=9, or a part of a house, as in "
                 "explain houses.jsonl --why R3"
@@ -79,11 +82,12 @@ class Explain:
             rooms=self.rooms,
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
+            brief=self.brief,
             plan=self.plan,
             plan_unit=self.plan_unit,
             snap=self.snap,
             cell=self.cell,
-            grammar=self.grammar or "family",
+            grammar=self.grammar,
             seconds=self.seconds,
         )
         try:
@@ -96,14 +100,14 @@ class Explain:
                 print(printable(str(proof), "\n"))
             return 0
         if self.json:
-            print_answer("explain", Explained(True, self.grammar or "family"), 1)
+            print_answer("explain", Explained(True, self.grammar or ("plain" if self.brief else "family")), 1)
         else:
             print(f"There are such houses: {self._generate()}")
         return 1
 
     def _generate(self) -> str:
         """The command that makes a house of the request."""
-        asked = {"--grammar": self.grammar, "--rooms": self.rooms, "--plan": self.plan}
+        asked = {"--grammar": self.grammar, "--rooms": self.rooms, "--brief": self.brief, "--plan": self.plan}
         words = [(flag, value) for flag, value in asked.items() if value is not None]
         words += [("--type", each) for each in self.type] + [("--piece", each) for each in self.piece]
         words += [("--cell", self.cell)] if self.cell else []
@@ -118,7 +122,7 @@ class Explain:
         from vitruvius.answers.houses import Explained
 
         asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
-        asked["--plan"] = self.plan
+        asked |= {"--brief": self.brief, "--plan": self.plan}
         if given := [option for option, value in asked.items() if value]:
             raise RequestError(f"{' and '.join(given)}: asks about a request: leave out that, or {file}")
         if self.why is None:
