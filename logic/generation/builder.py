@@ -11,7 +11,7 @@ from logic.generation.brief import BriefMaker
 from logic.generation.feasibility import Feasibility
 from logic.generation.given_plan import GivenPlanMaker
 from logic.generation.maker import Maker
-from logic.generation.promised import promised
+from logic.generation.promised import labelled, promised
 from logic.generation.shared_walls import SharedWallsMaker
 from logic.generation.star import StarMaker
 from logic.generation.units import UnitsMaker
@@ -76,8 +76,8 @@ class Builder:
         """Who makes the houses of a request: in a plan of the user's, or by a brief, others do."""
         if (request.plan or request.brief) and not self.grammar.shares_walls:
             raise RequestError(
-                f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a star "
-                "around a main room: take rules for rooms that share walls, as --grammar home"
+                f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a "
+                "star around a main room: take rules for rooms that share walls, as --grammar home"
             )
         self.require_known(request)
         if request.brief:
@@ -121,7 +121,8 @@ class Builder:
         if program not in self._promises:
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture)
             self._promises[program] = promised(program, *found, self.grammar.shares_walls)
-        return self._promises[program]
+        labels = {room.label for room in request.brief.rooms if room.label} if request.brief else ()
+        return labelled(self._promises[program], labels) if labels else self._promises[program]
 
     def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
         return Provenance(

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import msgspec
 from clingo import Symbol
 
 from logic.house.parts import OUTSIDE
@@ -48,6 +49,13 @@ def promised(
         turns=_named(each for each in _atoms(program, "turns", 2) if each[1] != "middle"),
         clear_front=_required(program, "clear_front"),
     )
+
+
+def labelled(promises: Promises, labels: Iterable[str]) -> Promises:
+    """The promises of houses some of whose rooms have labels in the place of types: these promise nothing."""
+    empty = (*promises.empty, *sorted(labels))
+    counts = promises.counts | {label: {} for label in sorted(labels)}
+    return msgspec.structs.replace(promises, opens={}, empty=tuple(dict.fromkeys(empty)), counts=counts)
 
 
 def _atoms(program: Program, name: str, arity: int) -> list[tuple[Any, ...]]:

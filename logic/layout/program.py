@@ -88,7 +88,8 @@ class Program:
         """Ground these parts of the core and the grammar's files, with these constants.
 
         With a ``seed`` the program is for one house (``FREE``). A layout is the atoms that hold and that the
-        rules show. ``remarks`` keeps what clingo remarks on the way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
+        rules show. ``remarks`` keeps what clingo remarks on the way. Raises ``GrammarError`` for its first
+        error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks = remarks = list[str]()

@@ -24,6 +24,7 @@ ROOMS = {
     "home": (4, 6, 8, 10, 12),
     "clinic": (1, 2, 3, 4, 5, 6, 9, 16, 32),
     "apartments": (6, 12, 24),
+    "plain": (1, 3, 6, 9),
 }
 """Of how many rooms a grammar's houses are made, where it is not the same as for most."""
 
@@ -38,11 +39,11 @@ ROOMS = {
     ],
 )
 def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) -> None:
-    """Those of family: test_generate.py. Plans are also what an architect may draw."""
+    """Those of family: test_generate.py. Plans are also what an architect may draw, but of plain rooms."""
     for house in in_process.generate(rooms, grammar=grammar, seed=rooms, count=8):
         assert check(house) == []
         assert len(house.counted) == rooms
-        assert house.main_room or list(architect.faults(house)) == []
+        assert house.main_room or grammar == "plain" or list(architect.faults(house)) == []
 
 
 @pytest.mark.parametrize("name", ["rooms.lp", "sizes.pl"])

@@ -1,0 +1,192 @@
+"""Houses by a brief keep each of its lines, as geometry says; what cannot be is proved by its lines."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import pytest
+
+import logic
+from logic import House, RequestError, Unsatisfiable
+from logic.checking.check import violations
+from logic.house.parts import OUTSIDE, Room
+from logic.request.brief import Brief, alone, read_brief
+from tests.logic.workers import in_process
+
+FLAT: dict[str, Any] = {
+    "rooms": [
+        {"name": "Hall", "type": "hall", "area": 6, "tolerance": 0.2},
+        {"name": "Living", "type": "living", "area": 22, "outside": ["south"]},
+        {"name": "Kitchen", "type": "kitchen", "size": [[2.4, 4.0], [2.8, 4.2]], "outside": True},
+        {"name": "Bed", "type": "bedroom", "area": [11, 13]},
+        {"name": "Bath", "type": "bathroom", "area": 5},
+    ],
+    "doors": [["Hall", "Living"], ["Hall", "Bed"], ["Hall", "Bath"]],
+    "no_doors": [["Living", "Bed"]],
+    "next_to": [["Kitchen", "Bath"]],
+    "apart": [["Bed", "Kitchen"]],
+    "entrance": "Hall",
+    "outline": {"width": [7.5, 9.5], "voids": [{"corner": "north-east", "width": 2, "depth": 1.5}]},
+    "area": [52, 62],
+}
+SIDES = {"north": 1, "east": 2, "south": 3, "west": 0}
+
+
+def generate(brief: dict[str, Any], grammar: str | None = None, **how: Any) -> Iterator[House]:
+    """What ``logic.generate`` makes of a brief, in this process."""
+    read = read_brief(brief)
+    record = msgspec.to_builtins(read if grammar else alone(read))
+    return in_process.generate(len(read.rooms), grammar=grammar or "plain", brief=record, **how)
+
+
+def shared(one: Room, other: Room) -> float:
+    """How much wall two rooms share, metres."""
+    across = [min(one.box[k + 2], other.box[k + 2]) - max(one.box[k], other.box[k]) for k in (0, 1)]
+    return max(across) if abs(min(across)) < 1e-6 else 0.0
+
+
+def outline(house: House) -> tuple[float, float, float, float]:
+    """The box around a house."""
+    west, north, east, south = zip(*(room.box for room in house.rooms), strict=True)
+    return min(west), min(north), max(east), max(south)
+
+
+def broken(house: House, brief: Brief) -> list[str]:
+    """The lines of a brief that a house breaks, by its boxes, doors and windows alone."""
+    rooms = {room.name: room for room in house.rooms}
+    doors = {frozenset(door.between) for door in house.doors}
+    whole = outline(house)
+    bad = []
+    for wanted in brief.rooms:
+        room = rooms[wanted.name]
+        tolerance = brief.tolerance if wanted.tolerance is None else wanted.tolerance
+        if wanted.area is not None and not within(room.area, wanted.area, tolerance):
+            bad.append(f"{wanted.name}: area {room.area}")
+        if wanted.size is not None and not any(
+            all(within(side, span, tolerance) for side, span in zip(sides, wanted.size, strict=True))
+            for sides in ((room.width, room.height), (room.height, room.width))
+        ):
+            bad.append(f"{wanted.name}: size")
+        if wanted.type and room.type not in (wanted.type, wanted.label):
+            bad.append(f"{wanted.name}: type")
+        for side in wanted.outside if isinstance(wanted.outside, tuple) else ():
+            if abs(room.box[SIDES[side]] - whole[SIDES[side]]) > 1e-6:
+                bad.append(f"{wanted.name}: not at the {side}")  # but at a void, which these briefs leave out
+    bad += [f"no door {pair}" for pair in brief.doors if frozenset(pair) not in doors]
+    bad += [f"a door {pair}" for pair in brief.no_doors if frozenset(pair) in doors]
+    bad += [f"apart {a} {b}" for a, b in brief.next_to if shared(rooms[a], rooms[b]) < 0.1 - 1e-6]
+    bad += [f"next {a} {b}" for a, b in brief.apart if shared(rooms[a], rooms[b]) > 1e-6]
+    if isinstance(brief.entrance, str) and frozenset((brief.entrance, OUTSIDE)) not in doors:
+        bad.append("entrance")
+    for span, length in (
+        (brief.outline.width, whole[2] - whole[0]),
+        (brief.outline.depth, whole[3] - whole[1]),
+    ):
+        if span is not None and not within(length, span, 0, 2e-6):
+            bad.append("outline")
+    if brief.area is not None and not within(
+        sum(room.area for room in house.rooms), brief.area, brief.tolerance
+    ):
+        bad.append("area")
+    return bad
+
+
+def within(value: float, span: float | tuple[float, float], tolerance: float, slack: float = 2e-3) -> bool:
+    """Whether a length or an area is as wanted, to the millimetre or so that a brief is read to."""
+    least, most = span if isinstance(span, tuple) else (span * (1 - tolerance), span * (1 + tolerance))
+    return least - slack <= value <= most + slack
+
+
+@pytest.mark.parametrize("grammar", ["home", None])
+def test_houses_keep_each_line_of_a_brief_and_the_promises_of_the_grammar(grammar: str | None) -> None:
+    brief = read_brief(FLAT)
+    houses = list(generate(brief=FLAT, grammar=grammar, count=4))
+    assert [broken(house, brief) for house in houses] == [[], [], [], []]
+    for house in houses:
+        assert house.provenance is not None
+        assert house.provenance.promises is not None
+        assert violations(house, house.provenance.promises) == []
+    assert len({outline(house) for house in houses}) == 4
+    assert all(room.pieces for house in houses for room in house.rooms if room.name == "Bed") == bool(grammar)
+
+
+def test_the_void_of_a_brief_is_free() -> None:
+    for house in generate(brief=FLAT, count=3):
+        _, north, east, _ = outline(house)
+        notch = Room(east - 2, north, 2, 1.5, "notch", "", ())
+        assert all(
+            min(room.box[2], notch.box[2]) - max(room.box[0], notch.box[0]) < 1e-6
+            or min(room.box[3], notch.box[3]) - max(room.box[1], notch.box[1]) < 1e-6
+            for room in house.rooms
+        )
+
+
+def test_a_house_by_a_brief_is_made_again_whatever_was_made_before() -> None:
+    houses = list(generate(brief=FLAT, grammar="home", seed=3, count=3))
+    again = next(logic.generate(brief=FLAT, grammar="home", seed=3, start=2))
+    assert (again.rooms, again.doors, again.windows) == (houses[2].rooms, houses[2].doors, houses[2].windows)
+
+
+def brief(rooms: int, **more: Any) -> dict[str, Any]:
+    """A brief of rooms with names alone."""
+    return {"rooms": [{"name": f"R{number}"} for number in range(rooms)], **more}
+
+
+def reasons(wanted: dict[str, Any]) -> set[str]:
+    """The lines of a brief in the proof that there is no such house."""
+    with pytest.raises(Unsatisfiable) as caught:
+        next(generate(brief=wanted))
+    return {each.text for each in caught.value.reasons if each.text.startswith("brief: ")}
+
+
+def test_doors_of_all_with_all_of_four_rooms_in_a_plan_are_impossible_by_these_doors() -> None:
+    doors = [[f"R{one}", f"R{other}"] for one in range(4) for other in range(one)]
+    assert reasons(brief(5, doors=doors)) == {
+        f"brief: a door joins {one} and {other}" for one, other in doors
+    }
+
+
+def test_rooms_that_have_a_door_and_are_apart_are_impossible_by_these_two_lines() -> None:
+    found = reasons(brief(4, doors=[["R0", "R1"], ["R1", "R2"]], apart=[["R2", "R1"]]))
+    assert found == {"brief: a door joins R1 and R2", "brief: R2 is not next to R1"}
+
+
+def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
+    wanted = brief(4, outline={"width": 8, "depth": 6})
+    for room, area in zip(wanted["rooms"], (30, 30, 5, 5), strict=True):
+        room["area"] = area
+    assert reasons(wanted) == {
+        "brief: R0 has 27 to 33 m²",
+        "brief: R1 has 27 to 33 m²",
+        "brief: the outline is 8 m wide",
+        "brief: the outline is 6 m deep",
+    }
+
+
+@pytest.mark.parametrize(
+    ("wanted", "message"),
+    [
+        (brief(0), "rooms: 1 to 24 rooms, not 0"),
+        (brief(200), "rooms: 1 to 24 rooms, not 200"),
+        ({"rooms": [{"name": "A"}, {"name": "A"}]}, r"rooms\[1\]: rooms\[0\] is named A too"),
+        (brief(2, doors=[["R0", "R0"]]), r"doors\[0\]: R0 and itself"),
+        (brief(2, doors=[["R0", "R3"]]), r"doors\[0\]: there is no room R3: there are R0, R1"),
+        (brief(2, entrance="Hal"), "entrance: "),
+        ({"rooms": [{"name": "A", "area": 0.1}]}, r"rooms\[0\] \(A\): area: 0.1 m² is less than the least"),
+        ({"rooms": [{"name": "A", "area": [9, 4]}]}, r"rooms\[0\] \(A\): area: above 0"),
+        ({"rooms": [{"name": "A", "size": [3, -1]}]}, r"rooms\[0\] \(A\): size: above 0"),
+        ({"rooms": [{"name": "A", "colour": "red"}]}, "unknown field `colour`"),
+        (brief(1, area=20, outline={"voids": [{"width": 2}]}), "area: a house with voids"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
+    wanted: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(RequestError, match=message) as caught:
+        next(generate(brief=wanted))
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_type_is_refused_with_what_is_meant() -> None:
+    with pytest.raises(RequestError, match=r"rooms\[0\] \(A\): .*kitchn.*kitchen"):
+        next(generate(brief={"rooms": [{"name": "A", "type": "kitchn"}]}, grammar="home"))
