@@ -111,8 +111,9 @@ class Program:
                 raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
         self._differences.prepare()
-        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
-        """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
+        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None if seed is None else []
+        """Each sampled layout with all atoms that hold in it; None to keep none: as by default, but of a
+        program for one house."""
         self._literal = Literals(self._control.symbolic_atoms)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._brancher = Brancher(self._choices, None if seed is None else PATIENCE)

@@ -1,4 +1,4 @@
-:- module(brief, [brief_constraints//2, area_items/4, has_area/2, items_decided//6]).
+:- module(brief, [brief_constraints//2, area_items/4, has_area/2, items_decided//6, areas_bounded/3]).
 
 /** <module> What a brief says of lengths and areas, beside the walls of a layout
 
@@ -148,7 +148,7 @@ decided(Left, Left, _, Layout, Items, placed) -->
 decided(Left0, Left, Proof, Layout, Items, Answer) -->
     { Layout = layout(_,_,System), outer_system(System, Items, Outer), middle(Outer, Middle) }, !,
     (   { Middle = impossible(Conflict) }
-    ->  { Left = Left0, maplist(widened, Items, Wide), outer_system(System, Wide, Whole),
+    ->  { Left = Left0, areas_bounded(System, Items, Whole),
           ( middle(Whole, impossible(Stronger)) -> Answer = refuted(Stronger) ; Answer = refuted(Conflict) ) }
     ;   { Middle = at(Xs, Values), copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes), maplist([Width-_,Width]>>true, Sizes, Widths) },
         { held(Layout, Held) },
@@ -237,6 +237,12 @@ outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2)), [(W1 =< W)-Lower,(W 
     maplist(outer_tangent(W, D, Least, Why), [W1,Middle,W2], Tangents).
 
 outer_tangent(W, D, Area, Why, At, (Sum =< Slope*W + D)-Why) :- Slope is Area/At**2, Sum is 2*Area/At*(1 - 1.0e-9).
+
+%!  areas_bounded(+System, +Items, -All) is det.
+%
+%   All is the System, and what follows from the areas for whatever widths.
+
+areas_bounded(System, Items, All) :- maplist(widened, Items, Wide), outer_system(System, Wide, All).
 
 %   widened(+Item, -Wide): with all widths that its area leaves, whatever stage 1 has chosen.
 

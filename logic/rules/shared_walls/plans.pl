@@ -97,14 +97,14 @@ brief_lengths(Types, Json) :-
     least_contact(Contact),
     as_json([Doorway,Contact,Records], Json).
 
-stated_extremes(Type, [Type,Reach,Bends,Brims]) :-
+stated_extremes(Type, [Type,Reach,Uppers,Lowers]) :-
     room_extent(Type, W1-W2, D1-D2),
     maplist(metres, [W1,W2,D1,D2], Reach),
     (   grammar:room_area(Type, Least, Most)
     ->  metres(W1, From), metres(W2, To),
-        findall([At,Deep], ( step(From, To, At), Deep is Most/At ), Bends),
-        findall([At,Deep], ( step(From, To, At), Deep is Least/At ), Brims)
-    ;   Bends = [], Brims = [] ), !.
+        findall([At,Deep], ( step(From, To, At), Deep is Most/At ), Uppers),
+        findall([At,Deep], ( step(From, To, At), Deep is Least/At ), Lowers)
+    ;   Uppers = [], Lowers = [] ), !.
 stated_extremes(Type, [Type,[1,0,1,0],[],[]]).
 
 %!  plan_conflict(+Atoms, +Without, -Json) is det.

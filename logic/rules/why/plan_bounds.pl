@@ -9,6 +9,7 @@ What bounds.pl says of furniture, for walls that rooms share, and for the doors 
 :- use_module(library(lists)).
 :- use_module('../answers').
 :- use_module(bounds).
+:- use_module('../brief/brief').
 :- use_module('../linear/grid').
 :- use_module('../language/lengths').
 :- use_module('../shared_walls/openings').
@@ -21,7 +22,7 @@ What bounds.pl says of furniture, for walls that rooms share, and for the doors 
 %   in a bound is a line of the topology and its `x` or `y`. Given are lines that stay where they are, as in walls.pl.
 
 plan_room_lengths(Atoms, Given, Boxes, Number, Json) :-
-    whole_system(Atoms, Given, plan(Lines,Rooms), System),
+    bounded_system(Atoms, Given, plan(Lines,Rooms), System),
     maplist(line_name(Rooms), Lines, Names),
     copy_term(k(Rooms,Names), k(SolvedRooms,Solved)),
     maplist(solved_room(Boxes), SolvedRooms),
@@ -33,6 +34,9 @@ plan_room_lengths(Atoms, Given, Boxes, Number, Json) :-
     term_variables([X1,X2,Y1,Y2], Variables),
     tight(System, Names-Solved, Variables, Binding),
     bounds_json([W,H], Binding, Json).
+
+bounded_system(Atoms, _, Plan, System) :- of_brief(Atoms), !, brief_system(Atoms, Plan, Lines, Items), areas_bounded(Lines, Items, System).
+bounded_system(Atoms, Given, Plan, System) :- whole_system(Atoms, Given, Plan, System).
 
 line_name(Rooms, Line-Place, Place-(Line-Axis)) :-
     (   member(room(_,_,_,edges(edge(_,_,West),edge(_,_,East),_,_)), Rooms), memberchk(Line, [West,East])
