@@ -4,6 +4,7 @@ Its form is JSON (``docs/briefs.md``). What cannot be meant is refused here; wha
 later, as a proof that names lines of the brief (``logic.generation.brief``).
 """
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, floor
 from pathlib import Path
@@ -135,6 +136,12 @@ def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
         raise RequestError(f"brief: {str(error)[0].lower()}{str(error)[1:]}") from None
     _require_sense(brief)
     return brief
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of a brief."""
+    found = json.loads(json.dumps(msgspec.json.schema(Brief)))
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
 
 
 def requirements(brief: Brief) -> list[Requirement]:

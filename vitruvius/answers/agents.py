@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from logic.errors import RequestError
 from vitruvius.answers.houses import FORMAT, Failure
 
 ANSWERS = {
@@ -71,14 +72,24 @@ def schema() -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Schema:
-    """Print the JSON Schema of a house, docs/house.schema.json, or of what commands print with --json."""
+    """Print the JSON Schema of a house, docs/house.schema.json, of a brief, or of what commands print."""
 
     answers: bool = False
     """Of what commands print with --json: docs/answers.schema.json."""
 
+    brief: bool = False
+    """Of a brief: docs/brief.schema.json."""
+
     def run(self) -> int:
         """Print it, indented."""
         from logic.house.records import schema as of_house
+        from logic.request.brief import schema as of_brief
 
-        print(json.dumps(schema() if self.answers else of_house(), indent=2))
+        kinds = {"answers": (self.answers, schema), "brief": (self.brief, of_brief)}
+        asked = [made for wanted, made in kinds.values() if wanted]
+        if len(asked) > 1:
+            raise RequestError(
+                f"one schema at a time: leave out {' or '.join(f'--{name}' for name in kinds)}"
+            )
+        print(json.dumps(asked[0]() if asked else of_house(), indent=2))
         return 0
