@@ -197,7 +197,7 @@ def _requirements(brief: Brief) -> Iterator[Requirement]:
     for pairs, term, words in (
         (brief.doors, "door", "a door joins {} and {}"),
         (brief.no_doors, "no_door", "no door joins {} and {}"),
-        (brief.next_to, "next", "{} is next to {}"),
+        (brief.next_to, "touching", "{} is next to {}"),
         (brief.apart, "apart", "{} is not next to {}"),
     ):
         for one, other in pairs:
