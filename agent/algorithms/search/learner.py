@@ -10,7 +10,7 @@ from torch import Tensor
 
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.network import ViewMaps, ViewNetwork, turned, views
+from agent.algorithms.search.network import ViewMaps, ViewNetwork, empty, turned, views
 from agent.algorithms.search.values import TrueValues
 from agent.learning.environments import require_own_maps, shield
 from agent.learning.learner import Learner, Progress, Tally
@@ -63,8 +63,9 @@ class LearnedSearch(Learner):
         self.tracker = self.explorer.tracker
         self.reader = self.chooser.reader_of(self.tracker.planner)
         self.truth = TrueValues(envs, self.tracker.planner)
-        self.buffer: ViewMaps | None = None
-        self.made, self.due, self.regret = 0, 0.0, (0.0, 0)
+        # At its full size from the start: a state that grew would not be read again.
+        self.buffer = empty(config.buffer_size)
+        self.made, self.due = 0, 0.0
         self.reset_envs()
         self.begun = torch.ones(envs.num_envs, dtype=torch.bool)
 
@@ -109,23 +110,18 @@ class LearnedSearch(Learner):
         """The views to go to, the network's or the true best; and note what all are worth."""
         worth = self.truth.read(environments, self.reader.corners(environments)) * views(maps)
         picks = self.chooser.greedy(environments, maps)
-        self.note(maps._replace(worth=worth.half()), ~torch.from_numpy(self.truth.known(environments)), picks)
+        self.note(maps._replace(worth=worth.half()), ~torch.from_numpy(self.truth.known(environments)))
         told = torch.from_numpy(self.random.random(len(environments)) < self.guided)
         return torch.where(told & (worth.flatten(1).amax(1) > 0), best(worth, maps), picks)
 
-    def note(self, maps: ViewMaps, valid: Tensor, picks: Tensor) -> None:
-        """Keep choices that are ``valid`` (n,) bool, over the oldest ones."""
-        most = maps.worth.float().flatten(1).amax(1)
-        valid &= (most > 0) & (picks >= 0)
+    def note(self, maps: ViewMaps, valid: Tensor) -> None:
+        """Keep choices that are ``valid`` (n,) bool, over the oldest ones, where any view is worth
+        something."""
+        valid &= maps.worth.float().flatten(1).amax(1) > 0
         number, size = int(valid.sum()), self.config.buffer_size
-        if self.buffer is None:
-            self.buffer = ViewMaps(*(field.new_zeros(size, *field.shape[1:]) for field in maps))
         at = (self.made + torch.arange(number)) % size
         for kept, field in zip(self.buffer, maps, strict=True):
             kept[at] = field[valid]
-        worth = maps.worth.float().flatten(1).gather(1, picks.clamp(min=0)[:, None])[:, 0]
-        share, count = self.regret
-        self.regret = share + float((worth / most.clamp(min=1e-9))[valid].sum()), count + number
         self.made += number
         self.due += self.config.passes * number / self.config.batch_size
 
@@ -134,7 +130,7 @@ class LearnedSearch(Learner):
         config, losses = self.config, []
         self.anneal(config.final_lr_fraction)
         held = min(self.made, config.buffer_size)
-        while self.buffer is not None and self.due >= 1 and held >= 4 * config.batch_size:
+        while self.due >= 1 and held >= 4 * config.batch_size:
             rows = torch.from_numpy(self.random.integers(0, held, config.batch_size))
             batch = turned(
                 ViewMaps(*(field[rows] for field in self.buffer)),
@@ -153,7 +149,7 @@ class LearnedSearch(Learner):
             "map": self.tracker.planner.state,
             "reader": self.reader.state,
             "truth": self.truth.state,
-            "buffer": {} if self.buffer is None else self.buffer._asdict(),
+            "buffer": self.buffer._asdict(),
             "counts": {"made": self.made, "due": self.due},
             "last": {name: getattr(self, name).clone() for name in LAST},
             "tracker": {name: getattr(self.tracker, name).clone() for name in ("actions", "fresh")},
@@ -165,7 +161,7 @@ class LearnedSearch(Learner):
         self.optimizer.load_state_dict(state["optimizer"])
         self.tracker.planner.state = state["map"]
         self.reader.state, self.truth.state = state["reader"], state["truth"]
-        self.buffer = ViewMaps(**state["buffer"]) if state["buffer"] else None
+        self.buffer = ViewMaps(**state["buffer"])
         self.made, self.due = int(state["counts"]["made"]), float(state["counts"]["due"])
         for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):
             for name, value in values.items():

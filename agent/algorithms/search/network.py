@@ -71,6 +71,22 @@ class ViewMaps(NamedTuple):
     empty."""
 
 
+def empty(number: int) -> ViewMaps:
+    """Room for so many maps with labels."""
+    blocks, places = (number, 2 * PLACES, 2 * PLACES), (number, PLACES, PLACES)
+    return ViewMaps(
+        blocks=torch.zeros(blocks, dtype=torch.uint8),
+        ages=torch.zeros(blocks, dtype=torch.uint8),
+        ways=torch.zeros(places, dtype=torch.int16),
+        finds=torch.zeros(places, dtype=torch.uint8),
+        taken=torch.zeros(places, dtype=torch.uint8),
+        start=torch.zeros(number, 2),
+        scalars=torch.zeros(number, 3),
+        heading=torch.zeros(number, dtype=torch.int64),
+        worth=torch.zeros(number, HEADINGS, PLACES, PLACES, dtype=torch.float16),
+    )
+
+
 class ViewNetwork(nn.Module):
     """A U-Net of ``channels`` on the places: about 145,000 weights.
 

@@ -334,6 +334,19 @@ def test_a_run_learns_what_views_are_worth():
     assert learner.buffer.worth[: learner.made].float().amax((1, 2, 3)).min() > 0
 
 
+def test_the_state_of_a_run_is_as_large_as_that_of_a_new_one():
+    """Or it could not be read again: see ``agent.runs.runs``."""
+    envs = make_envs(HOUSES, 4, "secondary")
+    learner = learner_of(replace(SMALL, buffer_size=8), envs)
+    before = {name: field.shape for name, field in learner.state()["buffer"].items()}
+    learner.iterate()
+    after = learner.state()["buffer"]
+    assert after["worth"].any()
+    assert {name: (field.shape, field.dtype) for name, field in after.items()} == {
+        name: (shape, after[name].dtype) for name, shape in before.items()
+    }
+
+
 @pytest.mark.parametrize(
     ("targets", "preset", "message"),
     [
