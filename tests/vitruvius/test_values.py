@@ -23,8 +23,8 @@ PLANS = Path(__file__).parents[1] / "fixtures" / "plans.jsonl"
 READ = {
     *(("check", name) for name in ("file", "promises")),
     *(("draw", name) for name in ("file", "diff")),
-    *(("generate", name) for name in ("plan", "keep")),
-    *(("explain", name) for name in ("file", "plan")),
+    *(("generate", name) for name in ("plan", "keep", "brief")),
+    *(("explain", name) for name in ("file", "plan", "brief")),
     *(("train", name) for name in ("houses", "config")),
     *((name, "houses") for name in ("evaluate", "record", "play")),
     ("convert", "file"),
