@@ -35,10 +35,15 @@ class BriefMaker(SharedWallsMaker):
         """Find what stage 1 is to know of the brief."""
         if loaded.depths:
             raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
+        if loaded.has_area and brief.outline.voids:
+            raise RequestError(
+                f"brief: outline.voids: the grammar {grammar.name} states house_area/2, of a whole rectangle: "
+                "leave out the voids, or state the house's area in the brief"
+            )
         self.brief = brief
         rules = grammar.for_brief()
         facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture))
-        facts += [(fact, ()) for fact in brief_facts(brief, few=not grammar.names_contacts)]
+        facts += [(fact, ()) for fact in brief_facts(brief, on_request=not grammar.names_contacts)]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts))
         symbols = [fact for fact, _ in facts]
         self._programs = Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)

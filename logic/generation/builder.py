@@ -70,6 +70,8 @@ class Builder:
 
     def maker_class(self, request: Request) -> type[Maker]:
         """The class of who makes the houses of a request; ``logic.why.kinds`` has the witness of each."""
+        if request.brief:
+            return BriefMaker
         return GivenPlanMaker if request.plan else type(self.maker)
 
     def maker_of(self, request: Request) -> Maker:

@@ -87,20 +87,20 @@ def brief_requirements(brief: Brief) -> list[tuple[str, list[Symbol]]]:
     return [(f"brief: {line.words}", [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
 
 
-def brief_facts(brief: Brief, few: bool) -> list[Symbol]:
+def brief_facts(brief: Brief, on_request: bool) -> list[Symbol]:
     """What stage 1 is told of a brief beside what it requires: voids, and areas as stairs.
 
-    ``few``: whether rooms share a wall is asked of those alone of which the brief says so.
+    ``on_request``: only of rooms that the brief asks about it is found out whether they share a wall.
     """
     found = [_term("void", number) for number in void_numbers(brief)]
-    found += [Function("few", [])] if few else []
+    found += [Function("on_request", [])] if on_request else []
     for box, (least, most) in area_ranges(brief).items():
         ratio = max(STAIR, (most / least) ** 0.5)
         lower = ceil(log(most / least) / log(ratio) - 1e-9)
         found.append(_term("drop", box, lower))
-        widest = 10 * most / (1e3 * LEAST_SIDE) * 10
-        for number, width in enumerate(_stairs(1e3 * LEAST_SIDE, widest, ratio)):
-            depth = 100 * most / width
+        square, slit = 100 * most, 1e3 * LEAST_SIDE  # square millimetres, millimetres
+        for number, width in enumerate(_stairs(slit, square / slit, ratio)):
+            depth = square / width
             ends = floor(width), ceil(width), floor(depth), ceil(depth)
             found.append(_term("step", box, number, *ends))
     return found

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from clingo import Symbol
 
-from logic.errors import Reason, Unsatisfiable, VitruviusError
+from logic.errors import LimitReached, Reason, Unsatisfiable, VitruviusError
 from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, barred, option
 from logic.generation.movable_doors import Refuted
@@ -56,6 +56,8 @@ class Prover:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
         question = self._of.of_rooms(relaxed, request)
         if question.possible(statements):
+            if request.brief:  # its areas were decided with the lengths that stage 1 had chosen
+                raise LimitReached("no house keeps the brief, but by which of its lines was not found")
             raise VitruviusError(f"{request} was proved infeasible that has walls")
         own = own_requirements(request.plan).values() if request.plan else ()
         needed = (

@@ -15,7 +15,7 @@ from msgspec import Meta
 
 from logic.errors import RequestError
 from logic.house.files import opened
-from logic.house.parts import OUTSIDE
+from logic.house.parts import OUTSIDE, Name
 from logic.spelling import unknown
 
 MOST_ROOMS = 24
@@ -27,6 +27,12 @@ TOLERANCE, LEAST_TOLERANCE = 0.1, 0.001
 LEAST_SIDE = 0.5
 """Metres: no side of a room with an area is shorter; ``rules/brief/brief.pl``."""
 
+LEAST_VOID = 1.0
+"""Metres: no side of a void is shorter; ``rules/brief/brief.pl``."""
+
+LARGEST_ROOM = 5_000.0
+"""Square metres: of a room, whose area is known in steps of its width."""
+
 LONGEST, LARGEST = 400.0, 100_000.0
 """Metres and square metres: what whole numbers of stage 1 can hold."""
 
@@ -35,7 +41,9 @@ Place = Annotated[float, Meta(ge=0, le=LONGEST)]
 Span = float | tuple[float, float]
 """One number, or the least and the greatest: metres, or square metres."""
 
-Name = Annotated[str, Meta(min_length=1, max_length=100)]
+Tolerance = Annotated[float, Meta(ge=0, le=0.5)]
+"""A share: so much more or less."""
+
 Pair = tuple[Name, Name]
 
 
@@ -55,7 +63,7 @@ class BriefRoom(Part, frozen=True):
     """Square metres; one number is met within the ``tolerance``."""
     size: tuple[Span, Span] | None = None
     """Its two sides, either way round, metres."""
-    tolerance: Annotated[float, Meta(ge=0, le=1)] | None = None
+    tolerance: Tolerance | None = None
     outside: bool | tuple[Side, ...] = False
     """Whether it has an outer wall, or which of its sides are outer walls."""
     windows: tuple[Side, ...] = ()
@@ -101,7 +109,7 @@ class Brief(Part, frozen=True):
     outline: Outline = Outline()
     area: Span | None = None
     """Of all within the outline but the voids, square metres."""
-    tolerance: Annotated[float, Meta(ge=0, le=1)] = TOLERANCE
+    tolerance: Tolerance = TOLERANCE
 
     @property
     def names(self) -> list[str]:
@@ -163,7 +171,7 @@ def void_numbers(brief: Brief) -> range:
 def area_ranges(brief: Brief) -> dict[int | str, tuple[int, int]]:
     """The least and the greatest area of each box that has one, square centimetres."""
     found: dict[int | str, tuple[int, int]] = {
-        number: _area(room.area, _tolerance(brief, room))
+        number: _room_area(room.area, _tolerance(brief, room))
         for number, room in enumerate(brief.rooms)
         if room.area is not None
     }
@@ -268,6 +276,12 @@ def _area(span: Span, tolerance: float) -> tuple[int, int]:
     return floor(1e4 * least + 1e-6), ceil(1e4 * most - 1e-6)
 
 
+def _room_area(span: Span, tolerance: float) -> tuple[int, int]:
+    """Square centimetres, at least what the least sides make."""
+    least, most = _area(span, tolerance)
+    return max(least, round(1e4 * LEAST_SIDE**2)), most
+
+
 def _length(span: Span, tolerance: float) -> tuple[int, int]:
     """Millimetres."""
     least, most = _bounds(span, tolerance)
@@ -305,7 +319,7 @@ def _require_sense(brief: Brief) -> None:
             )
         if room.name == OUTSIDE:
             raise RequestError(f"{where}: {OUTSIDE} is no name of a room")
-        _require_span(f"{where} ({room.name}): area", room.area, LARGEST)
+        _require_span(f"{where} ({room.name}): area", room.area, LARGEST_ROOM)
         for side in room.size or ():
             _require_span(f"{where} ({room.name}): size", side)
         if room.area is not None and _area(room.area, _tolerance(brief, room))[1] < 1e4 * LEAST_SIDE**2:
@@ -324,8 +338,10 @@ def _require_sense(brief: Brief) -> None:
     _require_span("brief: outline.depth", brief.outline.depth)
     for number, void in enumerate(brief.outline.voids):
         where = f"brief: outline.voids[{number}]"
-        _require_span(f"{where}: width", void.width)
-        _require_span(f"{where}: depth", void.depth)
+        for name, span in (("width", void.width), ("depth", void.depth)):
+            _require_span(f"{where}: {name}", span)
+            if span is not None and _bounds(span, 0)[1] < LEAST_VOID:
+                raise RequestError(f"{where}: {name}: a void is {LEAST_VOID:g} m wide and deep or more")
         if void.corner and (void.x is not None or void.y is not None):
             raise RequestError(f"{where}: a notch at a corner is there: leave out x and y, or corner")
     area_ranges(brief)

@@ -1,5 +1,6 @@
 """Which witness a house has: that of who makes it."""
 
+from logic.generation.brief import BriefMaker
 from logic.generation.builder import Builder
 from logic.generation.given_plan import GivenPlanMaker
 from logic.generation.maker import Maker
@@ -18,6 +19,7 @@ WITNESSES: dict[type[Maker], type[Witness]] = {
     SharedWallsMaker: PlanWitness,
     UnitsMaker: UnitsWitness,
     GivenPlanMaker: PlanWitness,
+    BriefMaker: PlanWitness,
 }
 
 

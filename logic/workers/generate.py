@@ -112,7 +112,7 @@ def generate(
     if own:
         rooms = _rooms_of(own, rooms, cell, keep)
     if asked:
-        rooms = _rooms_of_brief(asked, rooms, own, keep)
+        rooms = _rooms_of_brief(asked, rooms, cell, own, keep)
     if rooms is None:
         raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
     rooms = whole("rooms", rooms, 1, MOST_ROOMS)
@@ -158,7 +158,9 @@ def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None)
     return number
 
 
-def _rooms_of_brief(brief: Brief, rooms: int | None, plan: OwnPlan | None, keep: House | None) -> int:
+def _rooms_of_brief(
+    brief: Brief, rooms: int | None, cell: float, plan: OwnPlan | None, keep: House | None
+) -> int:
     """How many rooms a brief has. Raises ``RequestError`` for what a request cannot have beside it."""
     number = len(brief.rooms)
     if rooms not in (None, number):
@@ -166,6 +168,8 @@ def _rooms_of_brief(brief: Brief, rooms: int | None, plan: OwnPlan | None, keep:
     for name, given in (("plan", plan), ("keep", keep)):
         if given:
             raise RequestError(f"brief: its rooms have no places yet: leave out {name} or brief")
+    if cell:
+        raise RequestError("cell: rooms of a brief lie on no grid yet: leave out cell or brief")
     return number
 
 

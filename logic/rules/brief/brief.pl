@@ -10,16 +10,15 @@ tangent of W*D = Most and some chords of W*D = Least let in no size that is wron
 solution, it is exact. For a refutation it is the other way round: tangents of W*D = Least and the chord of W*D = Most over the
 widths that stage 1 leaves lose no size that is right. Where neither decides, the widths of a box are halved.
 
-An item is item(W,D,Least-Most,Why,Range): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2).
+An item is item(W,D,Least-Most,Why,Range): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2). All is in
+metres: a house by a brief lies on no grid.
 */
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
-:- use_module(library(yall)).
 :- use_module(library(clpr)).
 :- use_module('../linear/exact').
-:- use_module('../linear/grid').
 :- use_module('../linear/linear').
 :- use_module('../language/grammar_files').
 :- use_module('../shared_walls/areas').
@@ -56,23 +55,26 @@ requirement(Q, Sides, Edges, _, Boxes) -->
       memberchk(room(outline,_,Outline,_), Boxes), along(Axis, Outline, none, O, _, _) },
     between(X-O, L-M, [granted(Q),Line]).
 requirement(Q, Sides, Edges, Atoms, _) -->
-    { Q = sides(R,A,B,C,E),
-      ( memberchk(turned(R), Atoms) -> How = [turned(R)], X = C-E, Y = A-B ; A-B == C-E -> How = [], X = A-B, Y = A-B ; How = [not(turned(R))], X = A-B, Y = C-E ),
+    { Q = sides(R,A,B,C,E), turned_sides(Atoms, R, (A-B)/(C-E), Wide/Deep, How),
       along(x, Sides, Edges, X1, X2, Across), along(y, Sides, Edges, Y1, Y2, Down),
       append([[granted(Q)],How,Across], WhyX), append([[granted(Q)],How,Down], WhyY) },
-    between(X2-X1, X, WhyX), between(Y2-Y1, Y, WhyY).
+    between(X2-X1, Wide, WhyX), between(Y2-Y1, Deep, WhyY).
+
+turned_sides(_, _, Same/Same, Same/Same, []) :- !.
+turned_sides(Atoms, R, One/Other, Other/One, [turned(R)]) :- memberchk(turned(R), Atoms), !.
+turned_sides(_, R, One/Other, One/Other, [not(turned(R))]).
 
 %   between(+Length, +Millimetres, +Why)//: what has one value only is an equation, which leaves CLP(R) one unknown less.
 
-between(X, L-L, Why) --> { \+ on_grid }, !, { Metres is L/1000 }, [(X = Metres)-Why].
-between(X, L-M, Why) --> { LM is L/1000, MM is M/1000, rounded_up(LM, Low), in_unit(MM, High) }, [(Low =< X)-Why, (X =< High)-Why].
+between(X, L-L, Why) --> !, { Metres is L/1000 }, [(X = Metres)-Why].
+between(X, L-M, Why) --> { Low is L/1000, High is M/1000 }, [(Low =< X)-Why, (X =< High)-Why].
 
 along(x, sides(X1,X2,_,_), Edges, X1, X2, Lines) :- ( Edges = edges(W,E,_,_) -> Lines = [W,E] ; Lines = [] ).
 along(y, sides(_,_,Y1,Y2), Edges, Y1, Y2, Lines) :- ( Edges = edges(_,_,N,S) -> Lines = [N,S] ; Lines = [] ).
 
 voids([]) --> [].
 voids([room(_,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Boxes]) --> !,
-    { least_void(M), in_unit(M, Least) },
+    { least_void(Least) },
     [(X1+Least =< X2)-[West,East], (Y1+Least =< Y2)-[North,South]],
     voids(Boxes).
 voids([_|Boxes]) --> voids(Boxes).
@@ -100,37 +102,31 @@ area_item(Atoms, Boxes, Area, [item(W,D,Least-Most,Why,Range)|Others], [(Slit =<
     Area = area(B,L,M), memberchk(room(B,Type,sides(X1,X2,Y1,Y2),Edges), Boxes),
     W = X2-X1, D = Y2-Y1,
     ( Edges = edges(E1,E2,E3,E4) -> Lines = [E1,E2,E3,E4] ; Lines = [] ),
-    maplist(squares, [L,M], [Least,Most]),
-    least_side(S), in_unit(S, Slit),
+    Least is L/10000, Most is M/10000,
+    least_side(Slit),
     width_range(B, Atoms, Slit, Most, Range),
     Why = [granted(Area)|Lines],
-    (   B \== outline, grammar:room_area(Type, L1, M1), maplist(square, [L1,M1], [Least1,Most1]),
+    (   B \== outline, grammar:room_area(Type, Least1, Most1),
         \+ ( Least1 =< Least, Most =< Most1 )
     ->  Others = [item(W,D,Least1-Most1,[room_area(Type),room(B,Type)|Lines],Range)]
     ;   Others = [] ).
-
-squares(Centimetres, Squares) :- Area is Centimetres/10000, square(Area, Squares).
 
 %   width_range(+Box, +Atoms, +Slit, +Most, -Range): between the steps that stage 1 has chosen.
 
 width_range(B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
     findall(I-(W-V), member(step(B,I,W,V,_,_), Atoms), Steps),
     findall(I, member(slim(B,I), Atoms), Slim),
-    ( Slim = [_|_] -> min_list(Slim, Least), memberchk(Least-(_-V1), Steps), mm(V1, High), WhyHigh = [slim(B,Least)] ; High is Most/Slit, WhyHigh = [], Least = none ),
-    (   integer(Least), Least > 0, Before is Least - 1, memberchk(Before-(W1-_), Steps)
-    ->  mm(W1, Low), WhyLow = [not(slim(B,Before))]
-    ;   Low = Slit, WhyLow = [] ).
+    (   Slim = [_|_]
+    ->  min_list(Slim, First), memberchk(First-(_-V), Steps), High is V/1000, WhyHigh = [slim(B,First)], Before is First - 1
+    ;   High is Most/Slit, WhyHigh = [], Before = none ),
+    ( memberchk(Before-(W-_), Steps) -> Low is W/1000, WhyLow = [not(slim(B,Before))] ; Low = Slit, WhyLow = [] ).
 
-mm(Millimetres, X) :- M is Millimetres/1000, in_unit(M, X).
-
-%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states, where all of the outline is house.
+%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states.
 
 house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],from(Slit,[])-upto(High,[]))) :-
-    clause(grammar:house_area(_,_), _), grammar:house_area(L, M), !,
-    \+ memberchk(room(_,void,_,_), Boxes),
-    maplist(square, [L,M], [Least,Most]),
+    clause(grammar:house_area(_,_), _), grammar:house_area(Least, Most), !,
     memberchk(room(outline,_,sides(X1,X2,Y1,Y2),_), Boxes),
-    least_side(S), in_unit(S, Slit), High is Most/Slit.
+    least_side(Slit), High is Most/Slit.
 
 % - whether there are lengths that have the areas ------------------------------------------------------------------------
 
@@ -150,11 +146,10 @@ decided(Left0, Left, Proof, Layout, Items, Answer) -->
     (   { Middle = impossible(Conflict) }
     ->  { Left = Left0, areas_bounded(System, Items, Whole),
           ( middle(Whole, impossible(Stronger)) -> Answer = refuted(Stronger) ; Answer = refuted(Conflict) ) }
-    ;   { Middle = at(Xs, Values), copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes), maplist([Width-_,Width]>>true, Sizes, Widths) },
-        { held(Layout, Held) },
+    ;   { sizes_at(Middle, Items, Sizes), pairs_keys(Sizes, Widths), held(Layout, Held) },
         near_sample(3, Held, Items, Widths)
     ->  { Answer = placed, Left = Left0 }
-    ;   { Left0 > 0, Middle = at(Xs, Values), copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes), widest_miss(Items, Sizes, Item, Others) }
+    ;   { Left0 > 0, sizes_at(Middle, Items, Sizes), widest_miss(Items, Sizes, Item, Others) }
     ->  { halves(Item, Lower, Upper), Left1 is Left0 - 1 },
         decided(Left1, Left2, Proof, Layout, [Lower|Others], Answer1),
         other_half(Answer1, Left2, Left, Proof, Layout, [Upper|Others], Answer)
@@ -194,16 +189,14 @@ nearest(System, Items, Widths, Nearer) :-
     maplist(inner, Items, Widths, Inner),
     term_variables(System-Inner, Xs),
     findall(Values, ( posted(System), foldl(off, Inner, 0, Off), inf(Off, _, Xs, Values) ), [Values]),
-    copy_term(Xs-Items, Values-There),
-    maplist(width_of, There, Nearer).
+    sizes_at(at(Xs,Values), Items, Sizes),
+    pairs_keys(Sizes, Nearer).
 
 %   off(+Constraints, +Sum, -More): they are off by no more than a share that is added to the Sum.
 
 off(Constraints, Sum, Sum+Share) :- {Share >= 0}, maplist(off_by(Share), Constraints).
 
 off_by(Share, (A =< B)-_) :- ( number(A) -> {A =< B + A*Share} ; {A =< B + B*Share} ).
-
-width_of(item(W,_,_,_,_), Width) :- Width is W.
 
 inner_sample(layout(Lines,Rooms,System), Items, Widths) -->
     { maplist(inner, Items, Widths, Inner), append([System|Inner], All) },
@@ -247,7 +240,7 @@ areas_bounded(System, Items, All) :- maplist(widened, Items, Wide), outer_system
 %   widened(+Item, -Wide): with all widths that its area leaves, whatever stage 1 has chosen.
 
 widened(item(W,D,Least-Most,Why,_), item(W,D,Least-Most,Why,from(Slit,[])-upto(High,[]))) :-
-    least_side(S), in_unit(S, Slit), High is Most/Slit.
+    least_side(Slit), High is Most/Slit.
 
 %   middle(+System, -Middle) is semidet.
 %
@@ -277,6 +270,10 @@ binding([C-_|There], [Constraint|System], T, Tight) :-
 
 binds(T, A =< B) :- A - B > T - 1.0e-7.
 binds(T, A = B)  :- abs(A - B) > T - 1.0e-7.
+
+%   sizes_at(+Middle, +Items, -Sizes): how wide and how deep the boxes of the Items are there.
+
+sizes_at(at(Xs,Values), Items, Sizes) :- copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes).
 
 size_of(item(W,D,_,_,_), Width-Depth) :- Width is W, Depth is D.
 

@@ -63,12 +63,17 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, -Json) is det.
 %
-%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of
-%   the type. It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers.
+%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall,
+%   and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of the type.
+%   It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers.
 
-plan_lengths(Types, Json) :-
+plan_lengths(Types, Json) :- lengths_as_json(type_extremes, Types, Json).
+
+:- meta_predicate lengths_as_json(2, +, -).
+
+lengths_as_json(Extremes, Types, Json) :-
     length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
-    maplist(type_extremes, Types, Records),
+    maplist(Extremes, Types, Records),
     least_contact(Contact),
     as_json([Doorway,Contact,Records], Json).
 
@@ -91,11 +96,7 @@ step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-Fro
 %
 %   As plan_lengths/2, of sizes and areas as they are stated: what loses no size that is right.
 
-brief_lengths(Types, Json) :-
-    length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
-    maplist(stated_extremes, Types, Records),
-    least_contact(Contact),
-    as_json([Doorway,Contact,Records], Json).
+brief_lengths(Types, Json) :- lengths_as_json(stated_extremes, Types, Json).
 
 stated_extremes(Type, [Type,Reach,Uppers,Lowers]) :-
     room_extent(Type, W1-W2, D1-D2),

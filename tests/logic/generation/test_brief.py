@@ -177,6 +177,11 @@ def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
         ({"rooms": [{"name": "A", "size": [3, -1]}]}, r"rooms\[0\] \(A\): size: above 0"),
         ({"rooms": [{"name": "A", "colour": "red"}]}, "unknown field `colour`"),
         (brief(1, area=20, outline={"voids": [{"width": 2}]}), "area: a house with voids"),
+        (brief(1, outline={"voids": [{"width": 0.9}]}), r"voids\[0\]: width: a void is 1 m wide and deep or more"),
+        (brief(2, tolerance=0.6), "tolerance"),
+        ({"rooms": [{"name": "A", "area": 5001}]}, r"rooms\[0\] \(A\): area: above 0 and up to 5000"),
+        ({"rooms": [{"name": "A" * 65}]}, "length <= 64"),
+        ({"rooms": [{"name": "two\nlines"}]}, "matching regex"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
@@ -185,6 +190,33 @@ def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
     with pytest.raises(RequestError, match=message) as caught:
         next(generate(brief=wanted))
     assert "\n" not in str(caught.value)
+
+
+def test_a_brief_on_a_grid_is_refused() -> None:
+    with pytest.raises(RequestError, match="cell: rooms of a brief lie on no grid yet"):
+        next(logic.generate(brief=brief(2), cell=0.5))
+
+
+def test_rooms_may_be_named_in_any_script() -> None:
+    names = ["Küche", "居間", "غرفة نوم"]
+    house = next(generate(brief={"rooms": [{"name": name} for name in names], "doors": [names[:2]]}))
+    assert [room.name for room in house.rooms] == names
+
+
+def test_a_least_area_that_is_nearly_nothing_is_that_of_the_least_sides() -> None:
+    house = next(generate(brief={"rooms": [{"name": "A", "area": [1e-9, 5]}, {"name": "B"}]}))
+    room = house.rooms[0]
+    assert room.area <= 5
+    assert min(room.width, room.height) >= 0.5
+
+
+def test_a_court_has_no_entrance() -> None:
+    court = {"x": 3, "y": 3, "width": 2, "depth": 2}
+    around = brief(4, outline={"width": 8, "depth": 8, "voids": [court]})
+    for house in generate(brief={**around, "entrance": "R1"}, count=3):
+        entrance = next(door for door in house.doors if OUTSIDE in door.between)
+        whole = outline(house)
+        assert any(abs(entrance.box[k] - whole[j]) < 1e-6 for k in range(4) for j in (k % 2, k % 2 + 2))
 
 
 def test_an_unknown_type_is_refused_with_what_is_meant() -> None:
