@@ -37,8 +37,8 @@ class BriefMaker(SharedWallsMaker):
             raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
         if loaded.has_area and brief.outline.voids:
             raise RequestError(
-                f"brief: outline.voids: the grammar {grammar.name} states house_area/2, of a whole rectangle: "
-                "leave out the voids, or state the house's area in the brief"
+                f"brief: outline.voids: the grammar {grammar.name} states house_area/2, which holds of whole "
+                "rectangles: leave out the voids, or take another grammar"
             )
         self.brief = brief
         rules = grammar.for_brief()

@@ -177,7 +177,7 @@ def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
         ({"rooms": [{"name": "A", "size": [3, -1]}]}, r"rooms\[0\] \(A\): size: above 0"),
         ({"rooms": [{"name": "A", "colour": "red"}]}, "unknown field `colour`"),
         (brief(1, area=20, outline={"voids": [{"width": 2}]}), "area: a house with voids"),
-        (brief(1, outline={"voids": [{"width": 0.9}]}), r"voids\[0\]: width: a void is 1 m wide and deep or more"),
+        (brief(1, outline={"voids": [{"width": 0.9}]}), r"voids\[0\]: width: a void is 1 m"),
         (brief(2, tolerance=0.6), "tolerance"),
         ({"rooms": [{"name": "A", "area": 5001}]}, r"rooms\[0\] \(A\): area: above 0 and up to 5000"),
         ({"rooms": [{"name": "A" * 65}]}, "length <= 64"),
