@@ -38,7 +38,7 @@ class LearnedSearch(Learner):
     def network_of(config: SearchConfig) -> ViewNetwork:
         """See ``Learner``."""
         with seeded(config.seed):
-            return ViewNetwork(config.channels)
+            return ViewNetwork(config.channels, config.rays, config.foresight)
 
     @staticmethod
     def policy_of(
@@ -54,7 +54,7 @@ class LearnedSearch(Learner):
             raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
         super().__init__(config, envs, report=config.num_steps)
         self.optimizer = torch.optim.AdamW(
-            self.network.parameters(), lr=config.learning_rate, weight_decay=1e-4, foreach=True
+            [each for each in self.network.parameters() if each.requires_grad], lr=config.learning_rate, weight_decay=1e-4, foreach=True
         )
         self.random = np.random.default_rng(self.seed)
         self.chooser = ViewChooser(self.network, envs.config, self.choose)
@@ -137,7 +137,9 @@ class LearnedSearch(Learner):
                 int(self.random.integers(4)),
                 bool(self.random.random() < 0.5),
             )
-            loss = value_loss(self.network(batch), batch.worth.float(), config.focus)
+            with torch.autocast("cpu", torch.bfloat16, enabled=config.precision == "medium"):
+                values = self.network(batch)
+            loss = value_loss(values.float(), batch.worth.float(), config.focus)
             losses.append(self.descend(loss, config.max_grad_norm))
             self.due -= 1
         return float(torch.stack(losses).mean()) if losses else 0.0

@@ -1,13 +1,18 @@
 """The network that searches: a U-Net (Ronneberger et al. 2015, arXiv:1505.04597) over a window of a map."""
 
+import json
 from itertools import pairwise
+from pathlib import Path
 from typing import NamedTuple
 
+import safetensors
 import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from agent.algorithms.map_completion.network import pointwise
+from agent.algorithms.map_completion.network import FINDS, CompletionNetwork, pointwise
+from agent.algorithms.map_completion.network import OWN as COMPLETED
+from agent.algorithms.search.sight import SIDES, Sight
 
 PLACES = 48
 """Places along each side of a window, G: 27.5 m at the default body, which is at the one in the middle."""
@@ -20,8 +25,11 @@ FAR = -1
 LEVELS = 5
 """A block has 0 to 4 cells that are so."""
 
-PLANES, OWN = 4, 5 + HEADINGS
-"""What is read of each block, and of each place besides."""
+PLANES, FORESEEN, OWN = 4, 4, 5 + HEADINGS
+"""What is read of each block, what is foreseen of it, and what is read of each place besides."""
+
+FORESIGHT = Path(__file__).parents[2] / "runs" / "released" / "map-completion.safetensors"
+"""The released network of map completion, whose predictions can be inputs."""
 
 FADE = 4.0
 """Places over which nearness to the start falls by a factor of e."""
@@ -34,6 +42,10 @@ SCALE = 100.0
 
 FIRST = -3.0
 """The logarithm of what a view is first thought to show of all places where the target may be."""
+
+
+DENSE = 300.0
+"""Blocks in which a target may lie, about: its probability in one, times these, is about 1."""
 
 
 class ViewMaps(NamedTuple):
@@ -88,7 +100,7 @@ def empty(number: int) -> ViewMaps:
 
 
 class ViewNetwork(nn.Module):
-    """A U-Net of ``channels`` on the places: about 145,000 weights.
+    """A U-Net of ``channels`` on the places, and rays over what it makes of them: about 145,000 weights.
 
     It gives the logarithm of what each view is expected to show; a view's value is that for its cost, the
     steps of the known path and the turns, to a power that is learnt.
@@ -97,18 +109,24 @@ class ViewNetwork(nn.Module):
     turns: Tensor
     bearings: Tensor
 
-    def __init__(self, channels: tuple[int, ...] = (16, 32, 64, 96)) -> None:
-        """Draw first weights from torch's generator."""
+    def __init__(
+        self, channels: tuple[int, ...] = (16, 32, 64, 96), rays: int = 0, foresight: bool = False
+    ) -> None:
+        """Draw first weights from torch's generator. So many channels of ``rays`` towards each side, see
+        ``Sight``; ``foresight``: what map completion predicts is an input.
+        """
         super().__init__()
         self.channels, first, last = channels, channels[0], channels[-1]
-        self.first = nn.Conv2d(PLANES, first, 4, 2, 1)
+        self.completion = foreseeing() if foresight else None
+        self.first = nn.Conv2d(PLANES + FORESEEN * foresight, first, 4, 2, 1)
         self.fuse = nn.Conv2d(first + OWN, first, 3, padding=1)
         self.down = nn.ModuleList(nn.Conv2d(i, o, 3, padding=1) for i, o in pairwise(channels))
         self.whole = nn.Linear(3 + HEADINGS, last)
         # What comes from below is narrowed before it is enlarged: three quarters of the work are saved.
         self.narrow = nn.ModuleList(nn.Conv2d(o, i, 1) for i, o in pairwise(channels))
         self.up = nn.ModuleList(nn.Conv2d(i, i, 3, padding=1) for i in channels[:-1])
-        self.hidden = nn.Conv2d(first + OWN + HEADINGS, 2 * first, 1)
+        self.sight = Sight(first, rays) if rays else None
+        self.hidden = nn.Conv2d(first + SIDES * rays + OWN + HEADINGS, 2 * first, 1)
         self.out = nn.Conv2d(2 * first, HEADINGS, 1)
         self.price = nn.Parameter(torch.tensor(1.0))
         with torch.no_grad():
@@ -124,6 +142,8 @@ class ViewNetwork(nn.Module):
         counts = maps.blocks.int()
         planes = [counts % LEVELS, counts // LEVELS % LEVELS, counts // LEVELS**2]
         planes = torch.stack([*(each.float() / 4 for each in planes), maps.ages.float() / 128], 1)
+        if self.completion is not None:
+            planes = torch.cat([planes, foreseen(self.completion, maps)], 1)
         there = (maps.ways != FAR).float()
         way = maps.ways.float().clamp(min=0)
         axis = torch.arange(PLACES, device=way.device)
@@ -145,10 +165,33 @@ class ViewNetwork(nn.Module):
         for narrow, up in zip(reversed(self.narrow), reversed(self.up), strict=True):
             x = F.relu(up(F.interpolate(pointwise(narrow, x), scale_factor=2.0) + passed.pop()))
         heads = head[:, :, None, None].expand(-1, -1, PLACES, PLACES)
-        shown = pointwise(self.out, F.relu(pointwise(self.hidden, torch.cat([x, own, heads], 1))))
+        sight = [] if self.sight is None else [self.sight(x)]
+        shown = pointwise(self.out, F.relu(pointwise(self.hidden, torch.cat([x, *sight, own, heads], 1))))
         cost = (way[:, None] + CONSTANT + self.turns[maps.heading]).log()
         values = shown - self.price * cost + torch.log(torch.tensor(SCALE))
         return values.masked_fill(~views(maps), -torch.inf)
+
+
+def foreseeing() -> CompletionNetwork:
+    """The released network of map completion; it learns nothing more."""
+    with safetensors.safe_open(FORESIGHT, framework="pt") as file:
+        channels = json.loads(file.metadata()["config"])["channels"]
+        network = CompletionNetwork(file.get_slice("out.weight").get_shape()[0] - COMPLETED, channels=channels)
+        network.load_state_dict({name: file.get_tensor(name) for name in network.state_dict()})
+    return network.requires_grad_(False)
+
+
+@torch.no_grad()
+def foreseen(completion: CompletionNetwork, maps: ViewMaps) -> Tensor:
+    """What is predicted of blocks (n, ``FORESEEN``, 2G, 2G) float32: floor, whether sight passes, how dense
+    targets are where it was not looked since the last pick-up, and the logarithm of how dense they are.
+    """
+    occupied, seen, since = (maps.blocks // k % LEVELS for k in (1, LEVELS, LEVELS**2))
+    marks = maps.blocks.new_zeros(len(maps.blocks), 2, 2 * PLACES, 2 * PLACES)
+    marks[:, FINDS, ::2, ::2] = maps.finds
+    floor, sight, target, _ = completion(occupied | seen << 3, marks, 2 * maps.start)
+    dense = (DENSE * target.exp() * (since < LEVELS - 2)).clamp(max=4)
+    return torch.stack([floor.sigmoid(), sight.sigmoid(), dense, ((target + 10) / 3).clamp(min=0)], 1)
 
 
 def views(maps: ViewMaps) -> Tensor:
