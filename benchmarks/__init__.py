@@ -25,6 +25,7 @@ STUDIES = {
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
+    "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),
     "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }

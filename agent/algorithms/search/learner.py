@@ -54,7 +54,10 @@ class LearnedSearch(Learner):
             raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
         super().__init__(config, envs, report=config.num_steps)
         self.optimizer = torch.optim.AdamW(
-            [each for each in self.network.parameters() if each.requires_grad], lr=config.learning_rate, weight_decay=1e-4, foreach=True
+            [each for each in self.network.parameters() if each.requires_grad],
+            lr=config.learning_rate,
+            weight_decay=1e-4,
+            foreach=True,
         )
         self.random = np.random.default_rng(self.seed)
         self.chooser = ViewChooser(self.network, envs.config, self.choose)

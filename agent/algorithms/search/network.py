@@ -176,7 +176,9 @@ def foreseeing() -> CompletionNetwork:
     """The released network of map completion; it learns nothing more."""
     with safetensors.safe_open(FORESIGHT, framework="pt") as file:
         channels = json.loads(file.metadata()["config"])["channels"]
-        network = CompletionNetwork(file.get_slice("out.weight").get_shape()[0] - COMPLETED, channels=channels)
+        network = CompletionNetwork(
+            file.get_slice("out.weight").get_shape()[0] - COMPLETED, channels=channels
+        )
         network.load_state_dict({name: file.get_tensor(name) for name in network.state_dict()})
     return network.requires_grad_(False)
 

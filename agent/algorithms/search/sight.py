@@ -27,7 +27,7 @@ class Sight(nn.Module):
         super().__init__()
         self.channels = channels
         self.given = nn.Conv2d(inputs, 2 * channels, 1)
-        self.fan = nn.Parameter(torch.tensor([FAN[k % len(FAN)] for k in range(channels)]))
+        self.fan = nn.Parameter(torch.tensor([FAN[k % len(FAN)] for k in range(channels)]).float())
         with torch.no_grad():
             if self.given.bias is not None:
                 self.given.bias[channels:].fill_(OPEN)

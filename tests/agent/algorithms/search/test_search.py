@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from agent.algorithms.build import learner_of, network_of, policy_of
+from agent.algorithms.map_completion.windows import Windows
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import value_loss
@@ -19,9 +20,12 @@ from agent.algorithms.search.network import (
     PLACES,
     ViewMaps,
     ViewNetwork,
+    foreseeing,
+    foreseen,
     turned,
     views,
 )
+from agent.algorithms.search.sight import SIDES, Sight
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED
 from agent.planner.frame import AXES
@@ -302,6 +306,58 @@ def test_a_network_values_the_views_that_a_path_leads_to():
         assert not torch.equal(other[both], values[both]), name
 
 
+def test_rays_show_what_lies_ahead_as_far_as_nothing_stands_in_the_way():
+    sight = Sight(2, 1).requires_grad_(False)
+    sight.given.weight[:] = torch.tensor([[1.0, 0], [0, -40]])[:, :, None, None]
+    cast(torch.Tensor, sight.given.bias)[:] = torch.tensor([0.0, 20])
+    sight.fan[:] = torch.tensor([0.0, 1, 0])
+    given = torch.zeros(1, 2, PLACES, PLACES)
+    given[0, 0, 10, 20] = 1  # a target, and a wall four places south of it
+    given[0, 1, 14, 20] = 1
+    north, *others = sight(given)[0]
+    assert (north[11:15, 20] > 0.99).all()  # the wall itself is in sight of it
+    assert north.sum() == pytest.approx(4, abs=1e-3)
+    assert len(others) == SIDES - 1
+    reach = [float(each.sum()) for each in others]
+    assert sorted(reach) == pytest.approx([10, 20, PLACES - 21], abs=1e-3)  # to the window's edges
+
+
+def test_rays_turn_with_the_map():
+    torch.manual_seed(0)
+    sight, given = Sight(3, 4), torch.rand(2, 3, PLACES, PLACES)
+    sides = sight(given).chunk(SIDES, 1)
+    turned_sides = sight(torch.rot90(given, 1, (2, 3))).chunk(SIDES, 1)
+    for side in range(SIDES):
+        other = torch.rot90(sides[(side + 1) % SIDES], 1, (2, 3))
+        assert torch.allclose(turned_sides[side], other, atol=1e-5)
+
+
+def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
+    """Of places that begin at odd nodes, whose blocks are map completion's."""
+    torch.manual_seed(0)
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
+    policy = Explorer(shield(envs), envs.config, chooser=ViewChooser(ViewNetwork((4, 4)), envs.config))
+    played(policy, envs, 150)
+    planner, given, predict = policy.tracker.planner, [], foreseeing()
+    reader, windows = MapReader(envs.config, planner), Windows(planner)
+    reader.phase[:] = 1
+    maps, (theirs, corners) = reader.read(EVERYONE), windows.read(EVERYONE)
+    predict.register_forward_hook(lambda _, inputs, made: given.append((inputs, made)))
+    planes = foreseen(predict, maps)
+    (ours, _, starts), made = given[0]
+    for e in EVERYONE:
+        south, east = (reader.corners(EVERYONE)[e] - 1) // 2 - corners[e]
+        assert max(abs(south), abs(east)) <= 2
+        inner = slice(4, -4)
+        moved = np.roll(theirs[e] & 63, (-south, -east), (0, 1))
+        assert np.array_equal(ours[e].numpy()[inner, inner], moved[inner, inner])
+        assert np.abs(starts[e].numpy() + corners[e] + (south, east)).max() <= 1
+    assert torch.equal(planes[:, 0], made.floor.sigmoid())
+    looked = (maps.blocks // LEVELS**2 >= 3) & (made.target > -9)
+    assert looked.any()
+    assert (planes[:, 2][looked] == 0).all()
+
+
 @pytest.mark.parametrize("focus", [0.0, 1.0])
 def test_the_loss_is_least_at_the_mean_of_what_views_are_worth(focus):
     """What cannot be known is averaged: half of the time 1, half of the time 0."""
@@ -332,6 +388,9 @@ def test_a_run_learns_what_views_are_worth():
     assert np.mean(losses[-8:]) < np.mean([loss for loss in losses if loss][:4])
     assert learner.made > 60
     assert learner.buffer.worth[: learner.made].float().amax((1, 2, 3)).min() > 0
+    # What it is told of unseen ground is as it was.
+    told, released = learner.network.completion.state_dict(), foreseeing().state_dict()
+    assert all(torch.equal(told[name], each) for name, each in released.items())
 
 
 def test_the_state_of_a_run_is_as_large_as_that_of_a_new_one():
@@ -369,7 +428,14 @@ def test_closed_doors_are_refused_in_one_line():
 
 @pytest.mark.parametrize(
     "changes",
-    [{"channels": (4,)}, {"guided": 1.5}, {"device": "cuda"}, {"buffer_size": 0}, {"focus": -1.0}],
+    [
+        {"channels": (4,)},
+        {"guided": 1.5},
+        {"device": "cuda"},
+        {"buffer_size": 0},
+        {"focus": -1.0},
+        {"rays": -1},
+    ],
 )
 def test_a_config_that_no_run_can_have_is_refused(changes):
     with pytest.raises(RequestError):

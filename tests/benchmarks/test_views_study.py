@@ -1,0 +1,105 @@
+"""What parts of the network that searches are worth: what a variant lacks, and how its choices are judged."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import torch
+
+from agent.algorithms.search.config import SearchConfig
+from agent.algorithms.search.learner import LearnedSearch
+from agent.algorithms.search.network import HEADINGS, LEVELS, PLACES, ViewMaps, empty
+from agent.algorithms.table import PRESETS
+from benchmarks.planner.views import AGENT, INPUTS, WHOLE, Views, collected, fitted, shares
+from logic import generate
+from logic.errors import RequestError
+
+HOUSES = list(generate(3, seed=31, count=4))
+CONFIG = replace(cast(SearchConfig, PRESETS[AGENT]), num_envs=4, buffer_size=160, foresight=False, rays=0)
+
+
+@pytest.fixture(scope="module")
+def choices() -> tuple[ViewMaps, np.ndarray]:
+    return collected(HOUSES, CONFIG)
+
+
+FIELDS = {"memory": "taken", "finds": "finds", "ages": "ages", "start": "start", "scalars": "scalars"}
+
+
+@pytest.mark.parametrize("part", INPUTS)
+def test_maps_without_an_input_say_nothing_of_it_and_all_else(part: str) -> None:
+    maps, other = empty(2), empty(2)
+    for field in (*maps, *other):
+        field.copy_(torch.randint(0, 5, field.shape))
+    name = FIELDS.get(part, "blocks")
+    if name == "blocks":  # the same cells, seen at other times
+        kept = maps.blocks % LEVELS**2
+        maps, other = (
+            each._replace(blocks=kept + LEVELS**2 * (each.blocks % LEVELS)) for each in (maps, other)
+        )
+    other = maps._replace(**{name: getattr(other, name)})
+    assert not torch.equal(getattr(maps, name), getattr(other, name))
+    one, same = INPUTS[part](maps), INPUTS[part](other)
+    for field in ViewMaps._fields:
+        assert torch.equal(getattr(one, field), getattr(same, field))
+        assert field == name or torch.equal(getattr(one, field), getattr(maps, field))
+
+
+def test_choices_are_of_bodies_that_go_to_views_that_are_worth_it(
+    choices: tuple[ViewMaps, np.ndarray],
+) -> None:
+    maps, house = choices
+    assert set(house) == set(range(len(HOUSES)))
+    assert (maps.worth.float().flatten(1).amax(1) > 0).all()
+    assert (maps.blocks // LEVELS**2).float().mean(dim=(1, 2)).std() > 0
+
+
+class Told(torch.nn.Module):
+    """A network that knows what views are worth, or the contrary."""
+
+    def __init__(self, sign: int) -> None:
+        super().__init__()
+        self.sign = sign
+
+    def forward(self, maps: ViewMaps) -> torch.Tensor:
+        return self.sign * maps.worth.float()
+
+
+def test_who_knows_what_views_are_worth_has_all_of_it(choices: tuple[ViewMaps, np.ndarray]) -> None:
+    maps = choices[0]._replace(taken=torch.zeros_like(choices[0].taken))
+    assert maps.worth.shape[1:] == (HEADINGS, PLACES, PLACES)
+    assert (shares(cast(Any, Told(1)), maps) == 1).all()
+    assert (shares(cast(Any, Told(-1)), maps) == 0).all()
+
+
+def test_a_network_learns_by_so_many_updates_ever_slower(
+    choices: tuple[ViewMaps, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rates = []
+
+    def noted(learner: LearnedSearch, loss: torch.Tensor, most: float) -> torch.Tensor:
+        rates.append(learner.optimizer.param_groups[0]["lr"])
+        return loss.detach()
+
+    monkeypatch.setattr(LearnedSearch, "descend", noted)
+    fitted(replace(CONFIG, channels=(2, 2)), HOUSES[:1], choices[0], 23)
+    assert len(rates) == 23
+    assert rates == sorted(rates, reverse=True)
+    assert rates[0] == CONFIG.learning_rate
+    assert rates[-1] < 0.1 * CONFIG.learning_rate
+
+
+def test_the_table_has_a_row_of_each_part_less_the_whole(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    Views(("finds",), houses=2, choices=140, updates=2, out=tmp_path / "out").run()
+    rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
+    assert [row[0] for row in rows[-2:]] == [f"| {WHOLE}", "| without finds"]
+    assert "±" in rows[-1][-1]
+
+
+def test_a_part_that_there_is_not_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="no part memoir: did you mean memory"):
+        Views(("memoir",), out=tmp_path).run()
