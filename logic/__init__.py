@@ -20,9 +20,11 @@ from logic.house.star import Star, StarRoom
 from logic.why.answer import Why
 from logic.workers.explain import explain_house
 from logic.workers.generate import count_layouts, generate, lint
+from logic.workers.nearest import Broken, Nearest, nearest
 from logic.workers.standards import check
 
 __all__ = [
+    "Broken",
     "Door",
     "Finding",
     "GrammarError",
@@ -32,6 +34,7 @@ __all__ = [
     "Houses",
     "LimitReached",
     "MissingProgram",
+    "Nearest",
     "Piece",
     "PlanWarning",
     "Rect",
@@ -49,6 +52,7 @@ __all__ = [
     "generate",
     "lint",
     "load",
+    "nearest",
     "save",
 ]
 

@@ -7,8 +7,9 @@ from typing import Any
 from clingo import Function, Number, Symbol
 
 from logic.layout.program import Part
-from logic.request.brief import LEAST_SIDE, Brief, area_ranges, void_numbers
-from logic.request.brief import requirements as brief_lines
+from logic.request.brief import LEAST_SIDE, Brief
+from logic.request.brief_lines import area_ranges, void_numbers
+from logic.request.brief_lines import requirements as brief_lines
 from logic.request.fixed_rooms import FixedRoom
 from logic.request.given_plan import OwnPlan
 from logic.request.request import MOST, Range, Request

@@ -7,7 +7,7 @@ they have one, it leaves another correction set (Ignatiev, Previti, Liffiton and
 
 import contextlib
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import partial
 
 import clingo
@@ -86,15 +86,16 @@ def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement]
     None where it is not found with ``MOST_LAYOUTS``; raises ``TooMany`` past ``MOST_CONFLICTS``.
     """
     relaxed.prefer(statements)
-    hitting = Hitting(statements)
+    hitting = Hitting([str(SHIPPED) in (each.reason.file or "") for each in statements])
+    places = {id(each): place for place, each in enumerate(statements)}
     layouts = 0
     while layouts < MOST_LAYOUTS:
-        some = smallest = hitting.set()
+        some = smallest = [statements[place] for place in hitting.set()]
         # Correction sets that share no statement say the most about how many are needed.
         while relaxed.model(some, conflicts=MOST_CONFLICTS) is not None:
             layouts += 1
             left_out = relaxed.left_out(statements)
-            hitting.add(left_out)
+            hitting.add(places[id(each)] for each in left_out)
             some = [*some, *left_out]
         if some is smallest:
             return smallest
@@ -102,34 +103,31 @@ def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement]
 
 
 class Hitting:
-    """The cheapest set of statements that has one of each set that was added."""
+    """A smallest set of things, by their places, that has one of each set that was added."""
 
-    def __init__(self, statements: Sequence[Statement]) -> None:
-        """Choose among statements, the first of them where several sets would do."""
-        self._statements = statements
+    def __init__(self, dear: Sequence[bool]) -> None:
+        """Choose among as many things: where several sets would do, with the fewest ``dear`` ones, the first
+        ones.
+        """
         self._control = clingo.Control(["--opt-strategy=usc"])
         with self._control.backend() as backend:
-            self._atoms = [backend.add_atom() for _ in statements]
+            self._atoms = [backend.add_atom() for _ in dear]
             backend.add_rule(self._atoms, choice=True)
             backend.add_minimize(2, [(atom, 1) for atom in self._atoms])
-            shipped = [str(SHIPPED) in (each.reason.file or "") for each in statements]
-            own = zip(self._atoms, shipped, strict=True)
-            backend.add_minimize(1, [(atom, 1) for atom, listed in own if listed])
+            backend.add_minimize(1, [(self._atoms[place], 1) for place, each in enumerate(dear) if each])
             backend.add_minimize(0, [(atom, place) for place, atom in enumerate(self._atoms)])
-        self._atom_of = {id(each): atom for each, atom in zip(statements, self._atoms, strict=True)}
 
-    def add(self, some: Sequence[Statement]) -> None:
+    def add(self, some: Iterable[int]) -> None:
         """One of these is to be in the set."""
         with self._control.backend() as backend:
-            backend.add_rule([], [-self._atom_of[id(each)] for each in some])
+            backend.add_rule([], [-self._atoms[place] for place in some])
 
-    def set(self) -> list[Statement]:
+    def set(self) -> list[int]:
         """The cheapest set."""
-        best: list[Statement] = []
+        best: list[int] = []
         with self._control.solve(yield_=True) as handle:
             for model in handle:
-                chosen = map(model.is_true, self._atoms)
-                best = [each for each, taken in zip(self._statements, chosen, strict=True) if taken]
+                best = [place for place, atom in enumerate(self._atoms) if model.is_true(atom)]
         return best
 
 

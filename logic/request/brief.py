@@ -5,10 +5,10 @@ later, as a proof that names lines of the brief (``logic.generation.brief``).
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil, floor
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec import Meta
@@ -32,6 +32,9 @@ LEAST_VOID = 1.0
 
 LARGEST_ROOM = 5_000.0
 """Square metres: of a room, whose area is known in steps of its width."""
+
+LENGTHS = {"area", "size", "width", "depth"}
+"""Keys of a brief's lengths and areas."""
 
 LONGEST, LARGEST = 400.0, 100_000.0
 """Metres and square metres: what whole numbers of stage 1 can hold."""
@@ -117,17 +120,6 @@ class Brief(Part, frozen=True):
         return [room.name for room in self.rooms]
 
 
-class Requirement(NamedTuple):
-    """What a line of a brief requires, in words and as terms of ``rules/brief/brief.lp``: name, arguments.
-
-    Lengths are whole millimetres, areas square centimetres; boxes are numbers of rooms, then of voids, or
-    ``outline``.
-    """
-
-    words: str
-    terms: tuple[tuple[Any, ...], ...]
-
-
 def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
     """A brief, from its JSON form or a file of it. Raises ``RequestError`` for what cannot be meant."""
     if isinstance(source, str | Path):
@@ -152,158 +144,43 @@ def schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
 
 
-def requirements(brief: Brief) -> list[Requirement]:
-    """What a brief requires, line by line."""
-    return list(_requirements(brief))
-
-
 def alone(brief: Brief) -> Brief:
     """The brief without a grammar, whose types of rooms are labels."""
     rooms = [msgspec.structs.replace(room, type="", label=room.label or room.type) for room in brief.rooms]
     return msgspec.structs.replace(brief, rooms=tuple(rooms))
 
 
-def void_numbers(brief: Brief) -> range:
-    """The numbers of its voids."""
-    return range(len(brief.rooms), len(brief.rooms) + len(brief.outline.voids))
-
-
-def area_ranges(brief: Brief) -> dict[int | str, tuple[int, int]]:
-    """The least and the greatest area of each box that has one, square centimetres."""
-    found: dict[int | str, tuple[int, int]] = {
-        number: _room_area(room.area, _tolerance(brief, room))
-        for number, room in enumerate(brief.rooms)
-        if room.area is not None
-    }
-    if brief.area is not None:
-        least, most = _area(brief.area, brief.tolerance)
-        voids = [_void_area(void) for void in brief.outline.voids]
-        found["outline"] = least + sum(low for low, _ in voids), most + sum(high for _, high in voids)
-    return found
-
-
-def _requirements(brief: Brief) -> Iterator[Requirement]:
-    places = {name: number for number, name in enumerate(brief.names)}
-    areas = area_ranges(brief)
-    for number, room in enumerate(brief.rooms):
-        if room.type:
-            yield Requirement(f"{room.name} is of type {room.type}", (("typed", number, room.type),))
-        if room.area is not None:
-            yield Requirement(
-                f"{room.name} has {_square_metres(areas[number])}", (("area", number, *areas[number]),)
-            )
-        if room.size is not None:
-            one, other = (_length(side, _tolerance(brief, room)) for side in room.size)
-            words = f"{room.name} measures {_metres(one)} by {_metres(other)}"
-            yield Requirement(words, (("sides", number, *one, *other),))
-        if room.outside is True:
-            yield Requirement(f"{room.name} has an outer wall", (("outer", number),))
-        for side in room.outside or () if not isinstance(room.outside, bool) else ():
-            yield Requirement(f"{room.name} has an outer wall in the {side}", (("outer", number, side),))
-        for side in room.windows:
-            yield Requirement(f"{room.name} has a window in the {side}", (("lit", number, side),))
-    for pairs, term, words in (
-        (brief.doors, "door", "a door joins {} and {}"),
-        (brief.no_doors, "no_door", "no door joins {} and {}"),
-        (brief.next_to, "touching", "{} is next to {}"),
-        (brief.apart, "apart", "{} is not next to {}"),
-    ):
-        for one, other in pairs:
-            yield Requirement(words.format(one, other), ((term, places[one], places[other]),))
-    if brief.entrance is not None:
-        entrance = Entrance(brief.entrance) if isinstance(brief.entrance, str) else brief.entrance
-        place = places[entrance.room]
-        if entrance.side:
-            words = f"the house is entered by {entrance.room} from the {entrance.side}"
-            yield Requirement(words, (("entry", place), ("entry", place, entrance.side)))
-        else:
-            yield Requirement(f"the house is entered by {entrance.room}", (("entry", place),))
-    yield from _outline(brief)
-    if brief.area is not None:
-        within = _square_metres(_area(brief.area, brief.tolerance))
-        yield Requirement(f"the house has {within}", (("area", "outline", *areas["outline"]),))
-
-
-def _outline(brief: Brief) -> Iterator[Requirement]:
-    outline = brief.outline
-    for axis, name, span in (("x", "wide", outline.width), ("y", "deep", outline.depth)):
-        if span is not None:
-            length = _length(span, 0)
-            yield Requirement(
-                f"the outline is {_metres(length)} {name}", (("extent", "outline", axis, *length),)
-            )
-    for number, void in zip(void_numbers(brief), outline.voids, strict=True):
-        terms: list[tuple[Any, ...]] = []
-        for axis, span in (("x", void.width), ("y", void.depth)):
-            if span is not None:
-                terms.append(("extent", number, axis, *_length(span, 0)))
-        for axis, place in (("x", void.x), ("y", void.y)):
-            if place is not None:
-                terms.append(("offset", number, axis, *_length((place, place), 0)))
-        for side in void.corner.split("-") if void.corner else ():
-            terms.append(("rim", number, side))
-        if terms:
-            yield Requirement(_void_words(void), tuple(terms))
-
-
-def _void_words(void: Void) -> str:
-    sizes = [
-        f"{_metres(_length(span, 0))} {name}"
-        for name, span in (("wide", void.width), ("deep", void.depth))
-        if span is not None
-    ]
-    places = [f"{axis} {place:g} m" for axis, place in (("x", void.x), ("y", void.y)) if place is not None]
-    what = f"a notch in the {void.corner}" if void.corner else "a void"
-    return ", ".join([what, *sizes]) + (f", at {' and '.join(places)}" if places else "")
-
-
-def _tolerance(brief: Brief, room: BriefRoom) -> float:
+def tolerance_of(brief: Brief, room: BriefRoom) -> float:
+    """That of a room, or of the brief."""
     return brief.tolerance if room.tolerance is None else room.tolerance
 
 
-def _bounds(span: Span, tolerance: float) -> tuple[float, float]:
+def bounds(span: Span, tolerance: float) -> tuple[float, float]:
+    """The least and the greatest that is meant."""
     if isinstance(span, tuple):
         return span
     return span * (1 - tolerance), span * (1 + tolerance)
 
 
-def _area(span: Span, tolerance: float) -> tuple[int, int]:
+def area_range(span: Span, tolerance: float) -> tuple[int, int]:
     """Square centimetres; of some width, however exact it is meant: sizes are sampled in it."""
-    least, most = _bounds(span, max(tolerance, LEAST_TOLERANCE))
+    least, most = bounds(span, max(tolerance, LEAST_TOLERANCE))
     if most < least * (1 + 2 * LEAST_TOLERANCE):
         middle = (least + most) / 2
         least, most = middle * (1 - LEAST_TOLERANCE), middle * (1 + LEAST_TOLERANCE)
     return floor(1e4 * least + 1e-6), ceil(1e4 * most - 1e-6)
 
 
-def _room_area(span: Span, tolerance: float) -> tuple[int, int]:
+def room_area_range(span: Span, tolerance: float) -> tuple[int, int]:
     """Square centimetres, at least what the least sides make."""
-    least, most = _area(span, tolerance)
+    least, most = area_range(span, tolerance)
     return max(least, round(1e4 * LEAST_SIDE**2)), most
 
 
-def _length(span: Span, tolerance: float) -> tuple[int, int]:
+def length_range(span: Span, tolerance: float) -> tuple[int, int]:
     """Millimetres."""
-    least, most = _bounds(span, tolerance)
+    least, most = bounds(span, tolerance)
     return floor(1e3 * least + 1e-6), ceil(1e3 * most - 1e-6)
-
-
-def _void_area(void: Void) -> tuple[int, int]:
-    """Square centimetres; raises ``RequestError`` where it is not known."""
-    if void.width is None or void.depth is None:
-        raise RequestError("brief: area: a house with voids has an area where these have a width and a depth")
-    (w, wide), (d, deep) = _length(void.width, 0), _length(void.depth, 0)
-    return w * d // 100, -(-wide * deep // 100)
-
-
-def _square_metres(area: tuple[int, int]) -> str:
-    least, most = (f"{each / 1e4:.4g}" for each in area)
-    return f"{least} to {most} m²"
-
-
-def _metres(length: tuple[int, int]) -> str:
-    least, most = (f"{each / 1e3:g}" for each in length)
-    return f"{least} m" if least == most else f"{least} to {most} m"
 
 
 def _require_sense(brief: Brief) -> None:
@@ -322,7 +199,10 @@ def _require_sense(brief: Brief) -> None:
         _require_span(f"{where} ({room.name}): area", room.area, LARGEST_ROOM)
         for side in room.size or ():
             _require_span(f"{where} ({room.name}): size", side)
-        if room.area is not None and _area(room.area, _tolerance(brief, room))[1] < 1e4 * LEAST_SIDE**2:
+        if (
+            room.area is not None
+            and area_range(room.area, tolerance_of(brief, room))[1] < 1e4 * LEAST_SIDE**2
+        ):
             raise RequestError(
                 f"{where} ({room.name}): area: {room.area} m² is less than the least, {LEAST_SIDE:g} m by "
                 f"{LEAST_SIDE:g} m"
@@ -340,11 +220,14 @@ def _require_sense(brief: Brief) -> None:
         where = f"brief: outline.voids[{number}]"
         for name, span in (("width", void.width), ("depth", void.depth)):
             _require_span(f"{where}: {name}", span)
-            if span is not None and _bounds(span, 0)[1] < LEAST_VOID:
+            if span is not None and bounds(span, 0)[1] < LEAST_VOID:
                 raise RequestError(f"{where}: {name}: a void is {LEAST_VOID:g} m wide and deep or more")
         if void.corner and (void.x is not None or void.y is not None):
             raise RequestError(f"{where}: a notch at a corner is there: leave out x and y, or corner")
-    area_ranges(brief)
+        if brief.area is not None and None in (void.width, void.depth):
+            raise RequestError(
+                "brief: area: a house with voids has an area where these have a width and a depth"
+            )
 
 
 def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> None:

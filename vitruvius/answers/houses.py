@@ -90,6 +90,8 @@ class Generated(msgspec.Struct, frozen=True):
     seed: int
     start: int
     houses: list[dict[str, Any]] = []
+    broken: list[str] = []
+    """With ``--nearest``, the lines of the brief that the houses break, and what they keep in their place."""
     counted: list[Layouts] = []
     """With ``--count-layouts``, in place of houses."""
 

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import tyro
 from rich.progress import TextColumn
@@ -18,6 +18,10 @@ from logic.spelling import numbered, quoted
 from logic.terminal import progress, progress_bar, say
 from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
 from vitruvius.options import Streamed
+
+if TYPE_CHECKING:
+    from logic import Broken
+    from logic.request.brief import Brief
 
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
@@ -52,6 +56,10 @@ class Generate:
     brief: Streamed | None = None
     """JSON file (docs/briefs.md): rooms with types, areas, doors and neighbours, an outline. Without
     --grammar, the brief alone says what the house is."""
+
+    nearest: bool = False
+    """Of a brief that no house keeps, break the fewest lines: say which, and make houses that keep the
+    others."""
 
     plan: Streamed | None = None
     """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
@@ -120,12 +128,13 @@ class Generate:
         _require_writable(out, self.count)
         houses: list[House] = []
         began = time.monotonic()
+        brief, broken = self._nearest() if self.nearest else (self.brief, ())
         request = generate(
             rooms=self.rooms,
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             cell=self.cell,
-            brief=self.brief,
+            brief=brief,
             plan=self.plan or self._plan_kept(),
             plan_unit=self.plan_unit,
             snap=self.snap,
@@ -156,8 +165,33 @@ class Generate:
             say(f"{out}: {len(houses)} made. Next: vitruvius draw {quoted(out)}")
         if self.json:
             shown = [] if out else [house.to_dict() for house in houses]
-            self._answer(time.monotonic() - began, made=len(houses), houses=shown)
+            said = [str(each) for each in broken]
+            self._answer(time.monotonic() - began, made=len(houses), houses=shown, broken=said)
         return 0
+
+    def _nearest(self) -> "tuple[Brief | None, tuple[Broken, ...]]":
+        """A brief that has houses, and which lines of the user's these break, which is said."""
+        from logic import nearest
+
+        if self.brief is None:
+            raise RequestError("--nearest is of a brief: give it by --brief FILE")
+        found = nearest(
+            self.brief,
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            grammar=self.grammar,
+            seed=self.seed,
+            index=self.start,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
+        if found.broken:
+            say("no house keeps the whole brief. As few lines as can be are broken:")
+        else:
+            say("houses keep the whole brief")
+        for each in found.broken:
+            say(f"  {each}")
+        return found.brief, found.broken
 
     def _answer(self, seconds: float, made: int = 0, **found: Any) -> None:
         """Print what was made or counted as JSON."""
