@@ -1,5 +1,7 @@
 """What a command writes over: never other houses in silence, and no picture of an earlier run stays."""
 
+import fcntl
+import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -84,6 +86,24 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
         if list(folder.iterdir()) == [mark]:
             mark.unlink()
             folder.rmdir()
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Hold a folder, which is made, as the only command that draws there.
+
+    Raises ``RequestError`` where another one does: their pictures would be mixed.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise RequestError(f"{folder}: another command draws here: wait, or name another") from None
+        yield
+    finally:
+        os.close(held)
 
 
 def require_drawn(folder: Path, ending: str, replace: bool) -> None:

@@ -9,6 +9,7 @@ then the text names both.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(library(pairs)).
 :- use_module(answers).
 :- use_module(shared_walls/areas).
 :- use_module(language/faults).
@@ -32,6 +33,7 @@ grammar_disagreements(Topology, Types, Json) :-
 
 disagreement(topology(Walls,_,_), Types, Wrong) :- narrow_walls(Walls, Types, Wrong).
 disagreement(topology(Walls,Units,Most), Types, Wrong) :- stated(house_area(_,_)), total_wrong(Walls-Units, Most, Types, Wrong).
+disagreement(_, Types, Wrong) :- idle_piece(Types, Wrong).
 disagreement(topology(shared,Units,_), Types, Wrong) :-
     (   member(Name, [door_margin,window_margin]), length_report(Name, Wrong), Wrong = wrong(_,_,_,_)
     ;   stated_length(room_gap, Gap), number(Gap), Gap > 0,
@@ -57,6 +59,25 @@ narrow_walls(Walls, Types, Wrong) :-
         clash(room_size(Type,_,_), "a door takes ~w m of ~w by ~w~w~w, and this allows ~w m at most", Said, Wrong)
     ;   append([metres(Door),Where|Margins], [clause(room_size(Type,_,_)),metres(Long)], Said),
         clash(door_width(_), "a door takes ~w m of ~w~w~w, and ~w allows ~w m at most", Said, Wrong) ).
+
+%   idle_piece(+Types, -Wrong): of several clauses for a piece, one holds at no wall of any room.
+
+idle_piece(Types, Wrong) :-
+    findall(Short-Long, ( member(room(Type,_), Types), shortest_wall(Type, Short), longest_wall(shared, Type, Long) ), Walls),
+    pairs_keys_values(Walls, Shorts, Longs), min_list(Shorts, Least), max_list(Longs, Most),
+    findall(Piece, ( clause(grammar:piece_size(Piece,_,_,_), _), atom(Piece) ), Named), sort(Named, Pieces),
+    member(Piece, Pieces),
+    Head = piece_size(Piece,_,_,Wall),
+    findall(Head-Body, clause(grammar:Head, Body), Clauses), Clauses = [_,_|_],
+    nth0(Number, Clauses, Head-Body),
+    \+ ( member(Short-Long, Walls), \+ \+ may_hold(Body, Wall, Short, Long) ),
+    clash_at(Number, piece_size(Piece,_,_,_), "it holds at no wall: those of rooms are ~w to ~w m long"-[metres(Least),metres(Most)], Wrong).
+
+%   may_hold(+Body, ?Wall, +Short, +Long): or it is at fault in another way.
+
+may_hold(Body, Wall, Short, Long) :-
+    {Wall >= Short, Wall =< Long},
+    catch(call_with_inference_limit(once(grammar:Body), 300 000, _), error(_,_), true).
 
 longest_wall(apart,  Type, Long) :- room_range(Type, _-Long, _).
 longest_wall(shared, Type, Long) :- room_range(Type, _-W, _-D), Long is max(W, D).

@@ -22,6 +22,7 @@ from logic import House, Rect, Star, load, save
 from tests.sample_houses import changed_star
 from vitruvius.cli import COMMANDS, EXTRAS, main, parse
 from vitruvius.commands.houses import Check, Draw
+from vitruvius.commands.watch import Watch
 
 ROOT = Path(__file__).parents[2]
 
@@ -370,3 +371,13 @@ def test_a_seed_that_nothing_has_is_wrong_usage(
     said = capsys.readouterr().err
     assert (ended.value.code, said.count("\n")) == (2, 1), said
     assert re.search(r"seed must be (a whole number, 0 or more|at most \d+), not ", said)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/use.md", "docs/tutorials/first-house.md"])
+def test_the_first_houses_that_a_reader_makes_are_homes(page: str) -> None:
+    text = (ROOT / page).read_text()
+    assert "--grammar home" in re.findall(r"^\./run generate .*$", text, re.MULTILINE)[0]
+
+
+def test_watch_begins_with_homes() -> None:
+    assert Watch().grammar == "home"

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks import STUDIES
 from logic import House, RequestError, load
-from logic.house.replacing import MARK, study_folder, unless_other
+from logic.house.replacing import MARK, alone_in, study_folder, unless_other
 from tests.agent.runs.test_keras import keras_file
 from tests.logic.workers import in_process
 from vitruvius.cli import COMMANDS, main
@@ -153,6 +153,17 @@ def test_a_file_of_other_content_is_replaced_where_it_is_asked_for(tmp_path: Pat
         made.write_bytes(b"mine")
     assert out.read_bytes() == b"other"
     assert os.listdir(tmp_path) == ["agent.onnx"]
+
+
+def test_two_commands_never_draw_into_one_folder_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with alone_in(tmp_path / "plans"), pytest.raises(SystemExit, match="2"):
+        main(["draw", str(PLANS), "--out", str(tmp_path / "plans")])
+    assert "another command draws here: wait" in capsys.readouterr().err
+    assert not list((tmp_path / "plans").iterdir())
+    with pytest.raises(SystemExit, match="0"):
+        main(["draw", str(PLANS), "--out", str(tmp_path / "plans")])
 
 
 def test_a_study_goes_on_in_its_own_folder_and_is_told_to_write_to_another(tmp_path: Path) -> None:

@@ -126,16 +126,22 @@ class Draw:
     def run(self) -> int:
         """Write a picture of each house, numbered from 0 as in the file, and one of all."""
         from logic import load
-        from logic.drawing.draw import draw
         from logic.house.files import require_folder
-        from logic.house.replacing import require_drawn
+        from logic.house.replacing import alone_in, require_drawn
 
         self._require()
         require_folder(self.out)
-        require_drawn(self.out, self.format, self.replace)
+        houses, others = load(self.file), load(self.diff) if self.diff else []
+        with alone_in(self.out):
+            require_drawn(self.out, self.format, self.replace)
+            return self._drawn(houses, others)
+
+    def _drawn(self, houses: "list[House]", others: "list[House]") -> int:
+        """Write what is asked for."""
+        from logic.drawing.draw import draw
+
         if self.diff is not None:
-            return self._changes(self.diff)
-        houses = load(self.file)
+            return self._changes(houses, others)
         if self.scale is not None:
             return self._pages(houses, self.scale)
         pictures = draw(houses, self.out, self.format, self.one_scale, self.palette, self.grammar)
@@ -183,9 +189,8 @@ class Draw:
         say(f"{names}: {len(pages)} pages at 1:{ratio}")
         return 0
 
-    def _changes(self, after: Path) -> int:
+    def _changes(self, *pairs: "list[House]") -> int:
         """Write a picture of what changed for each pair of houses, and print the changes."""
-        from logic import load
         from logic.drawing.difference import diff_drawing
         from logic.drawing.draw import encoded
         from logic.errors import RequestError
@@ -193,9 +198,8 @@ class Draw:
         from logic.house.files import write_whole
         from vitruvius.answers.houses import Differences
 
-        pairs = load(self.file), load(after)
         if len(pairs[0]) != len(pairs[1]):
-            counts = f"{self.file} has {numbered(len(pairs[0]), 'house')}, {after} {len(pairs[1])}"
+            counts = f"{self.file} has {numbered(len(pairs[0]), 'house')}, {self.diff} {len(pairs[1])}"
             raise RequestError(
                 f"--diff: {counts}: each is compared with the one at its place, so give as many"
             )

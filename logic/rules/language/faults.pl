@@ -1,4 +1,4 @@
-:- module(faults, [fault_report/3, explained_fault/3, clash/4, clause_line/3]).
+:- module(faults, [fault_report/3, explained_fault/3, clash/4, clash_at/4, clause_line/3]).
 
 /** <module> Why a clause of the grammar's cannot be used: its place, and its author's own words */
 
@@ -73,8 +73,15 @@ first_clause(Terms, Head, Clause) :- member(Clause, Terms), for(Head, Clause), !
 %   part of it, or metres(Number).
 
 clash(Head, Format, Arguments, Wrong) :-
+    clash_at(0, Head, Format-Arguments, Wrong).
+
+%!  clash_at(+Number, +Head, +Said, -Wrong)
+%
+%   The same, at one of the clauses for this Head, from 0; Said is Format-Arguments.
+
+clash_at(Number, Head, Format-Arguments, Wrong) :-
     grammar_terms(Terms),
-    first_clause(Terms, Head, Clause), head(Clause, At),
+    include(for(Head), Terms, Clauses), nth0(Number, Clauses, Clause), !, head(Clause, At),
     maplist(clash_words(Terms, At), Arguments, Words), format(string(Said), Format, Words),
     spoken("~w: ~w", [At,Said], Text), wrong_at(At, Text, Wrong).
 

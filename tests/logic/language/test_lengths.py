@@ -228,3 +228,14 @@ def test_a_length_that_lint_lets_through_holds_in_what_is_made(title: str, tmp_p
     assert LoadedGrammar(find(folder)).errors == []
     for house in generate(4, grammar=folder, count=2):
         assert holds(house), [room.box for room in house.rooms]
+
+
+def test_a_clause_of_a_piece_that_holds_at_no_wall_is_an_error(tmp_path: Path) -> None:
+    folder = edited(tmp_path / "mine", {})
+    file = folder / "furniture.pl"
+    lines = file.read_text().splitlines()
+    more = "piece_size(sofa, L, D, Wall) :- { Wall >= 90, L >= 1.5, L =< 2, D >= 0.8, D =< 1 }."
+    file.write_text("\n".join([*lines, more, ""]))
+    (error,) = LoadedGrammar(find(folder)).errors
+    assert error.line == len(lines) + 1
+    assert "it holds at no wall: those of rooms are 0.9 to 9.0 m long" in error.message
