@@ -373,7 +373,7 @@ def test_a_seed_that_nothing_has_is_wrong_usage(
     assert re.search(r"seed must be (a whole number, 0 or more|at most \d+), not ", said)
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/use.md", "docs/tutorials/first-house.md"])
+@pytest.mark.parametrize("page", ["docs/use.md", "docs/tutorials/first-house.md"])
 def test_the_first_houses_that_a_reader_makes_are_homes(page: str) -> None:
     text = (ROOT / page).read_text()
     assert "--grammar home" in re.findall(r"^\./run generate .*$", text, re.MULTILINE)[0]

@@ -22,7 +22,7 @@ FOREIGN = b"years of my own work\n"
 
 FOLDERS = (
     *("agents", "drift", "explorers", "fuzz", "generator", "gpu", "homes", "learner", "learning"),
-    *("paper", "phases", "playing", "sampling", "simulator", "tasks", "throughput", "transfer"),
+    *("paper", "phases", "playing", "sampling", "simulator", "tasks", "throughput", "transfer", "views"),
 )
 """Studies that write into a folder."""
 
