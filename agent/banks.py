@@ -5,13 +5,14 @@ all grammars; `vitruvius generate --seed 0` and what follows it is for training.
 """
 
 import hashlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
-from logic import House, HouseFileError, RequestError, load
+from logic import House, HouseFileError, Houses, RequestError, load
 from logic.house.files import STANDARD
 from logic.spelling import unknown
 
@@ -83,12 +84,22 @@ def benchmark(name: str = NAME) -> list[House]:
     """
     if name not in BANKS:
         raise HouseFileError(unknown("bank", name, BANKS))
-    houses, frozen = load(benchmark_path(name)), BANKS[name].hash
+    return Houses(_frozen(benchmark_path(name), BANKS[name].hash))
+
+
+@cache
+def _frozen(path: Path, frozen: str) -> Houses:
+    """The houses of a file, if they have this hash: read once a process, as they are frozen."""
+    houses = load(path)
     if bank_hash(houses) != frozen:
-        raise HouseFileError(
-            f"{benchmark_path(name)}: not the frozen bank ({frozen[:12]}). Restore it from Git"
-        )
+        raise HouseFileError(f"{path}: not the frozen bank ({frozen[:12]}). Restore it from Git")
     return houses
+
+
+@cache
+def _tested() -> Mapping[str, str]:
+    """By ``geometry_hash`` of each house of ``BANKS``, the bank that it is in."""
+    return {geometry_hash(house): bank for bank in BANKS for house in benchmark(bank)}
 
 
 def named(houses: str | Path) -> list[House]:
@@ -129,7 +140,7 @@ def require_training(houses: Sequence[House], name: str | Path) -> None:
 
 def kept(houses: Sequence[House]) -> Iterator[str]:
     """Of each house why it is kept for measuring, so that no agent learns in it, or nothing."""
-    tested = {geometry_hash(house): bank for bank in BANKS for house in benchmark(bank)}
+    tested = _tested()
     for house in houses:
         seed = house.provenance.seed if house.provenance else None
         # Without a seed the range would be searched number by number.

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -215,11 +216,7 @@ class Array:
         # Taichi has no arrays of nothing.
         allotted = max(1, length)
         with _compiling:
-            if width == 1:
-                self.element, self.ndarray = dtype, ti.ndarray(dtype, allotted)
-            else:
-                self.element = ti.types.vector(width, dtype)
-                self.ndarray = ti.Vector.ndarray(width, dtype, allotted)
+            self.ndarray = ti.ndarray(_element(dtype, width), allotted)
         self._view: np.ndarray | None = None
 
     @classmethod
@@ -298,15 +295,13 @@ class Launch:
     """
 
     def __init__(self, kernel: Any, arrays: Mapping[str, Array]) -> None:
-        """Compile a kernel whose arguments are arrays: those of these names."""
+        """Compile a kernel whose arguments are arrays, those of these names, unless it is compiled for arrays
+        of these kinds.
+        """
         self.names = list(inspect.signature(kernel).parameters)
-        arguments = [
-            ti.graph.Arg(ti.graph.ArgKind.NDARRAY, name, arrays[name].element, ndim=1) for name in self.names
-        ]
-        builder = ti.graph.GraphBuilder()
+        kinds = tuple((name, arrays[name].dtype, arrays[name].shape[1:]) for name in self.names)
         with _compiling:
-            builder.dispatch(kernel, *arguments)
-            self._graph = builder.compile()._compiled_graph  # its ``run`` looks at each argument, 5 us in all
+            self._graph = _graph(impl.get_runtime().prog, kernel, kinds)
         self.bind(arrays)
 
     def bind(self, arrays: Mapping[str, Array]) -> None:
@@ -319,3 +314,20 @@ class Launch:
         _require_threads()
         program: Any = impl.get_runtime().prog
         self._graph.jit_run(program.config(), self._arguments)
+
+
+@cache
+def _graph(program: Any, kernel: Any, kinds: tuple[tuple[str, type, tuple[int, ...]], ...]) -> Any:
+    """The graph of a kernel in a running Taichi, for arguments of these names, types and widths."""
+    arguments = [
+        ti.graph.Arg(ti.graph.ArgKind.NDARRAY, name, _element(_TYPES[dtype], *width), ndim=1)
+        for name, dtype, width in kinds
+    ]
+    builder = ti.graph.GraphBuilder()
+    builder.dispatch(kernel, *arguments)
+    return builder.compile()._compiled_graph  # its ``run`` looks at each argument, 5 us in all
+
+
+def _element(dtype: Any, width: int = 1) -> Any:
+    """Taichi's type of an array's elements."""
+    return dtype if width == 1 else ti.types.vector(width, dtype)

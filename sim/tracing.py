@@ -26,7 +26,7 @@ KEEPS_KERNELS = cache.provide()
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
     from taichi._lib import core
-    from taichi.lang import impl, kernel_impl
+    from taichi.lang import _ndarray, impl, kernel_impl, matrix
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
 __all__ = ["KEEPS_KERNELS", "core", "impl", "kernel", "ti"]
@@ -61,6 +61,8 @@ def _source(function: Any) -> tuple[list[str], int]:
 
 ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
 kernel_impl.getsourcelines = _source
+# Taichi formats the whole stack for each array that it makes, should that fail: longer than to make it.
+_ndarray.get_traceback = matrix.get_traceback = lambda: ""
 
 
 def kernel(function: Callable[..., None]) -> Any:

@@ -4,8 +4,9 @@ A square's centre keeps half a side, in x and in y, from every wall and piece: g
 what is left of the floor falls into spaces that the square cannot leave.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
+import numpy as np
 import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
@@ -15,17 +16,17 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect, Room
 
 
-def spaces(house: House, side: float) -> list[Polygon]:
-    """The places of a square's centre: a polygon (metres) for each part that the square cannot leave.
+def spaces(house: House, *sides: float) -> Iterator[list[Polygon]]:
+    """For squares of each of these sides (metres) the places of its centre: a polygon (metres) for each part
+    that the square cannot leave.
 
-    Squares pass where there is room for ``side`` (metres) to within the tolerance.
+    Squares pass where there is room for the side to within the tolerance.
     """
-    half = side / 2 - TOLERANCE
     # Floors that touch within the tolerance are joined; the walls around them are far thicker, once grown.
-    floors = shapely.union_all([_grown(rect.box, TOLERANCE) for rect in house.rooms])
+    floors = _grown([rect.box for rect in house.rooms], TOLERANCE)
     solids = [*_walls(house), *(piece.box for room in house.rooms for piece in room.pieces)]
-    free = shapely.difference(floors, shapely.union_all([_grown(solid, half) for solid in solids]))
-    return list(_polygons(free))
+    for side in sides:
+        yield list(_polygons(shapely.difference(floors, _grown(solids, side / 2 - TOLERANCE))))
 
 
 def swept(space: BaseGeometry, side: float) -> BaseGeometry:
@@ -83,7 +84,7 @@ def places_inside(room: Rect, side: float) -> BaseGeometry:
 
 def free_floor(room: Room) -> BaseGeometry:
     """A room minus its pieces."""
-    standing = shapely.union_all([shapely.box(*piece.box) for piece in room.pieces])
+    standing = _grown([piece.box for piece in room.pieces], 0.0)
     return shapely.difference(shapely.box(*room.box), standing)
 
 
@@ -92,31 +93,26 @@ def _walls(house: House) -> Iterator[Box]:
     they are where no room is.
     """
     if main := house.main_room:
-        rooms = shapely.union_all([_grown(room.box, TOLERANCE) for room in house.cut_from(main)])
-        for edge in _edges(main):
-            yield from _segments(shapely.difference(edge, rooms))
+        yield from _edges(main, [room.box for room in house.cut_from(main)])
     for room in house.counted:
-        doors = [door.box for door in house.doors_of(room.name) if not door.is_entrance]
-        gaps = shapely.union_all([_grown(door, TOLERANCE) for door in doors])
-        for edge in _edges(room):
-            yield from _segments(shapely.difference(edge, gaps))
+        doors = house.doors_of(room.name)
+        yield from _edges(room, [door.box for door in doors if not door.is_entrance])
 
 
-def _edges(rect: Rect) -> Iterator[BaseGeometry]:
+def _edges(rect: Rect, gaps: Sequence[Box]) -> Iterator[Box]:
+    """What gaps leave of the edges of a rectangle, from west to east and from north to south."""
     west, north, east, south = rect.box
-    for line in (
-        ((west, north), (east, north)),
-        ((west, south), (east, south)),
-        ((west, north), (west, south)),
-        ((east, north), (east, south)),
-    ):
-        yield shapely.LineString(line)
-
-
-def _segments(line: BaseGeometry) -> Iterator[Box]:
-    for part in shapely.get_parts(line):
-        if not part.is_empty:
-            yield part.bounds
+    for along, across in ((0, north), (0, south), (1, west), (1, east)):
+        start, end = (west, east) if along == 0 else (north, south)
+        cuts = [
+            (gap[along] - TOLERANCE, gap[along + 2] + TOLERANCE)
+            for gap in gaps
+            if gap[1 - along] - TOLERANCE <= across <= gap[3 - along] + TOLERANCE
+        ]
+        for low, high in sorted([*cuts, (end, end)]):
+            if start < (stop := min(low, end)):
+                yield (start, across, stop, across) if along == 0 else (across, start, across, stop)
+            start = max(start, high)
 
 
 def _polygons(geometry: BaseGeometry) -> Iterator[Polygon]:
@@ -125,8 +121,10 @@ def _polygons(geometry: BaseGeometry) -> Iterator[Polygon]:
             yield part
 
 
-def _grown(box: Box, by: float) -> Polygon:
-    return shapely.box(box[0] - by, box[1] - by, box[2] + by, box[3] + by)
+def _grown(boxes: Sequence[Box], by: float) -> BaseGeometry:
+    """All that boxes cover, each grown by this much (metres) on all sides."""
+    west, north, east, south = np.array(boxes, float).reshape(-1, 4).T
+    return shapely.union_all(shapely.box(west - by, north - by, east + by, south + by))
 
 
 def _shrunk(floor: BaseGeometry, side: float) -> BaseGeometry:

@@ -33,14 +33,15 @@ SLIVER = 1e-4
 
 def unentered(house: House, _: Promises) -> Iterator[Fault]:
     """Rooms that the body cannot get into from the first room."""
-    first = first_space(house, spaces(house, BODY), BODY)
+    (bodies,) = spaces(house, BODY)
+    first = first_space(house, bodies, BODY)
     return (_unentered(house, room) for room in house.counted if not _enters(first, room))
 
 
 def impassable(house: House, promises: Promises) -> Iterator[Fault]:
     """The same, and of the rooms that it gets into those whose floor it does not reach, or by narrow ways."""
     passage = max(promises.passage, SLIVER)
-    bodies, squares = spaces(house, BODY), spaces(house, passage)
+    bodies, squares = spaces(house, BODY, passage)
     first = first_space(house, bodies, BODY)
     covered = [(space, swept(space, BODY)) for space in bodies]
     for room in house.counted:

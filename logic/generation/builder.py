@@ -30,12 +30,13 @@ class Builder:
     """Makes houses of one grammar; it grounds each program once and keeps it."""
 
     def __init__(self, grammar: Grammar, cell: float = 0.0, loaded: LoadedGrammar | None = None) -> None:
-        """Load the grammar's files, unless they are; raises ``GrammarError`` for the first thing wrong.
+        """Load the grammar's files, without what clingo remarks on, unless they are loaded; raises
+        ``GrammarError`` for the first thing wrong.
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
         self.grammar = grammar
-        self.loaded = loaded or LoadedGrammar(grammar, cell)
+        self.loaded = loaded or LoadedGrammar(grammar, cell, remarks=False)
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs

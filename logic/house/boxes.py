@@ -19,12 +19,16 @@ BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
 
 def overlap(one: Box, other: Box) -> float:
     """How deep two boxes overlap, metres; negative where they are apart."""
-    return min(min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in range(2))
+    x = min(one[2], other[2]) - max(one[0], other[0])
+    y = min(one[3], other[3]) - max(one[1], other[1])
+    return min(x, y)
 
 
 def distance(one: Box, other: Box) -> float:
     """The distance between two boxes, metres; 0 where they touch or overlap."""
-    return math.hypot(*(max(0.0, max(one[k], other[k]) - min(one[k + 2], other[k + 2])) for k in range(2)))
+    x = max(one[0], other[0]) - min(one[2], other[2])
+    y = max(one[1], other[1]) - min(one[3], other[3])
+    return math.hypot(max(0.0, x), max(0.0, y))
 
 
 def front(door: Box, depth: float) -> Box:
@@ -36,7 +40,9 @@ def front(door: Box, depth: float) -> Box:
 
 def excess(inner: Box, outer: Box) -> float:
     """How far a box juts out of another, metres; 0 or negative where it lies inside."""
-    return max(max(outer[k] - inner[k], inner[k + 2] - outer[k + 2]) for k in range(2))
+    x = max(outer[0] - inner[0], inner[2] - outer[2])
+    y = max(outer[1] - inner[1], inner[3] - outer[3])
+    return max(x, y)
 
 
 def is_on_wall(door: Rect, rect: Rect, wall: int) -> bool:

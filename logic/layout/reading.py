@@ -1,12 +1,22 @@
 """Rule files read by clingo, each by itself: what a grammar's files include is not clingo's to read."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 from clingo import Control, MessageCode
-from clingo.ast import AST, ASTSequence, Location, Position, ProgramBuilder, parse_files, parse_string
+from clingo.ast import (
+    AST,
+    ASTSequence,
+    ASTType,
+    Location,
+    Position,
+    ProgramBuilder,
+    parse_files,
+    parse_string,
+)
 
 from logic.grammar import RULES
 from logic.includes import below, height
@@ -85,8 +95,19 @@ def _place(node: AST, file: str) -> None:
         node.location = Location(
             Position(file, begin.line, begin.column), Position(file, end.line, end.column)
         )
-    for key in node.child_keys:
-        child = getattr(node, key)
+    for child in children(node):
         for part in child if isinstance(child, ASTSequence) else [child]:
             if isinstance(part, AST):
                 _place(part, file)
+
+
+def children(node: AST) -> Iterator[Any]:
+    """What stands in a node: nodes, sequences of them, or None for what there is not."""
+    kind = node.ast_type
+    if kind not in _CHILDREN:
+        _CHILDREN[kind] = node.child_keys
+    return (getattr(node, key) for key in _CHILDREN[kind])
+
+
+_CHILDREN: dict[ASTType, list[str]] = {}
+"""Names of the children of each kind of node: to ask each node takes longer than to read it."""

@@ -12,6 +12,7 @@ from clingo.ast import AST, ASTSequence, ASTType, BinaryOperator, UnaryOperator
 from logic.errors import GrammarError
 from logic.language.asp.statements import Statement, error_at
 from logic.layout.messages import written
+from logic.layout.reading import children
 
 LEAST, GREATEST = -(2**31), 2**31 - 1
 
@@ -49,7 +50,7 @@ def _overflowing(node: Any, constants: Mapping[str, Any]) -> Iterator[GrammarErr
         for part in node:
             yield from _overflowing(part, constants)
     elif isinstance(node, AST):
-        inner = [error for key in node.child_keys for error in _overflowing(getattr(node, key), constants)]
+        inner = [error for child in children(node) for error in _overflowing(child, constants)]
         yield from inner
         value = None if inner else _value(node, constants, frozenset())
         if value is not None and not LEAST <= value <= GREATEST:

@@ -11,6 +11,7 @@ from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
 from logic.language.asp.statements import Statement
+from logic.layout.reading import children
 
 
 def unstratified(statements: Iterable[Statement]) -> Iterator[GrammarError]:
@@ -45,7 +46,7 @@ def _atoms(node: Any) -> set[str]:
         return set()
     if node.ast_type == ASTType.SymbolicAtom:
         return _names(node.symbol, "")
-    return {name for key in node.child_keys for name in _atoms(getattr(node, key))}
+    return {name for child in children(node) for name in _atoms(child)}
 
 
 def _names(symbol: Any, sign: str) -> set[str]:

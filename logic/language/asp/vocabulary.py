@@ -16,6 +16,7 @@ from logic.language.asp.causes import Mistake, misspelt_name
 from logic.language.asp.inexpressible import inexpressible
 from logic.language.asp.statements import Statement, error_at, read
 from logic.layout.program import CORE
+from logic.layout.reading import children
 from logic.spelling import closest
 
 Signature = tuple[str, int]
@@ -113,14 +114,8 @@ def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, 
         found.constants.setdefault(name, []).append(Use(node, statement))
         if atoms is found.derived:
             found.stated.add(name)
-    if kind not in _CHILDREN:
-        _CHILDREN[kind] = node.child_keys
-    for key in _CHILDREN[kind]:
-        _read(getattr(node, key), statement, found, atoms)
-
-
-_CHILDREN: dict[ASTType, list[str]] = {}
-"""The children of each kind of node: to ask each node takes most of the time of reading."""
+    for child in children(node):
+        _read(child, statement, found, atoms)
 
 
 def alternatives(symbol: Any) -> list[Any]:

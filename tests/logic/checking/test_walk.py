@@ -35,7 +35,8 @@ def test_the_floor_that_a_body_reaches_is_that_of_a_flooded_raster(house: House)
         free &= ~within(item, half, half)
     parts = np.asarray(label(free)[0])  # pyright: ignore[reportIndexIssue]
     flooded = parts == parts[within(house.star.floor, -half, -half)].max()
-    main = first_space(house, spaces(house, BODY), BODY)
+    (bodies,) = spaces(house, BODY)
+    main = first_space(house, bodies, BODY)
     assert math.isclose(flooded.sum() * step**2, main.area, rel_tol=0.03)
     for room in house.star.rooms:
         exact = main.intersection(shapely.box(*room.box)).area

@@ -205,7 +205,7 @@ def test_a_file_in_another_encoding_is_one_error(
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "clinic", folder)
     (folder / file).write_bytes(content((folder / file).read_text()))
-    (found,) = lint(folder)
+    (found,) = findings(find(folder))
     assert f"{found.file}:{found.line}:{found.column}: {found.text}".startswith(str(folder / file))
     assert says in f"{found.line}:{found.column}: {found.text}"
 

@@ -30,9 +30,9 @@ SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
     """What lint says of a grammar, and its houses, a number of times the sample."""
     grammar = find(folder)
-    builder = Builder(grammar)
+    loaded = LoadedGrammar(grammar)
+    builder = Builder(grammar, loaded=loaded)
     houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
-    loaded = builder.loaded
     return errors(grammar, loaded) + all_warnings(grammar, loaded), houses
 
 
