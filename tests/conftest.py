@@ -34,21 +34,34 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="the second part of the tests too")
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Import no file of the second part that is left out."""
+    if collection_path == TESTS or not collection_path.is_relative_to(TESTS):
+        return None
+    test = collection_path.relative_to(TESTS).as_posix()
+    return True if of_second_part(test) and _is_left_out(collection_path, config) else None
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave the second part out, unless it is asked for: by ``--all``, or by its path."""
-    if config.getoption("--all"):
-        return
-    asked = [Path(each.partition("::")[0]).resolve() for each in config.args]
-    named = [path for path in asked if path.is_relative_to(TESTS) and path != TESTS]
+    """Leave the tests of the second part out that stand in files of the first."""
 
-    def is_left_out(item: pytest.Item) -> bool:
-        test = f"{item.path.relative_to(TESTS).as_posix()}{item.nodeid[item.nodeid.index('::') :]}"
-        return of_second_part(test) and not any(item.path.is_relative_to(path) for path in named)
+    def is_of_second_part(item: pytest.Item) -> bool:
+        name = item.nodeid[item.nodeid.index("::") :]
+        return of_second_part(f"{item.path.relative_to(TESTS).as_posix()}{name}")
 
-    left_out = [item for item in items if is_left_out(item)]
+    left_out = {item for item in items if is_of_second_part(item) and _is_left_out(item.path, config)}
     if left_out:
-        config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if not is_left_out(item)]
+        config.hook.pytest_deselected(items=list(left_out))
+        items[:] = [item for item in items if item not in left_out]
+
+
+def _is_left_out(path: Path, config: pytest.Config) -> bool:
+    """Whether what is of the second part at a path is not asked for: by ``--all``, or by its path."""
+    asked = [Path(each.partition("::")[0]).resolve() for each in config.args]
+    named = [each for each in asked if each.is_relative_to(TESTS) and each != TESTS]
+    return not config.getoption("--all") and not any(
+        path.is_relative_to(each) or each.is_relative_to(path) for each in named
+    )
 
 
 @pytest.fixture(scope="module")
