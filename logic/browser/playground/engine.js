@@ -30,6 +30,7 @@ const houses = [];
 
 export const engine = {
   editable: true,
+  briefs: false,
   why: null,
 
   async open(onRules, onLost) {

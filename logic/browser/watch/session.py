@@ -44,7 +44,7 @@ class Rules(msgspec.Struct, frozen=True):
     files: tuple[dict[str, str], ...]
 
 
-class Sheet(msgspec.Struct, frozen=True):
+class Sheet(msgspec.Struct, frozen=True, omit_defaults=True):
     """The houses of a contact sheet: houses 0 to ``count - 1`` of a request."""
 
     rooms: Annotated[int, Meta(ge=1, le=MOST_ROOMS)]
@@ -52,6 +52,7 @@ class Sheet(msgspec.Struct, frozen=True):
     count: Annotated[int, Meta(ge=1, le=MOST_HOUSES)]
     types: dict[str, int | tuple[int, int | None]] = {}
     furniture: dict[str, int | tuple[int, int | None]] = {}
+    brief: dict[str, Any] | None = None
 
 
 class Session:

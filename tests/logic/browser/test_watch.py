@@ -70,9 +70,9 @@ class Watched:
 
 
 @contextmanager
-def watching(folder: Path) -> Iterator[Watched]:
+def watching(folder: Path, grammar: str = "family") -> Iterator[Watched]:
     """The command at work on a copy of a grammar."""
-    shutil.copytree(SHIPPED / "family", folder)
+    shutil.copytree(SHIPPED / grammar, folder)
     command = [sys.executable, "-m", "vitruvius.cli", "watch", str(folder)]
     root = str(Path(__file__).parents[3])
     environment = os.environ | {"PYTHONPATH": root}

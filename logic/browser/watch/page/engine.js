@@ -6,6 +6,7 @@ const ended = () => `The server has ended: run vitruvius watch ${grammar} again,
 
 export const engine = {
   editable: false,
+  briefs: true,
 
   open(onRules, onLost) {
     const events = new EventSource("events");

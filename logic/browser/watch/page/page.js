@@ -4,6 +4,7 @@
 // on this machine) and a page that works by itself. An engine.js exports `engine`, an object of this shape:
 //
 //   editable: boolean               whether the page may change the rule files: it calls write() then
+//   briefs: boolean                 whether it makes houses by a brief
 //   open(onRules, onLost)           begin: call onRules(rules) now and after each change of a rule file, and
 //                                   onLost(text) when no more will come, with what the user can do about it
 //   write(name, text)               a rule file has this text from now on; leads to onRules(rules)
@@ -21,8 +22,8 @@
 //   rules   = {version, grammar, files: [{name, text}], before?}
 //             version: a number, greater for each change; grammar: what --grammar takes, a name or a folder;
 //             before: what the user does first where there is no such folder yet
-//   request = {rooms, seed, count, types: {bedroom: 2, hall: [0, 1]}, furniture: {"bedroom.bed": [1, null]}}
-//             a count is exact, or the least and the greatest number, null for no bound
+//   request = {rooms, seed, count, types: {bedroom: 2, hall: [0, 1]}, furniture: {"bedroom.bed": [1, null]}, brief?}
+//             a count is exact, or the least and the greatest number, null for no bound; brief: see docs/briefs.md
 //   part    = {kinds: {types: {bedroom: ["bed", ...]}, most_rooms}}   comes first, where the rules are right
 //           | {findings: Finding[]}                                 the rules are wrong: the whole answer
 //           | {index, house, types, svg}   house `index`, from 0: what why() takes, its rooms' types by their
@@ -40,6 +41,7 @@
 import { engine } from "./engine.js";
 import { onTravel } from "./address.js";
 import { hideAnswer, initAnswer, showAnswer, showPart, showProof, showWhy } from "./answers.js";
+import { initBrief, readBrief, readBriefAddress, showTypes } from "./brief.js";
 import { byId, element } from "./dom.js";
 import { initRequest, readAddress, readRequest, showCommand, showKinds } from "./request.js";
 import { showFindings, showRules } from "./rules.js";
@@ -66,13 +68,14 @@ function receive(newRules) {
 /** Ask for the sheet. A newer call ends this one, and nothing of it comes late. */
 async function redraw() {
   if (!rules) return;
-  const request = readRequest();
-  if (!request) return refuse();
+  const [request, brief] = [readRequest(), readBrief()];
+  if (!request || brief === null) return refuse();
+  if (brief) Object.assign(request, { rooms: brief.rooms.length, types: {}, furniture: {}, brief });
   clear();
   const { signal } = drawing;
   const { version, grammar, before } = rules;
   const asked = performance.now();
-  showCommand(grammar, before);
+  showCommand(grammar, before, Boolean(brief));
   const late = setTimeout(() => signal.aborted || say("Drawing."), PATIENCE);
   let right = true;
   try {
@@ -118,6 +121,7 @@ function receivePart({ kinds, findings, index, house, types, svg, problem }, req
   }
   if (kinds) {
     // Asked again once this answer is aborted, which is not of what is asked for now.
+    showTypes(Object.keys(kinds.types));
     if (showKinds(kinds)) setTimeout(redraw);
     if (linted !== rules.version) showFindings([]);
   } else if (house) {
@@ -175,9 +179,12 @@ function say(text) {
 onTravel(async () => {
   clear();
   readAddress();
+  readBriefAddress();
   if (!(await engine.travel?.())) redraw();
 });
 initRequest(redraw, refuse);
+byId("brief-switch").hidden = !engine.briefs;
+initBrief(redraw);
 initSheet(ask);
 initAnswer(() => {
   const part = document.querySelector(".asked");

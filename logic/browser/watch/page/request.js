@@ -104,7 +104,7 @@ export function readRequest() {
 }
 
 /** Show the command that writes the houses of the page into a file; `before` says what it needs. */
-export function showCommand(grammar, before = "") {
+export function showCommand(grammar, before = "", byBrief = false) {
   const { rooms, seed, count } = byId("request").elements;
   const options = counts().map(([name, text]) => {
     const [what, ...rest] = name.split(".");
@@ -112,7 +112,8 @@ export function showCommand(grammar, before = "") {
   });
   const [words, code] = byId("command").children;
   words.textContent = before;
-  code.textContent = ["vitruvius generate --grammar", grammar, `--rooms ${rooms.value}`, ...options,
+  const what = byBrief ? ["--brief brief.json"] : [`--rooms ${rooms.value}`, ...options];
+  code.textContent = ["vitruvius generate --grammar", grammar, ...what,
     `--seed ${seed.value} --count ${count.value} --out houses.jsonl`].join(" ");
 }
 
