@@ -2,6 +2,7 @@
 installs.
 """
 
+import gc
 import os
 import shutil
 import subprocess
@@ -53,6 +54,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if left_out:
         config.hook.pytest_deselected(items=list(left_out))
         items[:] = [item for item in items if item not in left_out]
+
+
+def pytest_collection_finish() -> None:
+    """What is imported is no garbage: it need not be looked through again and again."""
+    gc.freeze()
 
 
 def _is_left_out(path: Path, config: pytest.Config) -> bool:

@@ -57,6 +57,10 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible": "many requests",
     },
     "logic/workers/test_limits.py": {
+        "test_a_join_of_very_many_values_is_named": "limits are waited for",
+        "test_a_clause_that_computes_for_ever_is_named": "limits are waited for",
+        "test_lint_lists_a_recursion_that_starts_at_furniture": "limits are waited for",
+        "test_a_limit_of_a_search_names_the_rule_without_which_a_layout_is_found_and_is_kept": "waited for",
         "test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over": "it is waited for",
         "test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept": "limits are waited for",
     },
@@ -70,6 +74,8 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_a_length_that_lint_lets_through_holds_in_what_is_made": "every length of every grammar",
     },
     "sim/backends/test_doors.py": {
+        "test_an_episode_that_the_oracle_plays_equals_one_stepped": "many kernels",
+        "test_a_state_that_is_restored_goes_on_bit_for_bit_also_in_another_environment": "many kernels",
         "test_paths_of_the_oracle_through_closed_doors_are_shortest": "against a search of all ways",
         "test_a_door_opens_after_its_steps_and_is_closed_again_in_the_next_episode": "many kernels",
         "test_rays_and_moves_meet_closed_doors_and_no_open_ones": "kernels of many configurations",
@@ -88,6 +94,7 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_rays_tell_the_named_kinds_of_the_pieces_that_they_end_on": "kernels of many configurations",
     },
     "sim/world/test_determinism.py": {
+        "test_the_loop_by_environment_and_the_loop_by_ray_give_the_same_outputs": "many kernels",
         "test_an_environment_gives_the_same_outputs_alone_and_among_4096": "thousands of environments",
         "test_the_number_of_threads_changes_no_output": "processes with other numbers of threads",
     },
@@ -95,6 +102,19 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "sim/environment/test_libraries.py": "wrappers and other libraries",
     "sim/environment/test_wrappers.py": {
         "test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing": "processes import all anew",
+    },
+    "logic/workers/test_generate.py": {
+        "test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers": "several processes",
+        "test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules": "several processes",
+    },
+    "logic/why/test_why_units.py": {
+        "test_every_part_of_a_building_is_derived_from_facts_and_picks_by_rules_in_files": "a large building",
+    },
+    "logic/why/test_why_plans.py": {
+        "test_every_part_of_a_plan_is_derived_from_facts_and_picks_by_rules_in_files": "a large plan",
+    },
+    "logic/proofs/test_short_proofs.py": {
+        "test_a_plan_of_far_more_rooms_than_there_can_be_is_proved_impossible_in_few_lines": "a large plan",
     },
 }
 """By path below ``tests``: of a folder or a file what takes long there; or names, where it is some tests."""

@@ -110,10 +110,12 @@ def rules(folder: Path) -> Answer:
     """What ``generate`` and ``lint`` do with a grammar, in this process: it is refused, or makes a house."""
     from logic.generation.builder import Builder
     from logic.grammar import find
+    from logic.language.loaded import LoadedGrammar
     from logic.proofs.answer import house_or_proof
     from logic.request.request import Request
 
-    builder = Builder(find(folder), 0.0)
+    grammar = find(folder)
+    builder = Builder(grammar, 0.0, LoadedGrammar(grammar))
     request = Request.read({"rooms": 1, "types": {}, "furniture": {}, "cell": 0.0})
     house = house_or_proof(builder, request, seed=0, index=0, inferences=3_000_000)
     return Answer(ACCEPTED, f"a house of {len(house.rooms)} rooms")
