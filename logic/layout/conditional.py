@@ -115,11 +115,20 @@ def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:
     return rule.update(head=literal(atom), body=[*rule.body, *conditions])
 
 
+@cache
 def stated(number: int) -> ast.AST:
-    """The condition of a statement by its number."""
+    """The condition of a statement by its number: a proof asks for each a dozen times."""
     return atom_of(stated_symbol(number))
 
 
+@cache
+def free(number: int) -> ast.AST:
+    """The rule by which that condition may hold or not."""
+    choice = ast.ConditionalLiteral(HERE, literal(stated(number)), [])
+    return ast.Rule(HERE, ast.Aggregate(HERE, None, [choice], None), [])
+
+
+@cache
 def stated_symbol(number: int) -> Symbol:
     """The same as a symbol."""
     return Function("stated", [Number(number)])

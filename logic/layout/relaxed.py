@@ -28,6 +28,7 @@ from logic.layout.conditional import (
     LEFT_OUT,
     Source,
     atom_of,
+    free,
     literal,
     stated,
     stated_symbol,
@@ -116,8 +117,7 @@ class Relaxed:
                     missing = literal(atom, ast.Sign.Negation)
                     builder.add(ast.Rule(HERE, literal(atom_of(unbound(fact))), [missing]))
             for number in range(len(found)):
-                free = ast.ConditionalLiteral(HERE, literal(stated(number)), [])
-                builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
+                builder.add(free(number))
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
         self._differences.prepare()
