@@ -2,10 +2,12 @@
 installs.
 """
 
+import fcntl
 import gc
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -59,6 +61,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish() -> None:
     """What is imported is no garbage: it need not be looked through again and again."""
     gc.freeze()
+
+
+def pytest_sessionfinish() -> None:
+    """Let Taichi keep the kernels that this process has compiled for the next run, one process after the
+    other: it itself waits a quarter of a second for another one that writes, and xdist ten for its processes.
+    """
+    if runtime := sys.modules.get("sim.runtime"):
+        with Path(__file__).open() as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            runtime.ti.reset()
 
 
 def _is_left_out(path: Path, config: pytest.Config) -> bool:
