@@ -55,6 +55,10 @@ class BriefMaker(SharedWallsMaker):
         self._one_house = self._programs.house(request, int(rng.integers(2**31)))
         return super().made(request, rng, inferences)
 
+    def stated(self, request: Request) -> Program:
+        """That of the last house, where there is one: no other is ground for its facts."""
+        return self._one_house or super().stated(request)
+
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         if self._undecided:
             return LimitReached(

@@ -66,6 +66,11 @@ class Account:
         # A clause is named in several ways, as of each piece of a room.
         self._by.update({reason for clause in clauses if (reason := self._reasons[clause])})
 
+    @property
+    def tried(self) -> tuple[int, int]:
+        """How many layouts of the rooms were found, and how many of these were refuted."""
+        return self._layouts, self._plans
+
     def unfurnished(self, type_: str) -> None:
         """A room of this type, at its size and with its doors, is proved to have no furniture."""
         self._unfurnished[type_] += 1

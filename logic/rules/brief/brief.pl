@@ -22,7 +22,9 @@ metres: a house by a brief lies on no grid.
 :- use_module('../linear/linear').
 :- use_module('../language/grammar_files').
 :- use_module('../shared_walls/areas').
+:- use_module('../shared_walls/contacts').
 :- use_module('../shared_walls/lines').
+:- use_module('../shared_walls/openings').
 
 % No side of a box with an area is shorter, in metres; a void is at least so long both ways.
 least_side(0.5).
@@ -35,7 +37,9 @@ least_void(1.0).
 brief_constraints(Atoms, Boxes) -->
     { findall(Q, ( member(granted(Q), Atoms), is_length(Q) ), Requirements) },
     requirements(Requirements, Atoms, Boxes),
-    voids(Boxes).
+    voids(Boxes),
+    { findall(R/Side/V, member(at_void(R,Side,V), Atoms), Contacts) },
+    at_voids(Contacts, Boxes).
 
 is_length(extent(_,_,_,_)).
 is_length(offset(_,_,_,_)).
@@ -78,6 +82,16 @@ voids([room(_,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Boxes]) --> 
     [(X1+Least =< X2)-[West,East], (Y1+Least =< Y2)-[North,South]],
     voids(Boxes).
 voids([_|Boxes]) --> voids(Boxes).
+
+%   at_voids(+Contacts, +Boxes)//: a room shares a part of a wall with a void.
+
+at_voids([], _) --> [].
+at_voids([R/Side/V|Contacts], Boxes) -->
+    { memberchk(room(R,_,SidesR,EdgesR), Boxes), memberchk(room(V,_,SidesV,EdgesV), Boxes), side_axis(Side, Axis),
+      span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesV, EdgesV, B1, B2, WhyV),
+      append([[at_void(R,Side,V)],WhyR,WhyV], Why), least_contact(Least) },
+    [(A1+Least =< B2)-Why, (B1+Least =< A2)-Why],
+    at_voids(Contacts, Boxes).
 
 % - areas --------------------------------------------------------------------------------------------------------------
 

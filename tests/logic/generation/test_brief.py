@@ -121,6 +121,37 @@ def test_the_void_of_a_brief_is_free() -> None:
         )
 
 
+def notch(house: House) -> Room:
+    """That of NOTCHED, in its north-east corner."""
+    _, north, east, _ = outline(house)
+    return Room(east - 3, north, 3, 3, "notch", "", ())
+
+
+NOTCHED = {"voids": [{"corner": "north-east", "width": 3, "depth": 3}]}
+
+
+def test_a_notch_takes_no_whole_side_of_the_outline() -> None:
+    for house in generate(brief=brief(3, outline=NOTCHED), count=6):
+        assert sum(room.area for room in house.rooms) == pytest.approx(area_of(outline(house)) - 9)
+
+
+def area_of(box: tuple[float, float, float, float]) -> float:
+    return (box[2] - box[0]) * (box[3] - box[1])
+
+
+def test_an_outer_wall_at_a_void_is_a_wall_that_the_room_shares_with_it() -> None:
+    wanted = brief(5, outline={"width": 8, "depth": 8} | NOTCHED)
+    for room in wanted["rooms"][:4]:
+        room["outside"] = ["east"]
+    at_notch = 0
+    for house in generate(brief=wanted, count=6):
+        for room in house.rooms[:4]:
+            if abs(room.box[2] - outline(house)[2]) > 1e-6:
+                at_notch += 1
+                assert shared(room, notch(house)) > 0.1 - 1e-6
+    assert at_notch
+
+
 def test_a_house_by_a_brief_is_made_again_whatever_was_made_before() -> None:
     houses = list(generate(brief=FLAT, grammar="home", seed=3, count=3))
     again = next(logic.generate(brief=FLAT, grammar="home", seed=3, start=2))

@@ -1,0 +1,1 @@
+"""Briefs to measure generators by: a frozen set of them, and what is right in an answer."""

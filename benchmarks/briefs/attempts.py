@@ -1,0 +1,129 @@
+"""Our own attempts at briefs, each in a process of its own, and where their time goes."""
+
+import os
+import resource
+import select
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import process_time
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec import structs
+
+from benchmarks.briefs.bank import Entry
+from benchmarks.briefs.score import Answer
+from benchmarks.common.houses import INFERENCES
+from logic.errors import LimitReached, Unsatisfiable
+from logic.generation.builder import Builder
+from logic.proofs.answer import house_or_proof
+from logic.request.brief import Brief
+from logic.request.request import Request
+
+PATIENCE = 20
+"""Seconds on the clock for each of processor time that an attempt may take: the machine has other work."""
+
+T = TypeVar("T")
+
+
+class Attempt(msgspec.Struct, omit_defaults=True):
+    """What came of a brief: houses, a proof, or neither; processor seconds in all, and by stage."""
+
+    seconds: float
+    """Until the first house or the proof."""
+    stages: dict[str, float] = {}
+    """By the names of ``logic.layout.account``."""
+    refuted: int = 0
+    """How many dissections stage 2 refuted."""
+    houses: tuple[dict[str, Any], ...] = ()
+    because: tuple[str, ...] | None = None
+    """The reasons of a proof that there is none."""
+    limit: str = ""
+
+    def answer(self, entry: Entry) -> Answer:
+        """As one of another generator would be."""
+        proved = self.because is not None
+        return Answer(entry.name, self.houses, proved, self.because or (), round(self.seconds, 4))
+
+
+class Clock:
+    """Processor seconds by stage of a builder's work."""
+
+    def __init__(self) -> None:
+        self.began = self._since = process_time()
+        self.stages: dict[str, float] = {}
+        self._stage = "reading"
+
+    def at(self, stage: str) -> None:
+        """Another stage begins."""
+        now = process_time()
+        self.stages[self._stage] = self.stages.get(self._stage, 0.0) + now - self._since
+        self._stage, self._since = stage, now
+
+    @contextmanager
+    def of(self, builder: Builder) -> Iterator[None]:
+        """Follow a builder's account."""
+        account = builder.account
+        said = account.at
+
+        def at(stage: str, what: str) -> None:
+            self.at(stage)
+            said(stage, what)
+
+        account.at = at
+        try:
+            yield
+        finally:
+            account.at = said
+            self.at("")
+
+
+def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> Attempt:
+    """Houses of a brief, or the proof that there is none."""
+    request = Request(len(brief.rooms), brief=brief)
+    clock, found, because, limit = Clock(), [], None, ""
+    with clock.of(builder):
+        try:
+            found.append(house_or_proof(builder, request, seed, 0, INFERENCES))
+        except Unsatisfiable as error:
+            because = tuple(reason.text for reason in error.reasons)
+        except LimitReached as error:
+            limit = str(error)
+    seconds, refuted = process_time() - clock.began, builder.account.tried[1]
+    for index in range(1, houses if found else 0):
+        found.append(builder.house(request, seed, index, INFERENCES))
+    records = tuple(structs.replace(house, provenance=None).to_dict() for house in found)
+    return Attempt(seconds, clock.stages, refuted, records, because, limit)
+
+
+def within(seconds: float, work: Callable[[], T], kind: type[T]) -> T | None:
+    """What some work gives, in a process of its own, so that no solver knows more than its own brief; None
+    where it takes more processor time. What it gives travels as JSON.
+    """
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        _alone(seconds, writing, work)
+    os.close(writing)
+    content = b""
+    with open(reading, "rb", buffering=0) as pipe:
+        while select.select([pipe], [], [], seconds * PATIENCE)[0] and (more := pipe.read(1 << 20)):
+            content += more
+    os.kill(child, signal.SIGKILL)  # it has said all, or is late
+    os.waitpid(child, 0)
+    return msgspec.json.decode(content, type=kind) if content else None
+
+
+def _alone(seconds: float, writing: int, work: Callable[[], object]) -> None:
+    """In the new process: work, and end."""
+    try:
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
+        content = msgspec.json.encode(work())
+        with open(writing, "wb") as pipe:
+            pipe.write(content)
+    except Exception as error:
+        print(f"an attempt failed: {error!r}", flush=True)
+    finally:
+        os._exit(0)

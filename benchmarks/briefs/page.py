@@ -1,0 +1,181 @@
+"""The page of the bank: how a generator enters, and what ours makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from math import exp, log
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from benchmarks.briefs.bank import HASH, Entry
+from benchmarks.briefs.score import score
+from benchmarks.common.pages import machine, table_rows, versions
+from logic.layout.account import GROUNDING, LAYOUT, LENGTHS
+
+if TYPE_CHECKING:
+    from benchmarks.briefs.attempts import Attempt
+    from benchmarks.briefs.run import Results
+
+TEMPLATE = Path(__file__).with_name("template.md")
+
+PEER = """
+Another program in the same run, of a sample: times of those of which both have said the same, a house or
+`impossible`, and the geometric mean of ours divided by its own.
+
+| | right, ours | the peer's | both | ours, median | p95 | the peer's, median | p95 | ratio |
+|---|---|---|---|---|---|---|---|---|
+{rows}
+"""
+
+
+def page(bank: Sequence[Entry], found: Results, command: str) -> str:
+    """The page, of what was measured."""
+    return TEMPLATE.read_text().format(
+        count=len(bank),
+        hash=HASH[:12],
+        command=command,
+        machine=machine(),
+        versions=versions("clingo", "clingo-dl"),
+        kinds=table_rows(kind_rows(bank)),
+        times=table_rows(time_rows(bank, found)),
+        score=table_rows(score_rows(found)),
+        furnished=table_rows(furnished_rows(bank, found)),
+        proofs=proofs_in_words(found),
+        peer=PEER.format(rows=table_rows(peer_rows(bank, found))) if found.peer else "",
+        figures=" | ".join(FIGURES),
+        dashes="|".join("---" for _ in FIGURES),
+    )
+
+
+def kind_rows(bank: Sequence[Entry]) -> Iterator[list[str]]:
+    """By kind: briefs, and what is known of their answers."""
+    for kind in dict.fromkeys(entry.kind for entry in bank):
+        some = [entry for entry in bank if entry.kind == kind]
+        sizes = [sum(entry.rooms == rooms for entry in some) for rooms in (5, 8, 10, 12, 16)]
+        yield [f"`{kind}`", *map(str, sizes), ", ".join(sorted({entry.answer for entry in some}))]
+
+
+def time_rows(bank: Sequence[Entry], found: Results) -> Iterator[list[str]]:
+    """By kind and number of rooms: how they ended, and milliseconds."""
+    for kind in dict.fromkeys(entry.kind for entry in bank):
+        for rooms in sorted({entry.rooms for entry in bank if entry.kind == kind}):
+            names = [entry.name for entry in bank if (entry.kind, entry.rooms) == (kind, rooms)]
+            some = [found.attempts[name] for name in names if name in found.attempts]
+            houses, proofs = (
+                sum(bool(each.houses) for each in some),
+                sum(each.because is not None for each in some),
+            )
+            yield [
+                f"`{kind}`",
+                str(rooms),
+                *map(str, (houses, proofs, len(some) - houses - proofs)),
+                *spread([each.seconds for each in some]),
+                *(
+                    middle([each.stages.get(stage, 0.0) for each in some])
+                    for stage in (GROUNDING, LAYOUT, LENGTHS)
+                ),
+                f"{np.mean([each.refuted for each in some]):.1f}",
+                str(max(each.refuted for each in some)),
+            ]
+
+
+def spread(seconds: Sequence[float]) -> list[str]:
+    """The median and the 95th percentile, milliseconds."""
+    return [f"{1e3 * float(np.percentile(seconds, share)):,.0f}" for share in (50, 95)]
+
+
+def middle(seconds: Sequence[float]) -> str:
+    """The median, milliseconds."""
+    return f"{1e3 * float(np.median(seconds)):,.0f}"
+
+
+def score_rows(found: Results) -> Iterator[list[str]]:
+    """The score of our answers, and of the peer's to the same briefs."""
+    entries = [("ours", found.judged)]
+    if found.peer:
+        ours = [each for each in found.judged if each.entry.name in found.peer]
+        entries += [("ours, the briefs of the peer", ours), ("the peer", list(found.peer.values()))]
+    for name, judged in entries:
+        scored = score(judged)
+        yield [name, *(_figure(scored[key]) for key in FIGURES)]
+
+
+FIGURES = (
+    *("briefs", "right", "houses", "valid", "all lines kept", "edges kept", "areas kept", "other lines kept"),
+    *("impossible", "false refutations", "known impossible, named so", "different plans"),
+)
+"""Columns of the score."""
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else str(value) if isinstance(value, int) else f"{100 * value:.1f} %"
+
+
+def furnished_rows(bank: Sequence[Entry], found: Results) -> Iterator[list[str]]:
+    """By number of rooms: houses with furniture beside those without, of the same briefs."""
+    names = [entry for entry in bank if entry.name in found.furnished]
+    for rooms in sorted({entry.rooms for entry in names}):
+        pairs = [
+            (found.attempts[entry.name], found.furnished[entry.name])
+            for entry in names
+            if entry.rooms == rooms
+        ]
+        done = [(bare, whole) for bare, whole in pairs if bare.houses and whole.houses]
+        if done:
+            yield [
+                str(rooms),
+                f"{len(done)} of {len(pairs)}",
+                middle([bare.seconds for bare, _ in done]),
+                *spread([whole.seconds for _, whole in done]),
+                middle([_of_pieces(whole) for _, whole in done]),
+            ]
+
+
+def _of_pieces(whole: Attempt) -> float:
+    return whole.stages.get("furniture", 0.0)
+
+
+def proofs_in_words(found: Results) -> str:
+    """How many proofs are minimal."""
+    if not found.proofs:
+        return "Not measured."
+    lines, sure, unknown = (sum(each[place] for each in found.proofs.values()) for place in range(3))
+    minimal = sum(count == needed for count, needed, _ in found.proofs.values())
+    open_ = sum(count > needed and count == needed + late for count, needed, late in found.proofs.values())
+    percent = 100 * minimal / len(found.proofs)
+    return (
+        f"Of {len(found.proofs)} proofs {minimal} ({percent:.0f} %) are minimal: with any of their lines "
+        f"left out, the others have a house; of {open_} more it is not known, as some of these end in a "
+        f"limit. They name {lines} lines, of which {sure} are needed, and {unknown} may be."
+    )
+
+
+def peer_rows(bank: Sequence[Entry], found: Results) -> Iterator[list[str]]:
+    """By number of rooms and by kind: times of both on briefs of which they said the same, and the ratio."""
+    ours = {each.entry.name: each for each in found.judged}
+    rows: list[tuple[str, Callable[[Entry], bool]]] = [
+        (f"{rooms} rooms", lambda entry, rooms=rooms: entry.rooms == rooms)
+        for rooms in sorted({entry.rooms for entry in bank})
+    ]
+    rows += [
+        (f"`{kind}`", lambda entry, kind=kind: entry.kind == kind) for kind in sorted({e.kind for e in bank})
+    ]
+    for words, is_one in rows:
+        asked = [name for name, each in found.peer.items() if is_one(each.entry)]
+        both = [
+            (ours[name].seconds or 0.0, found.peer[name].seconds or 0.0)
+            for name in asked
+            if ours[name].said == found.peer[name].said != "nothing" and found.peer[name].seconds
+        ]
+        if both:
+            ratio = exp(float(np.mean([log(mine / other) for mine, other in both])))
+            yield [
+                words,
+                *(str(sum(each[name].right for name in asked)) for each in (ours, found.peer)),
+                str(len(both)),
+                *spread([mine for mine, _ in both]),
+                *spread([other for _, other in both]),
+                f"{ratio:.2f}",
+            ]

@@ -1,0 +1,227 @@
+"""Plans that are known, to read briefs off: rooms of generated houses, and of random dissections."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.briefs.boxes import Box, around, contact, outer_parts, shared
+from logic import generate
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door, Room
+
+DOORWAY = 0.92
+"""Metres of wall that a door of a plan has: more than the 0.9 m that ours take, with their margins."""
+
+LEAST_VOID = 1.0
+"""Metres: a void is at least so long both ways, as ``docs/briefs.md`` says."""
+
+LEAST_ROOM = 1.5
+"""Metres: no room of a random dissection is less wide or deep."""
+
+PINWHEEL = 0.5
+"""How often five rooms or more of a random dissection begin with a pinwheel, which no cut goes through."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Boxes on a grid of centimetres, which with the voids tile a rectangle; doors are pairs of boxes."""
+
+    boxes: tuple[Box, ...]
+    types: tuple[str, ...]
+    doors: tuple[tuple[int, int], ...]
+    entrance: int
+    voids: tuple[Box, ...] = ()
+
+    @property
+    def outline(self) -> Box:
+        """The rectangle around it."""
+        return around(self.boxes)
+
+    def pairs(self, least: float, most: float) -> list[tuple[int, int]]:
+        """The pairs of rooms that share from ``least`` to ``most`` metres of wall."""
+        return [
+            (one, other)
+            for other in range(len(self.boxes))
+            for one in range(other)
+            if least <= contact(self.boxes[one], self.boxes[other]) <= most
+        ]
+
+    def outer(self, room: int) -> list[str]:
+        """The sides of a room with an outer wall that a door fits in, the longest wall's first."""
+        walls = [side for side, low, high in self._outer_walls(room) if high - low >= DOORWAY]
+        return list(dict.fromkeys(walls))
+
+    def _outer_walls(self, room: int) -> list[tuple[str, float, float]]:
+        """The longest first: at the outline, or at a void in its rim, as a court is not outside."""
+        courts = [void for void in self.voids if not self._in_rim(void)]
+        walls = outer_parts((*self.boxes, *courts), room)
+        return sorted(walls, key=lambda wall: wall[1] - wall[2])
+
+    def _in_rim(self, void: Box) -> bool:
+        return any(abs(a - b) < 1e-9 for a, b in zip(void, self.outline, strict=True))
+
+    def house(self, names: list[str]) -> House:
+        """The plan as a house whose rooms have these names."""
+        rooms = [
+            Room(west, north, east - west, south - north, name, type_, ())
+            for (west, north, east, south), name, type_ in zip(self.boxes, names, self.types, strict=True)
+        ]
+        doors = [
+            _door(self.boxes[one], self.boxes[other], (names[one], names[other])) for one, other in self.doors
+        ]
+        side, low, high = self._outer_walls(self.entrance)[0]
+        doors.append(_segment(self.boxes[self.entrance], side, low, high, (names[self.entrance], OUTSIDE)))
+        return House(tuple(rooms), tuple(doors), topology="dissection")
+
+
+def _door(one: Box, other: Box, between: tuple[str, str]) -> Door:
+    wall = shared(one, other)
+    assert wall is not None
+    side, low, high = wall
+    return _segment(one, side, low, high, between)
+
+
+def _segment(box: Box, side: str, low: float, high: float, between: tuple[str, str]) -> Door:
+    """A door of 0.8 m in the middle of a wall."""
+    start = (low + high) / 2 - 0.4
+    if side in ("west", "east"):
+        return Door(box[0 if side == "west" else 2], start, 0.0, 0.8, between)
+    return Door(start, box[1 if side == "north" else 3], 0.8, 0.0, between)
+
+
+# - of houses -----------------------------------------------------------------
+
+
+def of_houses(grammar: str, rooms: int, seed: int) -> Iterator[Plan]:
+    """The plans of houses of a grammar, without end: of each house, where it can be read."""
+    start = 0
+    while True:
+        for house in generate(rooms, grammar=grammar, seed=seed, start=start, count=16):
+            if plan := of_house(house):
+                yield plan
+        start += 16
+
+
+def of_house(house: House) -> Plan | None:
+    """The plan of a house; None where a doorway or a void is too small, or a void no rectangle."""
+    west, north, _, _ = around(room.box for room in house.rooms)
+    boxes = tuple(
+        (
+            round(room.box[0] - west, 2),
+            round(room.box[1] - north, 2),
+            round(room.box[2] - west, 2),
+            round(room.box[3] - north, 2),
+        )
+        for room in house.rooms
+    )
+    places = {room.name: place for place, room in enumerate(house.rooms)}
+    pairs = {
+        tuple(sorted(places[name] for name in door.between)) for door in house.doors if not door.is_entrance
+    }
+    entrances = [
+        places[name] for door in house.doors if door.is_entrance for name in door.between if name != OUTSIDE
+    ]
+    voids = _free(boxes)
+    if voids is None or not entrances:
+        return None
+    doors = tuple((one, other) for one, other in sorted(pairs))
+    plan = Plan(boxes, tuple(room.type for room in house.rooms), doors, entrances[0], voids)
+    wide = all(contact(boxes[one], boxes[other]) >= DOORWAY for one, other in doors)
+    return plan if wide and plan.outer(plan.entrance) else None
+
+
+def _free(boxes: tuple[Box, ...]) -> tuple[Box, ...] | None:
+    """What boxes leave free in the rectangle around them, as boxes; None where that is not possible."""
+    from shapely import box, unary_union
+
+    rest = box(*around(boxes)).difference(
+        unary_union([box(*each) for each in boxes]).buffer(1e-6, join_style="mitre")
+    )
+    parts = [part for part in getattr(rest, "geoms", [rest]) if part.area > 1e-4]
+    found = []
+    for part in parts:
+        west, north, east, south = (round(each, 2) for each in part.bounds)
+        if (
+            min(east - west, south - north) < LEAST_VOID
+            or abs((east - west) * (south - north) - part.area) > 1e-2
+        ):
+            return None
+        found.append((west, north, east, south))
+    return tuple(found)
+
+
+# - random dissections --------------------------------------------------------
+
+
+def of_dissection(rooms: int, rng: np.random.Generator) -> Plan:
+    """A random dissection of a rectangle with about 14 m² for each room; its rooms can all be reached."""
+    while True:
+        side = (rng.uniform(11, 17) * rooms) ** 0.5
+        stretch = rng.uniform(0.85, 1.2)
+        whole = (0.0, 0.0, round(side * stretch, 2), round(side / stretch, 2))
+        boxes = dissected(whole, rooms, rng)
+        if boxes is None:
+            continue
+        boxes = [boxes[place] for place in rng.permutation(rooms)]
+        bare = Plan(tuple(boxes), ("room",) * rooms, (), 0)
+        outer = [room for room in range(rooms) if bare.outer(room)]
+        doors = _tree(bare, rng)
+        if doors and outer:
+            return Plan(bare.boxes, bare.types, doors, int(rng.choice(outer)))
+
+
+def dissected(box: Box, rooms: int, rng: np.random.Generator) -> list[Box] | None:
+    """A box cut into so many, at lines and as pinwheels of five; None where one is too small."""
+    west, north, east, south = box
+    if min(east - west, south - north) < LEAST_ROOM:
+        return None
+    if rooms == 1:
+        return [box]
+    x1, x2 = np.round(west + (east - west) * np.sort(rng.uniform(0.25, 0.75, 2)), 2).tolist()
+    y1, y2 = np.round(north + (south - north) * np.sort(rng.uniform(0.25, 0.75, 2)), 2).tolist()
+    if rooms >= 5 and rng.random() < PINWHEEL:
+        arms = [(west, north, x2, y1), (x2, north, east, y2), (x1, y2, east, south), (west, y1, x1, south)]
+        if rng.random() < 0.5:
+            arms = [
+                (x1, north, east, y1),
+                (x2, y1, east, south),
+                (west, y2, x2, south),
+                (west, north, x1, y2),
+            ]
+        parts: list[Box] = [*arms, (x1, y1, x2, y2)]
+    elif rng.random() * (east - west + south - north) < east - west:
+        parts = [(west, north, x1, south), (x1, north, east, south)]
+    else:
+        parts = [(west, north, east, y1), (west, y1, east, south)]
+    found: list[Box] = []
+    for part, some in zip(parts, _shared_out(parts, rooms, rng), strict=True):
+        inside = dissected(part, some, rng)
+        if inside is None:
+            return None
+        found += inside
+    return found
+
+
+def _shared_out(parts: list[Box], rooms: int, rng: np.random.Generator) -> list[int]:
+    """How many rooms each part gets: one, and more by its area."""
+    areas = np.array([(east - west) * (south - north) for west, north, east, south in parts])
+    return (1 + rng.multinomial(rooms - len(parts), areas / areas.sum())).tolist()
+
+
+def _tree(plan: Plan, rng: np.random.Generator) -> tuple[tuple[int, int], ...]:
+    """Random doors by which all rooms are reached, and a few more; none where walls are too short for it."""
+    pairs = plan.pairs(DOORWAY, np.inf)
+    joined, doors, more = [{room} for room in range(len(plan.boxes))], [], []
+    for place in rng.permutation(len(pairs)):
+        one, other = pairs[place]
+        if joined[one] is joined[other]:
+            more.append((one, other))
+            continue
+        doors.append((one, other))
+        joined[one] |= joined[other]
+        for room in joined[other]:
+            joined[room] = joined[one]
+    if len(joined[0]) < len(plan.boxes):
+        return ()
+    return tuple(sorted(doors + more[: len(plan.boxes) // 5]))

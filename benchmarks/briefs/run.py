@@ -1,0 +1,203 @@
+"""``vitruvius bench brief``: the frozen briefs, answered by us or by another generator, scored and timed."""
+
+import shlex
+import subprocess
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import msgspec
+
+from benchmarks.briefs.attempts import Attempt, attempt, within
+from benchmarks.briefs.bank import HASH, Entry, Kind, frozen
+from benchmarks.briefs.page import page
+from benchmarks.briefs.proofs import needed
+from benchmarks.briefs.score import Answer, Judged, judged_all, read_answers, score
+from benchmarks.common.pages import write
+from benchmarks.common.processes import say
+from logic.errors import RequestError
+from logic.generation.builder import Builder
+from logic.grammar import find
+from logic.house.files import write_whole
+from logic.request.brief import alone
+
+KINDS: tuple[Kind, ...] = ("house", "dissection", "changed", "impossible")
+
+ALONE = "plain"
+"""The grammar of a brief alone."""
+
+
+@dataclass
+class Results:
+    """What was measured: attempts by the names of their briefs."""
+
+    attempts: dict[str, Attempt] = field(default_factory=dict)
+    furnished: dict[str, Attempt] = field(default_factory=dict)
+    proofs: dict[str, tuple[int, int, int]] = field(default_factory=dict)
+    """See ``needed``."""
+    peer: dict[str, Judged] = field(default_factory=dict)
+    judged: list[Judged] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class BriefStudy:
+    """Answer the frozen briefs and score the answers; or score those of another generator."""
+
+    answers: Path | None = None
+    """Answers to score, JSON Lines as in docs/brief-bank.md; nothing else is done then."""
+
+    briefs: Path | None = None
+    """Only write the briefs there, JSON Lines: a name, and the brief."""
+
+    kinds: tuple[Kind, ...] = KINDS
+    """Of which briefs."""
+
+    rooms: tuple[int, ...] = (5, 8, 10, 12, 16)
+    """Of which numbers of rooms."""
+
+    each: int = 1000
+    """Of each kind and number of rooms at most so many."""
+
+    houses: int = 2
+    """Of each brief so many, which says how different they are; the first one is timed and judged."""
+
+    seconds: int = 60
+    """Of processor time for each."""
+
+    proofs: bool = True
+    """Leave out each line of each proof in turn, to see whether it is needed."""
+
+    peer: str = ""
+    """A command that reads briefs and writes answers, both JSON Lines, to compare with in the same run."""
+
+    peer_each: int = 4
+    """Of each kind and number of rooms so many briefs go to the peer."""
+
+    out: Path = Path("runs/bench")
+    """Folder for brief.json, brief-answers.jsonl and brief-bank.md."""
+
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
+    publish: bool = False
+    """Put the page into docs too."""
+
+    def run(self) -> None:
+        """Answer, score, and write the page."""
+        if self.each < 1 or self.houses < 1 or self.seconds < 1 or self.peer_each < 1:
+            raise RequestError("--each, --houses, --seconds and --peer-each are 1 or more")
+        bank = self._chosen(frozen(), self.each)
+        if self.briefs:
+            write_whole(self.briefs, b"".join(map(question, bank)))
+        elif self.answers:
+            print(
+                msgspec.json.format(
+                    msgspec.json.encode(score(judged_all(bank, read_answers(self.answers))))
+                ).decode()
+            )
+        else:
+            self._measured(bank)
+
+    def _chosen(self, bank: Iterable[Entry], each: int) -> list[Entry]:
+        """Those of these kinds and rooms, the first ones of each."""
+        counts: dict[tuple[str, int], int] = {}
+        chosen = []
+        for entry in bank:
+            group = entry.kind, entry.rooms
+            if entry.kind in self.kinds and entry.rooms in self.rooms and counts.get(group, 0) < each:
+                counts[group] = counts.get(group, 0) + 1
+                chosen.append(entry)
+        return chosen
+
+    def _measured(self, bank: list[Entry]) -> None:
+        found = Results()
+        builder = warm(ALONE, bank[0])
+        for entry in bank:
+            brief = alone(entry.read)
+            found.attempts[entry.name] = self._tried(partial(attempt, builder, brief, self.houses))
+            say(f"{entry.name}: {in_words(found.attempts[entry.name])}")
+            self._write(bank, found)
+        for entry in bank if self.proofs else ():
+            because, brief = found.attempts[entry.name].because, alone(entry.read)
+            if because is not None:
+                tried = lambda fewer: self._tried(partial(attempt, builder, fewer))  # noqa: E731
+                found.proofs[entry.name] = needed(brief, because, tried)
+                say(f"{entry.name}: {found.proofs[entry.name]} of its proof")
+        if self.peer:
+            some = self._chosen(bank, self.peer_each)
+            told = {each.brief: each for each in asked(self.peer, some)}
+            found.peer = {each.entry.name: each for each in judged_all(some, told.values())}
+        self._write(bank, found)
+        if furnishable := [entry for entry in bank if entry.grammar]:
+            (grammar,) = {entry.grammar for entry in furnishable}
+            builder = warm(grammar, furnishable[0])  # SWI-Prolog holds one grammar at a time
+            for entry in furnishable:
+                found.furnished[entry.name] = self._tried(partial(attempt, builder, entry.read))
+                say(f"{entry.name}, furnished: {in_words(found.furnished[entry.name])}")
+        self._write(bank, found)
+        text = page(bank, found, self._command())
+        write({"brief-bank.md": text.encode()}, self.out, self.publish)
+        print(text)
+
+    def _tried(self, work: Callable[[], Attempt]) -> Attempt:
+        return within(self.seconds, work, Attempt) or Attempt(
+            float(self.seconds), limit=f"{self.seconds} s of processor time"
+        )
+
+    def _write(self, bank: Sequence[Entry], found: Results) -> None:
+        """What there is so far."""
+        answers = [found.attempts[entry.name].answer(entry) for entry in bank if entry.name in found.attempts]
+        found.judged = judged_all(bank[: len(answers)], answers)
+        lines = b"".join(msgspec.json.encode(answer) + b"\n" for answer in answers)
+        write_whole(self.out / "brief-answers.jsonl", lines)
+        record = {"bank": HASH, "score": score(found.judged), "proofs": found.proofs}
+        record |= {
+            key: {name: msgspec.structs.replace(each, houses=()) for name, each in some.items()}
+            for key, some in (("attempts", found.attempts), ("furnished", found.furnished))
+        }
+        record["peer"] = {name: (each.said, each.right, each.seconds) for name, each in found.peer.items()}
+        write_whole(self.out / "brief.json", msgspec.json.encode(record))
+
+    def _command(self) -> str:
+        default = BriefStudy()
+        changed = [
+            f" --{name} {' '.join(map(str, getattr(self, name)))}"
+            for name in ("kinds", "rooms")
+            if getattr(self, name) != getattr(default, name)
+        ]
+        changed += [
+            f" --{name} {getattr(self, name)}"
+            for name in ("each", "houses", "seconds")
+            if getattr(self, name) != getattr(default, name)
+        ]
+        peer = " --peer COMMAND" if self.peer else ""
+        return f"./run bench brief{''.join(changed)}{'' if self.proofs else ' --no-proofs'}{peer}"
+
+
+def warm(grammar: str, entry: Entry) -> Builder:
+    """A builder that has made a house of a brief: what is read once is read."""
+    builder = Builder(find(grammar))
+    brief = entry.read
+    attempt(builder, alone(brief) if grammar == ALONE else brief)
+    return builder
+
+
+def question(entry: Entry) -> bytes:
+    """A brief as another generator reads it."""
+    return msgspec.json.encode({"name": entry.name, "brief": entry.brief}) + b"\n"
+
+
+def asked(command: str, entries: Sequence[Entry]) -> list[Answer]:
+    """What a command answers. Raises ``RequestError`` where it fails."""
+    lines = b"".join(map(question, entries))
+    done = subprocess.run(shlex.split(command), input=lines, stdout=subprocess.PIPE, check=False)
+    if done.returncode:
+        raise RequestError(f"--peer: the command ended with code {done.returncode}")
+    return [msgspec.json.decode(line, type=Answer) for line in done.stdout.splitlines()]
+
+
+def in_words(found: Attempt) -> str:
+    """What came of an attempt."""
+    said = "a proof" if found.because is not None else found.limit or f"{len(found.houses)} houses"
+    return f"{said}, {1e3 * found.seconds:.0f} ms, {found.refuted} refuted"
