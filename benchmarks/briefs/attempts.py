@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec import structs
 
-from benchmarks.briefs.bank import Entry
+from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.score import Answer
 from benchmarks.common.houses import INFERENCES
 from logic.errors import LimitReached, Unsatisfiable
@@ -41,13 +41,13 @@ class Attempt(msgspec.Struct, omit_defaults=True):
     """The reasons of a proof that there is none."""
     limit: str = ""
 
-    def answer(self, entry: Entry) -> Answer:
+    def answer(self, entry: BriefEntry) -> Answer:
         """As one of another generator would be."""
         proved = self.because is not None
         return Answer(entry.name, self.houses, proved, self.because or (), round(self.seconds, 4))
 
 
-class Clock:
+class StageClock:
     """Processor seconds by stage of a builder's work."""
 
     def __init__(self) -> None:
@@ -82,7 +82,7 @@ class Clock:
 def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> Attempt:
     """Houses of a brief, or the proof that there is none."""
     request = Request(len(brief.rooms), brief=brief)
-    clock, found, because, limit = Clock(), [], None, ""
+    clock, found, because, limit = StageClock(), [], None, ""
     with clock.of(builder):
         try:
             found.append(house_or_proof(builder, request, seed, 0, INFERENCES))

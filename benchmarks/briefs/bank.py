@@ -20,7 +20,7 @@ Kind = Literal["house", "dissection", "changed", "impossible"]
 """Read off a generated house; off a random dissection; either of these with one line changed; impossible."""
 
 
-class Entry(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
+class BriefEntry(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
     """A brief of the bank."""
 
     name: str
@@ -45,21 +45,21 @@ class Entry(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fiel
         return read_brief(self.brief)
 
 
-def packed(entries: Iterable[Entry]) -> bytes:
+def packed(entries: Iterable[BriefEntry]) -> bytes:
     """The lines of a bank."""
     return b"".join(msgspec.json.encode(entry) + b"\n" for entry in entries)
 
 
-def save_entries(entries: Iterable[Entry], path: Path) -> str:
+def save_entries(entries: Iterable[BriefEntry], path: Path) -> str:
     """Write a bank, and give its hash."""
     lines = packed(entries)
     write_whole(path, gzip.compress(lines, mtime=0))
     return hashlib.sha256(lines).hexdigest()
 
 
-def frozen() -> list[Entry]:
+def frozen() -> list[BriefEntry]:
     """The frozen bank. Raises ``HouseFileError`` where its file holds other briefs."""
     lines = gzip.decompress(FILE.read_bytes())
     if hashlib.sha256(lines).hexdigest() != HASH:
         raise HouseFileError(f"{FILE}: not the frozen bank ({HASH[:12]}). Restore it from Git")
-    return [msgspec.json.decode(line, type=Entry) for line in lines.splitlines()]
+    return [msgspec.json.decode(line, type=BriefEntry) for line in lines.splitlines()]

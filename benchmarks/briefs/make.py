@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from agent.banks import TEST
-from benchmarks.briefs.bank import Entry, save_entries
+from benchmarks.briefs.bank import BriefEntry, save_entries
 from benchmarks.briefs.boxes import SIDES
-from benchmarks.briefs.plans import Plan, of_dissection, of_houses
+from benchmarks.briefs.plans import KnownPlan, of_dissection, of_houses
 from benchmarks.briefs.score import faults, lines
 
 HOUSES = {
@@ -40,7 +40,7 @@ IMPOSSIBLE = {5: 2, 8: 3, 10: 3, 12: 2}
 Json = dict[str, Any]
 
 
-def read_off(plan: Plan, rng: np.random.Generator) -> Json:
+def read_off(plan: KnownPlan, rng: np.random.Generator) -> Json:
     """A brief of which a plan keeps each line."""
     count = len(plan.boxes)
     west, north, east, south = plan.outline
@@ -75,7 +75,7 @@ def read_off(plan: Plan, rng: np.random.Generator) -> Json:
     return brief | ({"outline": outline} if outline else {})
 
 
-def _void(void: tuple[float, ...], plan: Plan) -> Json:
+def _void(void: tuple[float, ...], plan: KnownPlan) -> Json:
     size = {"width": round(void[2] - void[0], 2), "depth": round(void[3] - void[1], 2)}
     rim = [abs(a - b) < 1e-9 for a, b in zip(void, plan.outline, strict=True)]
     at = [side for side, there in zip(SIDES, rim, strict=True) if there]
@@ -93,7 +93,7 @@ def _some(pairs: list[Any], count: int, rng: np.random.Generator) -> list[Any]:
     return [pairs[place] for place in sorted(rng.permutation(len(pairs))[:count])]
 
 
-def proven(entry: Entry, plan: Plan) -> Entry:
+def proven(entry: BriefEntry, plan: KnownPlan) -> BriefEntry:
     """The entry, whose brief a plan is seen to keep."""
     brief = entry.read
     house = plan.house(brief.names)
@@ -257,7 +257,7 @@ REASONS: dict[str, Callable[[Json, list[str]], None]] = {
 # - the bank ------------------------------------------------------------------
 
 
-def of_all_houses(seed: int) -> Iterator[Entry]:
+def of_all_houses(seed: int) -> Iterator[BriefEntry]:
     """Briefs read off houses."""
     for number, (grammar, sizes) in enumerate(HOUSES.items()):
         for rooms, count in sizes.items():
@@ -265,21 +265,21 @@ def of_all_houses(seed: int) -> Iterator[Entry]:
             for index, plan in enumerate(islice(of_houses(grammar, rooms, TEST.start + seed), count)):
                 furnished = grammar if grammar == "home" else ""
                 name = f"{grammar}-{rooms}-{index:02}"
-                entry = Entry(name, "house", grammar, read_off(plan, rng), "house", furnished)
+                entry = BriefEntry(name, "house", grammar, read_off(plan, rng), "house", furnished)
                 yield proven(entry, plan)
 
 
-def of_all_dissections(seed: int) -> Iterator[Entry]:
+def of_all_dissections(seed: int) -> Iterator[BriefEntry]:
     """Briefs read off random dissections."""
     for rooms, count in DISSECTIONS.items():
         rng = np.random.default_rng([seed, 1, rooms])
         for index in range(count):
             plan = of_dissection(rooms, rng)
             brief = read_off(plan, rng)
-            yield proven(Entry(f"dissection-{rooms}-{index:02}", "dissection", "", brief, "house"), plan)
+            yield proven(BriefEntry(f"dissection-{rooms}-{index:02}", "dissection", "", brief, "house"), plan)
 
 
-def changed(entries: list[Entry], seed: int) -> Iterator[Entry]:
+def changed(entries: list[BriefEntry], seed: int) -> Iterator[BriefEntry]:
     """Some of these, with a line changed: each change in turn."""
     for rooms, count in CHANGED.items():
         rng = np.random.default_rng([seed, 2, rooms])
@@ -291,10 +291,10 @@ def changed(entries: list[Entry], seed: int) -> Iterator[Entry]:
             entry = able[rng.integers(len(able))]
             brief = deepcopy(entry.brief)
             change(brief, rng)
-            yield Entry(f"changed-{rooms}-{index:02}", "changed", words, brief)
+            yield BriefEntry(f"changed-{rooms}-{index:02}", "changed", words, brief)
 
 
-def impossible(seed: int) -> Iterator[Entry]:
+def impossible(seed: int) -> Iterator[BriefEntry]:
     """Briefs of random dissections that cannot be met."""
     for rooms, count in IMPOSSIBLE.items():
         rng = np.random.default_rng([seed, 3, rooms])
@@ -304,10 +304,10 @@ def impossible(seed: int) -> Iterator[Entry]:
                 brief = _plain_brief(plan)
                 change(brief, [room["name"] for room in brief["rooms"]])
                 name = f"impossible-{rooms}-{number}{index}"
-                yield Entry(name, "impossible", words, brief, "impossible")
+                yield BriefEntry(name, "impossible", words, brief, "impossible")
 
 
-def _plain_brief(plan: Plan) -> Json:
+def _plain_brief(plan: KnownPlan) -> Json:
     """Areas, doors, entrance and outline of a plan."""
     west, north, east, south = plan.outline
     names = [f"Room {number}" for number in range(1, len(plan.boxes) + 1)]
@@ -324,7 +324,7 @@ def _plain_brief(plan: Plan) -> Json:
     }
 
 
-def made(seed: int = 0) -> list[Entry]:
+def made(seed: int = 0) -> list[BriefEntry]:
     """The bank."""
     known = [*of_all_houses(seed), *of_all_dissections(seed)]
     return [*known, *changed(known, seed), *impossible(seed)]

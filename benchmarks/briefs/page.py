@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.briefs.bank import HASH, Entry
+from benchmarks.briefs.bank import HASH, BriefEntry
 from benchmarks.briefs.score import score
 from benchmarks.common.pages import machine, table_rows, versions
 from logic.layout.account import GROUNDING, LAYOUT, LENGTHS
@@ -30,7 +30,7 @@ Another program in the same run, of a sample: times of those of which both have 
 """
 
 
-def page(bank: Sequence[Entry], found: Results, command: str) -> str:
+def page(bank: Sequence[BriefEntry], found: Results, command: str) -> str:
     """The page, of what was measured."""
     return TEMPLATE.read_text().format(
         count=len(bank),
@@ -49,7 +49,7 @@ def page(bank: Sequence[Entry], found: Results, command: str) -> str:
     )
 
 
-def kind_rows(bank: Sequence[Entry]) -> Iterator[list[str]]:
+def kind_rows(bank: Sequence[BriefEntry]) -> Iterator[list[str]]:
     """By kind: briefs, and what is known of their answers."""
     for kind in dict.fromkeys(entry.kind for entry in bank):
         some = [entry for entry in bank if entry.kind == kind]
@@ -57,7 +57,7 @@ def kind_rows(bank: Sequence[Entry]) -> Iterator[list[str]]:
         yield [f"`{kind}`", *map(str, sizes), ", ".join(sorted({entry.answer for entry in some}))]
 
 
-def time_rows(bank: Sequence[Entry], found: Results) -> Iterator[list[str]]:
+def time_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]:
     """By kind and number of rooms: how they ended, and milliseconds."""
     for kind in dict.fromkeys(entry.kind for entry in bank):
         for rooms in sorted({entry.rooms for entry in bank if entry.kind == kind}):
@@ -113,7 +113,7 @@ def _figure(value: float | None) -> str:
     return "" if value is None else str(value) if isinstance(value, int) else f"{100 * value:.1f} %"
 
 
-def furnished_rows(bank: Sequence[Entry], found: Results) -> Iterator[list[str]]:
+def furnished_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]:
     """By number of rooms: houses with furniture beside those without, of the same briefs."""
     names = [entry for entry in bank if entry.name in found.furnished]
     for rooms in sorted({entry.rooms for entry in names}):
@@ -152,10 +152,10 @@ def proofs_in_words(found: Results) -> str:
     )
 
 
-def peer_rows(bank: Sequence[Entry], found: Results) -> Iterator[list[str]]:
+def peer_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]:
     """By number of rooms and by kind: times of both on briefs of which they said the same, and the ratio."""
     ours = {each.entry.name: each for each in found.judged}
-    rows: list[tuple[str, Callable[[Entry], bool]]] = [
+    rows: list[tuple[str, Callable[[BriefEntry], bool]]] = [
         (f"{rooms} rooms", lambda entry, rooms=rooms: entry.rooms == rooms)
         for rooms in sorted({entry.rooms for entry in bank})
     ]

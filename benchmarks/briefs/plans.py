@@ -24,7 +24,7 @@ PINWHEEL = 0.5
 
 
 @dataclass(frozen=True)
-class Plan:
+class KnownPlan:
     """Boxes on a grid of centimetres, which with the voids tile a rectangle; doors are pairs of boxes."""
 
     boxes: tuple[Box, ...]
@@ -93,7 +93,7 @@ def _segment(box: Box, side: str, low: float, high: float, between: tuple[str, s
 # - of houses -----------------------------------------------------------------
 
 
-def of_houses(grammar: str, rooms: int, seed: int) -> Iterator[Plan]:
+def of_houses(grammar: str, rooms: int, seed: int) -> Iterator[KnownPlan]:
     """The plans of houses of a grammar, without end: of each house, where it can be read."""
     start = 0
     while True:
@@ -103,7 +103,7 @@ def of_houses(grammar: str, rooms: int, seed: int) -> Iterator[Plan]:
         start += 16
 
 
-def of_house(house: House) -> Plan | None:
+def of_house(house: House) -> KnownPlan | None:
     """The plan of a house; None where a doorway or a void is too small, or a void no rectangle."""
     west, north, _, _ = around(room.box for room in house.rooms)
     boxes = tuple(
@@ -126,7 +126,7 @@ def of_house(house: House) -> Plan | None:
     if voids is None or not entrances:
         return None
     doors = tuple((one, other) for one, other in sorted(pairs))
-    plan = Plan(boxes, tuple(room.type for room in house.rooms), doors, entrances[0], voids)
+    plan = KnownPlan(boxes, tuple(room.type for room in house.rooms), doors, entrances[0], voids)
     wide = all(contact(boxes[one], boxes[other]) >= DOORWAY for one, other in doors)
     return plan if wide and plan.outer(plan.entrance) else None
 
@@ -154,7 +154,7 @@ def _free(boxes: tuple[Box, ...]) -> tuple[Box, ...] | None:
 # - random dissections --------------------------------------------------------
 
 
-def of_dissection(rooms: int, rng: np.random.Generator) -> Plan:
+def of_dissection(rooms: int, rng: np.random.Generator) -> KnownPlan:
     """A random dissection of a rectangle with about 14 m² for each room; its rooms can all be reached."""
     while True:
         side = (rng.uniform(11, 17) * rooms) ** 0.5
@@ -164,11 +164,11 @@ def of_dissection(rooms: int, rng: np.random.Generator) -> Plan:
         if boxes is None:
             continue
         boxes = [boxes[place] for place in rng.permutation(rooms)]
-        bare = Plan(tuple(boxes), ("room",) * rooms, (), 0)
+        bare = KnownPlan(tuple(boxes), ("room",) * rooms, (), 0)
         outer = [room for room in range(rooms) if bare.outer(room)]
         doors = _tree(bare, rng)
         if doors and outer:
-            return Plan(bare.boxes, bare.types, doors, int(rng.choice(outer)))
+            return KnownPlan(bare.boxes, bare.types, doors, int(rng.choice(outer)))
 
 
 def dissected(box: Box, rooms: int, rng: np.random.Generator) -> list[Box] | None:
@@ -209,7 +209,7 @@ def _shared_out(parts: list[Box], rooms: int, rng: np.random.Generator) -> list[
     return (1 + rng.multinomial(rooms - len(parts), areas / areas.sum())).tolist()
 
 
-def _tree(plan: Plan, rng: np.random.Generator) -> tuple[tuple[int, int], ...]:
+def _tree(plan: KnownPlan, rng: np.random.Generator) -> tuple[tuple[int, int], ...]:
     """Random doors by which all rooms are reached, and a few more; none where walls are too short for it."""
     pairs = plan.pairs(DOORWAY, np.inf)
     joined, doors, more = [{room} for room in range(len(plan.boxes))], [], []

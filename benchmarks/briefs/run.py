@@ -10,10 +10,10 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.briefs.attempts import Attempt, attempt, within
-from benchmarks.briefs.bank import HASH, Entry, Kind, frozen
+from benchmarks.briefs.bank import HASH, BriefEntry, Kind, frozen
 from benchmarks.briefs.page import page
 from benchmarks.briefs.proofs import needed
-from benchmarks.briefs.score import Answer, Judged, judged_all, read_answers, score
+from benchmarks.briefs.score import Answer, JudgedAnswer, judged_all, read_answers, score
 from benchmarks.common.pages import write
 from benchmarks.common.processes import say
 from logic.errors import RequestError
@@ -36,8 +36,8 @@ class Results:
     furnished: dict[str, Attempt] = field(default_factory=dict)
     proofs: dict[str, tuple[int, int, int]] = field(default_factory=dict)
     """See ``needed``."""
-    peer: dict[str, Judged] = field(default_factory=dict)
-    judged: list[Judged] = field(default_factory=list)
+    peer: dict[str, JudgedAnswer] = field(default_factory=dict)
+    judged: list[JudgedAnswer] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class BriefStudy:
         else:
             self._measured(bank)
 
-    def _chosen(self, bank: Iterable[Entry], each: int) -> list[Entry]:
+    def _chosen(self, bank: Iterable[BriefEntry], each: int) -> list[BriefEntry]:
         """Those of these kinds and rooms, the first ones of each."""
         counts: dict[tuple[str, int], int] = {}
         chosen = []
@@ -110,7 +110,7 @@ class BriefStudy:
                 chosen.append(entry)
         return chosen
 
-    def _measured(self, bank: list[Entry]) -> None:
+    def _measured(self, bank: list[BriefEntry]) -> None:
         found = Results()
         builder = warm(ALONE, bank[0])
         for entry in bank:
@@ -145,7 +145,7 @@ class BriefStudy:
             float(self.seconds), limit=f"{self.seconds} s of processor time"
         )
 
-    def _write(self, bank: Sequence[Entry], found: Results) -> None:
+    def _write(self, bank: Sequence[BriefEntry], found: Results) -> None:
         """What there is so far."""
         answers = [found.attempts[entry.name].answer(entry) for entry in bank if entry.name in found.attempts]
         found.judged = judged_all(bank[: len(answers)], answers)
@@ -175,7 +175,7 @@ class BriefStudy:
         return f"./run bench brief{''.join(changed)}{'' if self.proofs else ' --no-proofs'}{peer}"
 
 
-def warm(grammar: str, entry: Entry) -> Builder:
+def warm(grammar: str, entry: BriefEntry) -> Builder:
     """A builder that has made a house of a brief: what is read once is read."""
     builder = Builder(find(grammar))
     brief = entry.read
@@ -183,12 +183,12 @@ def warm(grammar: str, entry: Entry) -> Builder:
     return builder
 
 
-def question(entry: Entry) -> bytes:
+def question(entry: BriefEntry) -> bytes:
     """A brief as another generator reads it."""
     return msgspec.json.encode({"name": entry.name, "brief": entry.brief}) + b"\n"
 
 
-def asked(command: str, entries: Sequence[Entry]) -> list[Answer]:
+def asked(command: str, entries: Sequence[BriefEntry]) -> list[Answer]:
     """What a command answers. Raises ``RequestError`` where it fails."""
     lines = b"".join(map(question, entries))
     done = subprocess.run(shlex.split(command), input=lines, stdout=subprocess.PIPE, check=False)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 
-from benchmarks.briefs.bank import Entry
+from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.boxes import (
     CLOSE,
     SIDES,
@@ -53,7 +53,7 @@ class Answer(msgspec.Struct, frozen=True, omit_defaults=True):
     """Processor time until the first house or the proof."""
 
 
-class Line(NamedTuple):
+class JudgedLine(NamedTuple):
     """A line of a brief, and whether a house keeps it."""
 
     kind: str
@@ -163,19 +163,21 @@ def _reached(house: House) -> set[str]:
 # - the lines of a brief ------------------------------------------------------
 
 
-def lines(house: House, brief: Brief) -> Iterator[Line]:
+def lines(house: House, brief: Brief) -> Iterator[JudgedLine]:
     """Each line of a brief, of whose rooms a house has all, and whether the house keeps it."""
     rooms = {room.name: room for room in house.rooms}
     doors = {frozenset(door.between) for door in house.doors}
     for one, other in brief.doors:
-        yield Line("edge", f"a door joins {one} and {other}", frozenset((one, other)) in doors)
+        yield JudgedLine("edge", f"a door joins {one} and {other}", frozenset((one, other)) in doors)
     for one, other in brief.no_doors:
-        yield Line("edge", f"no door joins {one} and {other}", frozenset((one, other)) not in doors)
+        yield JudgedLine("edge", f"no door joins {one} and {other}", frozenset((one, other)) not in doors)
     for one, other in brief.next_to:
         wall = contact(rooms[one].box, rooms[other].box)
-        yield Line("edge", f"{one} is next to {other}", wall > WALL - ROUNDED)
+        yield JudgedLine("edge", f"{one} is next to {other}", wall > WALL - ROUNDED)
     for one, other in brief.apart:
-        yield Line("edge", f"{one} is not next to {other}", contact(rooms[one].box, rooms[other].box) < CLOSE)
+        yield JudgedLine(
+            "edge", f"{one} is not next to {other}", contact(rooms[one].box, rooms[other].box) < CLOSE
+        )
     for wanted in brief.rooms:
         yield from _of_room(house, rooms[wanted.name], wanted, brief)
     if brief.entrance is not None:
@@ -183,42 +185,44 @@ def lines(house: House, brief: Brief) -> Iterator[Line]:
         ways = [door for door in house.doors if set(door.between) == {entrance.room, OUTSIDE}]
         sides = {_side_of(door, rooms[entrance.room]) for door in ways}
         kept = bool(ways) and entrance.side in (None, *sides)
-        yield Line("other", f"the house is entered by {entrance.room}", kept)
+        yield JudgedLine("other", f"the house is entered by {entrance.room}", kept)
     west, north, east, south = around(room.box for room in house.rooms)
     for span, length, name in (
         (brief.outline.width, east - west, "wide"),
         (brief.outline.depth, south - north, "deep"),
     ):
         if span is not None:
-            yield Line("other", f"the outline is {span} m {name}", _is_length(length, span, 0))
+            yield JudgedLine("other", f"the outline is {span} m {name}", _is_length(length, span, 0))
     if brief.area is not None:
         total = sum(area(room.box) for room in house.rooms)
-        yield Line("area", f"the house has {brief.area} m²", _is_area(total, brief.area, brief.tolerance))
+        yield JudgedLine(
+            "area", f"the house has {brief.area} m²", _is_area(total, brief.area, brief.tolerance)
+        )
 
 
-def _of_room(house: House, room: Room, wanted: BriefRoom, brief: Brief) -> Iterator[Line]:
+def _of_room(house: House, room: Room, wanted: BriefRoom, brief: Brief) -> Iterator[JudgedLine]:
     name, tolerance = wanted.name, brief.tolerance if wanted.tolerance is None else wanted.tolerance
     if wanted.type:
-        yield Line("other", f"{name} is of type {wanted.type}", room.type == wanted.type)
+        yield JudgedLine("other", f"{name} is of type {wanted.type}", room.type == wanted.type)
     if wanted.area is not None:
-        yield Line("area", f"{name} has {wanted.area} m²", _is_area(room.area, wanted.area, tolerance))
+        yield JudgedLine("area", f"{name} has {wanted.area} m²", _is_area(room.area, wanted.area, tolerance))
     if wanted.size is not None:
         kept = any(
             all(_is_length(length, span, tolerance) for length, span in zip(sides, wanted.size, strict=True))
             for sides in ((room.width, room.height), (room.height, room.width))
         )
-        yield Line("area", f"{name} measures {wanted.size[0]} by {wanted.size[1]} m", kept)
+        yield JudgedLine("area", f"{name} measures {wanted.size[0]} by {wanted.size[1]} m", kept)
     boxes = [each.box for each in house.rooms]
     sides = {
         side for side, low, high in outer_parts(boxes, boxes.index(room.box)) if high - low > WALL - CLOSE
     }
     if wanted.outside is True:
-        yield Line("other", f"{name} has an outer wall", bool(sides))
+        yield JudgedLine("other", f"{name} has an outer wall", bool(sides))
     for side in wanted.outside or () if not isinstance(wanted.outside, bool) else ():
-        yield Line("other", f"{name} has an outer wall in the {side}", side in sides)
+        yield JudgedLine("other", f"{name} has an outer wall in the {side}", side in sides)
     windows = {_side_of(window, room) for window in house.windows if window.room == name}
     for side in wanted.windows:
-        yield Line("other", f"{name} has a window in the {side}", side in windows)
+        yield JudgedLine("other", f"{name} has a window in the {side}", side in windows)
 
 
 def _side_of(segment: Rect, room: Room) -> str:
@@ -244,14 +248,14 @@ def _is_area(found: float, span: Span, tolerance: float) -> bool:
 # - answers -------------------------------------------------------------------
 
 
-class Judged(NamedTuple):
+class JudgedAnswer(NamedTuple):
     """An answer, judged."""
 
-    entry: Entry
+    entry: BriefEntry
     said: str
     """``house``, ``impossible`` or ``nothing``."""
     faults: list[str]
-    lines: list[Line]
+    lines: list[JudgedLine]
     plans: int
     """How many houses it has, and how many of these differ in which rooms share walls, at which side."""
     different: int
@@ -265,22 +269,24 @@ class Judged(NamedTuple):
         return self.said == "impossible" and self.entry.answer != "house"
 
 
-def judged(entry: Entry, answer: Answer | None) -> Judged:
+def judged(entry: BriefEntry, answer: Answer | None) -> JudgedAnswer:
     """Judge an answer."""
     if answer is None or not (answer.houses or answer.impossible):
-        return Judged(entry, "nothing", [], [], 0, 0, answer and answer.seconds)
+        return JudgedAnswer(entry, "nothing", [], [], 0, 0, answer and answer.seconds)
     if answer.impossible:
-        return Judged(entry, "impossible", [], [], 0, 0, answer.seconds)
+        return JudgedAnswer(entry, "impossible", [], [], 0, 0, answer.seconds)
     brief = entry.read
     try:
         houses = [House.from_dict(record) for record in answer.houses]
     except ValueError as error:
-        return Judged(entry, "house", [f"no house: {error}"], [], 0, 0, answer.seconds)
+        return JudgedAnswer(entry, "house", [f"no house: {error}"], [], 0, 0, answer.seconds)
     wrong = faults(houses[0], brief)
     kept = (
         list(lines(houses[0], brief)) if {room.name for room in houses[0].rooms} == set(brief.names) else []
     )
-    return Judged(entry, "house", wrong, kept, len(houses), len(set(map(plan_of, houses))), answer.seconds)
+    return JudgedAnswer(
+        entry, "house", wrong, kept, len(houses), len(set(map(plan_of, houses))), answer.seconds
+    )
 
 
 def plan_of(house: House) -> frozenset[tuple[str, str, str]]:
@@ -290,7 +296,7 @@ def plan_of(house: House) -> frozenset[tuple[str, str, str]]:
     return frozenset((a.name, b.name, wall[0]) for a, b, wall in walls if wall and wall[2] - wall[1] > WALL)
 
 
-def judged_all(bank: Sequence[Entry], answers: Iterable[Answer]) -> list[Judged]:
+def judged_all(bank: Sequence[BriefEntry], answers: Iterable[Answer]) -> list[JudgedAnswer]:
     """Judge the answer to each brief, and that there is none. Raises ``HouseFileError`` for one to a brief
     that there is not, and for a second one.
     """
@@ -304,7 +310,7 @@ def judged_all(bank: Sequence[Entry], answers: Iterable[Answer]) -> list[Judged]
     return [judged(entry, found.get(entry.name)) for entry in bank]
 
 
-def score(answers: Sequence[Judged]) -> dict[str, Any]:
+def score(answers: Sequence[JudgedAnswer]) -> dict[str, Any]:
     """The figures of a table: counts, and shares from 0 to 1; None where there is nothing to count."""
     houses = [each for each in answers if each.said == "house"]
     proofs = [each for each in answers if each.said == "impossible"]

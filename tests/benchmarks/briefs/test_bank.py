@@ -11,7 +11,7 @@ from benchmarks.briefs import bank
 from benchmarks.briefs.attempts import Attempt
 from benchmarks.briefs.bank import frozen, save_entries
 from benchmarks.briefs.boxes import area, around, cover
-from benchmarks.briefs.make import IMPOSSIBLE, REASONS, Entry, proven, read_off
+from benchmarks.briefs.make import IMPOSSIBLE, REASONS, BriefEntry, proven, read_off
 from benchmarks.briefs.plans import dissected, of_dissection
 from benchmarks.briefs.proofs import needed
 from benchmarks.briefs.run import BriefStudy
@@ -64,10 +64,10 @@ def test_a_plan_keeps_each_line_of_a_brief_that_is_read_off_it() -> None:
     rng = np.random.default_rng(1)
     for rooms in (5, 9, 13):
         plan = of_dissection(rooms, rng)
-        proven(Entry("one", "dissection", "", read_off(plan, rng)), plan)
+        proven(BriefEntry("one", "dissection", "", read_off(plan, rng)), plan)
         other = of_dissection(rooms, rng)
         with pytest.raises(ValueError, match="one: "):
-            proven(Entry("one", "dissection", "", read_off(other, rng)), plan)
+            proven(BriefEntry("one", "dissection", "", read_off(other, rng)), plan)
 
 
 def test_of_a_proof_those_lines_are_needed_without_which_the_others_have_a_house() -> None:

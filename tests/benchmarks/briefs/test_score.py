@@ -5,7 +5,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from benchmarks.briefs.bank import Entry
+from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.score import Answer, faults, judged, judged_all, lines, score
 from logic import House, HouseFileError
 from logic.request.brief import read_brief
@@ -44,7 +44,7 @@ WHOLE = BRIEF | {
     "rooms": [*BRIEF["rooms"][:2], {"name": "Bath", "size": [1, 6]}],
     "outline": {"width": 6, "depth": 5},
 }
-ENTRY = Entry("one", "house", "", WHOLE, "house")
+ENTRY = BriefEntry("one", "house", "", WHOLE, "house")
 
 
 def changed(part: str, place: int, **how: Any) -> House:
