@@ -1,22 +1,17 @@
 """The page of the bank: how a generator enters, and what ours makes of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from math import exp, log
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from benchmarks.briefs.attempts import Attempt
 from benchmarks.briefs.bank import HASH, BriefEntry
-from benchmarks.briefs.score import score
+from benchmarks.briefs.score import JudgedAnswer, score
 from benchmarks.common.pages import machine, table_rows, versions
 from logic.layout.account import GROUNDING, LAYOUT, LENGTHS
-
-if TYPE_CHECKING:
-    from benchmarks.briefs.attempts import Attempt
-    from benchmarks.briefs.run import Results
 
 TEMPLATE = Path(__file__).with_name("template.md")
 
@@ -28,6 +23,18 @@ Another program in the same run, of a sample: times of those of which both have 
 |---|---|---|---|---|---|---|---|---|
 {rows}
 """
+
+
+@dataclass
+class Results:
+    """What was measured: attempts by the names of their briefs."""
+
+    attempts: dict[str, Attempt] = field(default_factory=dict)
+    furnished: dict[str, Attempt] = field(default_factory=dict)
+    proofs: dict[str, tuple[int, int, int]] = field(default_factory=dict)
+    """See ``needed``."""
+    peer: dict[str, JudgedAnswer] = field(default_factory=dict)
+    judged: list[JudgedAnswer] = field(default_factory=list)
 
 
 def page(bank: Sequence[BriefEntry], found: Results, command: str) -> str:
@@ -122,12 +129,12 @@ def furnished_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[
             for entry in names
             if entry.rooms == rooms
         ]
-        done = [(bare, whole) for bare, whole in pairs if bare.houses and whole.houses]
+        done = [(plan, whole) for plan, whole in pairs if plan.houses and whole.houses]
         if done:
             yield [
                 str(rooms),
                 f"{len(done)} of {len(pairs)}",
-                middle([bare.seconds for bare, _ in done]),
+                middle([plan.seconds for plan, _ in done]),
                 *spread([whole.seconds for _, whole in done]),
                 middle([_of_pieces(whole) for _, whole in done]),
             ]

@@ -164,11 +164,11 @@ def of_dissection(rooms: int, rng: np.random.Generator) -> KnownPlan:
         if boxes is None:
             continue
         boxes = [boxes[place] for place in rng.permutation(rooms)]
-        bare = KnownPlan(tuple(boxes), ("room",) * rooms, (), 0)
-        outer = [room for room in range(rooms) if bare.outer(room)]
-        doors = _tree(bare, rng)
+        plain = KnownPlan(tuple(boxes), ("room",) * rooms, (), 0)
+        outer = [room for room in range(rooms) if plain.outer(room)]
+        doors = _tree(plain, rng)
         if doors and outer:
-            return KnownPlan(bare.boxes, bare.types, doors, int(rng.choice(outer)))
+            return KnownPlan(plain.boxes, plain.types, doors, int(rng.choice(outer)))
 
 
 def dissected(box: Box, rooms: int, rng: np.random.Generator) -> list[Box] | None:

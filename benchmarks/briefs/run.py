@@ -3,7 +3,7 @@
 import shlex
 import subprocess
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -11,9 +11,9 @@ import msgspec
 
 from benchmarks.briefs.attempts import Attempt, attempt, within
 from benchmarks.briefs.bank import HASH, BriefEntry, Kind, frozen
-from benchmarks.briefs.page import page
+from benchmarks.briefs.page import Results, page
 from benchmarks.briefs.proofs import needed
-from benchmarks.briefs.score import Answer, JudgedAnswer, judged_all, read_answers, score
+from benchmarks.briefs.score import Answer, judged_all, read_answers, score
 from benchmarks.common.pages import write
 from benchmarks.common.processes import say
 from logic.errors import RequestError
@@ -26,18 +26,6 @@ KINDS: tuple[Kind, ...] = ("house", "dissection", "changed", "impossible")
 
 ALONE = "plain"
 """The grammar of a brief alone."""
-
-
-@dataclass
-class Results:
-    """What was measured: attempts by the names of their briefs."""
-
-    attempts: dict[str, Attempt] = field(default_factory=dict)
-    furnished: dict[str, Attempt] = field(default_factory=dict)
-    proofs: dict[str, tuple[int, int, int]] = field(default_factory=dict)
-    """See ``needed``."""
-    peer: dict[str, JudgedAnswer] = field(default_factory=dict)
-    judged: list[JudgedAnswer] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
