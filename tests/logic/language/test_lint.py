@@ -35,7 +35,7 @@ def test_generate_refuses_what_lint_calls_an_error(old: str, new: str, tmp_path:
     (folder / "sizes.pl").write_text(text.replace(old, new))
     with pytest.raises(GrammarError) as caught:
         next(generate(rooms=3, grammar=folder))
-    assert caught.value.message == lint(folder)[0].text
+    assert caught.value.message == findings(find(folder))[0].text
 
 
 RULES = """
