@@ -90,10 +90,11 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Hold a folder, which is made, as the only command that draws there.
+    """Hold a folder, which is made, as the only command that draws there. It goes again if nothing is drawn.
 
     Raises ``RequestError`` where another one does: their pictures would be mixed.
     """
+    is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     held = os.open(folder, os.O_RDONLY)
     try:
@@ -104,6 +105,8 @@ def alone_in(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(held)
+        if is_new and not any(folder.iterdir()):
+            folder.rmdir()
 
 
 def require_drawn(folder: Path, ending: str, replace: bool) -> None:
