@@ -154,7 +154,7 @@ items_decided(Proof, Lines, Rooms, System, Items, Answer) -->
 
 decided(Left, Left, _, Layout, Items, placed) -->
     { maplist(chosen_width, Items, Widths) },
-    near_sample(3, Layout, Items, Widths), !.
+    inner_sample(Layout, Items, Widths), !.
 decided(Left0, Left, Proof, Layout, Items, Answer) -->
     { Layout = layout(_,_,System), outer_system(System, Items, Outer), middle(Outer, Middle) }, !,
     (   { Middle = impossible(Conflict) }
