@@ -32,7 +32,7 @@ class BriefEntry(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown
     answer: Literal["house", "impossible", "unknown"] = "unknown"
     """By construction."""
     grammar: str = ""
-    """By which it can be furnished, by construction."""
+    """By whose rules the house was made: it is furnished by them too."""
 
     @property
     def rooms(self) -> int:

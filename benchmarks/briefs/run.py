@@ -28,6 +28,10 @@ ALONE = "plain"
 """The grammar of a brief alone."""
 
 
+WARM = 12
+"""Furnished houses that are made before any is timed."""
+
+
 @dataclass(frozen=True)
 class BriefStudy:
     """Answer the frozen briefs and score the answers; or score those of another generator."""
@@ -100,7 +104,7 @@ class BriefStudy:
 
     def _measured(self, bank: list[BriefEntry]) -> None:
         found = Results()
-        builder = warm(ALONE, bank[0])
+        builder = warm(ALONE, bank[:1])
         for entry in bank:
             brief = alone(entry.read)
             found.attempts[entry.name] = self._tried(partial(attempt, builder, brief, self.houses))
@@ -119,7 +123,7 @@ class BriefStudy:
         self._write(bank, found)
         if furnishable := [entry for entry in bank if entry.grammar]:
             (grammar,) = {entry.grammar for entry in furnishable}
-            builder = warm(grammar, furnishable[0])  # SWI-Prolog holds one grammar at a time
+            builder = warm(grammar, furnishable[:WARM])  # SWI-Prolog holds one grammar at a time
             for entry in furnishable:
                 found.furnished[entry.name] = self._tried(partial(attempt, builder, entry.read))
                 say(f"{entry.name}, furnished: {in_words(found.furnished[entry.name])}")
@@ -163,11 +167,11 @@ class BriefStudy:
         return f"./run bench brief{''.join(changed)}{'' if self.proofs else ' --no-proofs'}{peer}"
 
 
-def warm(grammar: str, entry: BriefEntry) -> Builder:
-    """A builder that has made a house of a brief: what is read once is read."""
+def warm(grammar: str, entries: Iterable[BriefEntry]) -> Builder:
+    """A builder that has made houses of some briefs: what is read once is read, rules of furniture are ground."""
     builder = Builder(find(grammar))
-    brief = entry.read
-    attempt(builder, alone(brief) if grammar == ALONE else brief)
+    for entry in entries:
+        attempt(builder, alone(entry.read) if grammar == ALONE else entry.read)
     return builder
 
 

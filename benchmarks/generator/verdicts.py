@@ -2,16 +2,21 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, count
 from typing import Any
 
 import numpy as np
 from clingo import Function, Number, Symbol
 from scipy.optimize import linprog
 
+from benchmarks.briefs.bank import frozen
 from benchmarks.common.houses import INFERENCES
+from logic.errors import LimitReached
+from logic.generation.brief import BriefMaker
 from logic.generation.builder import Builder
+from logic.generation.evidence import NoLayout
 from logic.generation.furnish import Frame
 from logic.generation.shared_walls import SharedWallsMaker, given_room
 from logic.grammar import find
@@ -20,6 +25,8 @@ from logic.layout.program import Program
 from logic.layout.programs import GIVEN
 from logic.layout.terms import parts
 from logic.placement import prolog
+from logic.placement.plan import Plan
+from logic.request.brief import alone
 from logic.request.request import Request
 
 WIDE = [Number(mm) for mm in (1, 99_999, 1, 99_999)]
@@ -96,6 +103,39 @@ def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[s
             yield prolog.ask("given_room_system", frame.term(number, room.type, layout, 0))
 
 
+class AskedMaker(BriefMaker):
+    """Keeps the systems of all layouts that stage 2 is asked about."""
+
+    systems: list[dict[str, Any]]
+
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+        self.systems.append(prolog.ask("plan_system", layout))
+        return super()._walls(request, layout, seed, inferences)
+
+
+def brief_systems(builder: Builder, rooms: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """The same of the layouts that come up in making houses of the frozen briefs with these rooms, without
+    end; in the place of CLP(R) is what refutes layouts (``brief.pl``).
+    """
+    entries = [entry for entry in frozen() if entry.rooms in rooms]
+    for seed in count():
+        for entry in entries:
+            maker = AskedMaker(builder.grammar, builder.loaded, alone(entry.read))
+            maker.systems = []
+            with suppress(NoLayout, LimitReached):
+                maker.made(Request(entry.rooms, brief=maker.brief), np.random.default_rng(seed), INFERENCES)
+            yield from maker.systems
+
+
+def until_refuted(systems: Iterable[dict[str, Any]], number: int) -> Iterator[dict[str, Any]]:
+    """Systems until so many of them are refuted."""
+    for system in systems:
+        yield system
+        number -= not system["real"]
+        if number <= 0:
+            return
+
+
 def _lax(builder: Builder, type_: str, part: str, doorways: Sequence[Symbol] = ()) -> tuple[Any, ...]:
     """The rules of a room's furniture for a program that knows no lengths."""
     facts = [
@@ -126,25 +166,29 @@ class Verdicts:
     furniture: int = 3000
     """About how many of furniture, in stars and in plans each."""
 
+    briefs: int = 2000
+    """How many refuted ones of layouts of frozen briefs, with 5, 8 and 10 rooms."""
+
     def run(self) -> int:
         """Print how often each combination of verdicts came; 1 where the exact one differs from HiGHS."""
         print("system            CLP(R)  CLP(Q)  HiGHS   systems")
         wrong = False
         for name, found in self._found():
             counts = verdicts(found)
-            for verdict, count in sorted(counts.items()):
+            for verdict, times in sorted(counts.items()):
                 said = "".join("yes     " if each else "no      " for each in verdict)
-                print(f"{name:18}{said}{count}", flush=True)
+                print(f"{name:18}{said}{times}", flush=True)
             wrong |= any(rational != highs for _, rational, highs in counts)
         return int(wrong)
 
     def _found(self) -> Iterator[tuple[str, Iterable[dict[str, Any]]]]:
         """One grammar after the other: SWI-Prolog holds one at a time."""
         yield "furniture, stars", furniture_systems(Builder(find(self.star)), range(self.furniture))
+        yield "briefs", until_refuted(brief_systems(Builder(find("plain")), (5, 8, 10)), self.briefs)
         builder = Builder(find(self.grammar))
-        for name, systems, count in (
+        for name, systems, some in (
             ("furniture, plans", given_systems, self.furniture // sum(self.rooms)),
             ("walls", wall_systems, self.systems // len(self.rooms)),
         ):
-            each = (systems(builder, rooms, range(count)) for rooms in self.rooms)
+            each = (systems(builder, rooms, range(some)) for rooms in self.rooms)
             yield name, chain.from_iterable(each)

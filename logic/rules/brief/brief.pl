@@ -1,4 +1,4 @@
-:- module(brief, [brief_constraints//2, area_items/4, has_area/2, items_decided//6, areas_bounded/3]).
+:- module(brief, [brief_constraints//2, area_items/4, has_area/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3]).
 
 /** <module> What a brief says of lengths and areas, beside the walls of a layout
 
@@ -231,7 +231,9 @@ inner_chord(W, D, Area, Why, W1-W2, (Sum =< Slope*W + D)-Why) :- Slope is Area/(
 
 % - that no lengths have them ------------------------------------------------------------------------------------------------
 
-%   outer_system(+System, +Items, -All): what loses no right size.
+%!  outer_system(+System, +Items, -All) is det.
+%
+%   All is the System, and what of the Items loses no right size.
 
 outer_system(System, Items, All) :- maplist(outer, Items, Outer), append([System|Outer], All).
 
@@ -256,7 +258,7 @@ areas_bounded(System, Items, All) :- maplist(widened, Items, Wide), outer_system
 widened(item(W,D,Least-Most,Why,_), item(W,D,Least-Most,Why,from(Slit,[])-upto(High,[]))) :-
     least_side(Slit), High is Most/Slit.
 
-%   middle(+System, -Middle) is semidet.
+%!  middle(+System, -Middle) is semidet.
 %
 %   Middle is at(Xs,Values), a point in which the System holds with as much to spare as there is, or impossible(Conflict). All
 %   constraints are loosened by the least amount with which they have a solution: those that bind there are in conflict where

@@ -141,8 +141,15 @@ resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !
 %!  plan_system(+Atoms, -Json) is det.
 %
 %   Json is the linear system of these walls, rows as in linear.pl, and what CLP(R) and CLP(Q) say: whether there is a
-%   solution.
+%   solution. That of a brief has what its areas leave of lengths; in the place of CLP(R) it is what refutes a layout (brief.pl).
 
+plan_system(Atoms, Json) :-
+    of_brief(Atoms), !,
+    brief_system(Atoms, _, System, Items),
+    outer_system(System, Items, All),
+    solver_verdicts(All, Record),
+    ( middle(All, impossible(_)) -> Real = false ; Real = true ),
+    as_json(Record.put(real, Real), Json).
 plan_system(Atoms, Json) :-
     wall_system(Atoms, _, System),
     solver_verdicts(System, Record),
