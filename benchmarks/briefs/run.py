@@ -168,7 +168,7 @@ class BriefStudy:
 
 
 def warm(grammar: str, entries: Iterable[BriefEntry]) -> Builder:
-    """A builder that has made houses of some briefs: what is read once is read, rules of furniture are ground."""
+    """A builder that has made houses of some briefs: rules are read, and those of furniture are ground."""
     builder = Builder(find(grammar))
     for entry in entries:
         attempt(builder, alone(entry.read) if grammar == ALONE else entry.read)

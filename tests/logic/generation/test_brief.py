@@ -7,8 +7,10 @@ import msgspec
 import pytest
 
 import logic
+from benchmarks.generator.verdicts import brief_systems, until_refuted, verdicts
 from logic import House, RequestError, Unsatisfiable
 from logic.checking.check import violations
+from logic.grammar import find
 from logic.house.parts import OUTSIDE, Room
 from logic.request.brief import Brief, alone, read_brief
 from tests.logic.workers import in_process
@@ -253,3 +255,10 @@ def test_a_court_has_no_entrance() -> None:
 def test_an_unknown_type_is_refused_with_what_is_meant() -> None:
     with pytest.raises(RequestError, match=r"rooms\[0\] \(A\): .*kitchn.*kitchen"):
         next(generate(brief={"rooms": [{"name": "A", "type": "kitchn"}]}, grammar="home"))
+
+
+def test_no_layout_of_a_brief_is_refuted_falsely() -> None:
+    """What refutes layouts, CLP(Q) and HiGHS agree on the systems of layouts that come up."""
+    systems = until_refuted(brief_systems(in_process._builder(find("plain"), 0.0), (5,)), 8)
+    found = verdicts(systems)
+    assert set(found) == {(False, False, False), (True, True, True)}
