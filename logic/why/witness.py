@@ -6,6 +6,7 @@ What holds for all houses; the rest is of stars (``star.py``) and of shared wall
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import msgspec
@@ -18,6 +19,7 @@ from logic.generation.feasibility import Feasibility
 from logic.house.house import House
 from logic.house.part_names import part_names
 from logic.house.parts import Provenance
+from logic.layout.terms import brief_requirements, granted
 from logic.placement.bounds import room_bounds
 from logic.placement.layout import RoomLayout
 from logic.placement.placer import located
@@ -154,12 +156,18 @@ class Witness(ABC):
         )
         return lengths, tight
 
+    @cached_property
+    def _brief(self) -> dict[str, str]:
+        """The lines of the request's brief by the atoms that hold where they do."""
+        lines = brief_requirements(self._request.brief) if self._request.brief else ()
+        return {str(granted(term)): words for words, terms in lines for term in terms}
+
     def _reasons(self, reasons: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
         """Reasons as SWI-Prolog gives them: clauses by their places, then what holds and what does not."""
         clauses = [parse_term(text) for kind, text in reasons if kind == "clause"]
         places = self._builder.placer.origins(clauses)
         found = [located(*places[clause]) for clause in clauses if clause in places]
-        found += [Reason(text) for kind, text in reasons if kind == "holds"]
+        found += [Reason(self._brief.get(text, text)) for kind, text in reasons if kind == "holds"]
         return (*found, *(Reason(f"not {text}") for kind, text in reasons if kind == "fails"))
 
 

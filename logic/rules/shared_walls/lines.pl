@@ -74,8 +74,9 @@ all_whole_sampled([Gaps-X|Order], Solver) -->
           Solver:{X = N1} } ),
     all_whole_sampled(Order, Solver).
 
-%!  sampling_order(+Lines, +Rooms, -Order): Gaps-Place of the outline and then of the other lines, where Gaps is the most
-%   rooms in a row between the line and the outline's east or south side.
+%!  sampling_order(+Lines, +Rooms, -Order) is semidet: Gaps-Place of the outline and then of the other lines, where Gaps is the
+%   most rooms in a row between the line and the outline's east or south side. Fails where a row leads back to its line, as
+%   with rules of a topology left out: such lines have no places.
 
 sampling_order(Lines, Rooms, [1-Width,1-Depth|Order]) :-
     memberchk(outline(east)-Width, Lines), memberchk(outline(south)-Depth, Lines),
@@ -84,7 +85,8 @@ sampling_order(Lines, Rooms, [1-Width,1-Depth|Order]) :-
     sort(Steps0, Steps),
     findall(Line-0, member(Line-_, Lines), Zeros),
     list_to_assoc(Zeros, Gaps0),
-    farthest(Steps, Gaps0, Gaps),
+    length(Lines, Longest),
+    farthest(Longest, Steps, Gaps0, Gaps),
     findall(N-Line, ( member(Line-_, Lines), \+ Line = outline(_), get_assoc(Line, Gaps, N) ), Ranks0),
     sort(1, @>=, Ranks0, Ranks),
     maplist(ranked(Lines), Ranks, Order).
@@ -92,9 +94,9 @@ sampling_order(Lines, Rooms, [1-Width,1-Depth|Order]) :-
 % From a line that leads to no outline there is one gap.
 ranked(Lines, N-Line, Gaps-Place) :- memberchk(Line-Place, Lines), Gaps is max(1, N).
 
-farthest(Steps, Gaps0, Gaps) :-
+farthest(Left, Steps, Gaps0, Gaps) :-
     foldl(farther, Steps, Gaps0, Gaps1),
-    ( Gaps1 == Gaps0 -> Gaps = Gaps0 ; farthest(Steps, Gaps1, Gaps) ).
+    ( Gaps1 == Gaps0 -> Gaps = Gaps0 ; Left > 0, Fewer is Left - 1, farthest(Fewer, Steps, Gaps1, Gaps) ).
 
 farther(A-B, Gaps0, Gaps) :-
     get_assoc(A, Gaps0, N), get_assoc(B, Gaps0, M),

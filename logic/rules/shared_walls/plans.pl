@@ -114,25 +114,24 @@ stated_extremes(Type, [Type,[1,0,1,0],[],[]]).
 %   none, as where a topology lacks some walls.
 
 plan_conflict(Atoms, Without, Json) :-
+    (   once(conflicting(Atoms, Without, Conflict))
+    ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
+        sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
+    ;   Reasons = null ),
+    as_json(Reasons, Json).
+
+conflicting(Atoms, Without, Conflict) :-
     of_brief(Atoms), !,
     brief_system(Atoms, plan(Lines,Rooms), System, Items),
     exclude(resting_on(Without), System, Rest),
     exclude(item_resting_on(Without), Items, Others),
-    (   items_decided(minimal, Lines, Rooms, Rest, Others, refuted(Conflict), 0, _)
-    ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
-        sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
-    ;   Reasons = null ),
-    as_json(Reasons, Json).
-plan_conflict(Atoms, Without, Json) :-
-    (   whole_system(Atoms, [], Plan, System),
-        exclude(resting_on(Without), System, Rest),
-        (   exact_conflict(minimal, Rest, Conflict)
-        ->  true
-        ;   Without == [], unsampled(Atoms, Plan, System), Conflict = System )
-    ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
-        sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
-    ;   Reasons = null ),
-    as_json(Reasons, Json).
+    items_decided(minimal, Lines, Rooms, Rest, Others, refuted(Conflict), 0, _).
+conflicting(Atoms, Without, Conflict) :-
+    whole_system(Atoms, [], Plan, System),
+    exclude(resting_on(Without), System, Rest),
+    (   exact_conflict(minimal, Rest, Conflict)
+    ->  true
+    ;   Without == [], unsampled(Atoms, Plan, System), Conflict = System ).
 
 item_resting_on(Without, item(_,_,_,Why,_)) :- resting_on(Without, _-Why).
 
