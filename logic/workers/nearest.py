@@ -25,6 +25,9 @@ MOST_CONFLICTS = 60
 NEAR = 0.05
 """How precisely the share is found by which bounds of a length are wider."""
 
+AMPLE = (NEAR, 5 * NEAR, 20 * NEAR)
+"""Shares by which the bounds are wider than that, the first with which a house is made."""
+
 EASING = 10_000_000
 """So many Prolog inferences may a house of wider bounds take."""
 
@@ -65,10 +68,11 @@ def nearest(
 ) -> Nearest:
     """The brief that is nearest to this one of those that have houses; itself, where it has.
 
-    As few lines as can be are broken, lengths before others where as many would do. Of these, areas and sizes
-    are kept in wider bounds, as little wider as a house is soon found for (to a twentieth), and others are
-    left out. Arguments are those of ``generate``; ``seconds`` is for each house or proof that
-    it takes. Raises as ``generate`` does: ``Unsatisfiable`` where the conflict is the grammar's own.
+    As few lines as can be are broken, lengths before others where as many would do, and areas of large rooms
+    first. Of these, areas and sizes are kept in wider bounds, as little wider as a house is soon found for
+    (to a twentieth), and others are left out. Arguments are those of ``generate``; ``seconds`` is for each
+    house or proof that it takes. Raises as ``generate`` does: ``Unsatisfiable`` where the conflict is the
+    grammar's own.
     """
 
     def house(some: Brief, inferences: int = inferences) -> House:
@@ -108,7 +112,7 @@ def nearest(
 
 def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]:
     """The fewest lines of a brief without which it has a house; raises as ``house`` does."""
-    lines = requirements(wanted)
+    lines = sorted(requirements(wanted), key=_largest_room_first)
     hitting = Hitting([not is_length(line.where) for line in lines])
     for _ in range(MOST_CONFLICTS):
         out = [lines[place] for place in hitting.set()]
@@ -130,6 +134,12 @@ def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]
     )
 
 
+def _largest_room_first(line: Requirement) -> float:
+    """An order of lines: of a large area a small share makes up for much."""
+    kind, *_, most = line.terms[0]
+    return -most if kind == "area" and line.where[0] == "rooms" else 0.0
+
+
 def _eased(brief: Brief, place: Where, house_of: Callable[[Brief], House | None]) -> Brief | None:
     """The brief with the length at this place as little wider as a house was found for; None for none."""
 
@@ -148,4 +158,6 @@ def _eased(brief: Brief, place: Where, house_of: Callable[[Brief], House | None]
             most = min(half, off_by(house, brief, place))
         else:
             least = half
-    return by(most * down, most * up)
+    # At the least share rooms have hardly any other lengths, and houses are hard to find.
+    ample = ((most + more) * (1 + more) for more in AMPLE)
+    return next((some for share in ample if house_of(some := by(share * down, share * up))), None)
