@@ -157,7 +157,7 @@ def test_an_outer_wall_at_a_void_is_a_wall_that_the_room_shares_with_it() -> Non
 
 
 def test_no_dissection_is_preferred_where_a_brief_leaves_all() -> None:
-    """Three named rooms have 36 dissections, six each way round; chi-square of 35 degrees, at one in a thousand."""
+    """Three named rooms have 36 dissections; chi-square of 35 degrees, at one in a thousand."""
     found: Counter[str] = Counter()
     for house in generate(brief=brief(3), count=144, seed=5):
         found[str([side_of(one, other) for one, other in combinations(house.rooms, 2)])] += 1
