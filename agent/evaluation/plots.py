@@ -15,6 +15,7 @@ from agent.learning.learner import Progress
 COLOURS = {
     "agent": "#1f5ea8",
     "map-completion": "#1f5ea8",
+    "search": "#12356b",
     "pqn": "#4f93d8",
     "paper": "#b04a5a",
     "paper-original": "#7d2c3a",

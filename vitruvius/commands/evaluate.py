@@ -34,9 +34,9 @@ class Evaluate:
     groups: ClassVar = {"houses": "What they play", "scores": "Beside others", "out": "Output"}
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints, or names of agents that come with the project (pqn, map-completion, paper,
-    paper-original).
-    Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
+    """Checkpoints, or names of agents that come with the project (pqn, map-completion, search, paper,
+    paper-original). Checkpoints that differ in their training seed alone are runs of one agent. None:
+    the references alone."""
 
     houses: Streamed = Path(banks.NAME)
     """Houses to measure in: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to 10

@@ -32,6 +32,7 @@ from agent.planner.frame import AXES
 from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
 from agent.planner.viewpoints.choice import Viewpoints
 from agent.policies.policies import Explorer
+from agent.runs import checkpoint
 from benchmarks.planner.true_views import true_views
 from logic import generate
 from logic.errors import RequestError
@@ -440,3 +441,10 @@ def test_closed_doors_are_refused_in_one_line():
 def test_a_config_that_no_run_can_have_is_refused(changes):
     with pytest.raises(RequestError):
         SearchConfig(**changes)
+
+
+def test_the_released_network_finds_more_than_the_explorer_in_houses_that_it_did_not_learn_in():
+    made = checkpoint.load("search")
+    envs = make_envs(list(generate(5, seed=78, count=12)), 12, "secondary")
+    policy = policy_of(made.network, made.config, envs)
+    assert played(policy, envs, 300) > played(Explorer(shield(envs), envs.config), envs, 300)
