@@ -1,6 +1,7 @@
 """From a request to a house: the two stages, and what goes between them."""
 
 from importlib.metadata import version
+from typing import Any
 
 import clingo
 import msgspec
@@ -22,8 +23,13 @@ from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
 from logic.layout.program import Program
 from logic.placement.lengths import metres
+from logic.request.brief import Brief
+from logic.request.given_plan import OwnPlan
 from logic.request.request import Request, known
 from logic.spelling import unknown
+
+OF_GIVEN: dict[type, type[BriefMaker] | type[GivenPlanMaker]] = {Brief: BriefMaker, OwnPlan: GivenPlanMaker}
+"""Who makes the houses of what a request may give."""
 
 
 class Builder:
@@ -46,8 +52,7 @@ class Builder:
         shared = UnitsMaker if self.loaded.depths else SharedWallsMaker
         feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.house_facts)
         self.maker: Maker = (shared if grammar.shares_walls else StarMaker)(grammar, self.loaded, feasibility)
-        self._given: GivenPlanMaker | None = None
-        self._briefed: BriefMaker | None = None
+        self._of_given: tuple[Brief | OwnPlan, Maker] | None = None
         self._promises: dict[Program, Promises] = {}
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -71,32 +76,27 @@ class Builder:
 
     def maker_class(self, request: Request) -> type[Maker]:
         """The class of who makes the houses of a request; ``logic.why.kinds`` has the witness of each."""
-        if request.brief:
-            return BriefMaker
-        return GivenPlanMaker if request.plan else type(self.maker)
+        return OF_GIVEN.get(type(request.given), type(self.maker))
 
     def maker_of(self, request: Request) -> Maker:
         """Who makes the houses of a request: in a plan of the user's, or by a brief, others do."""
-        if (request.plan or request.brief) and not self.grammar.shares_walls:
+        if request.given and not self.grammar.shares_walls:
             raise RequestError(
                 f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a "
                 "star around a main room: take rules for rooms that share walls, as --grammar home"
             )
         self.require_known(request)
-        if request.brief:
-            if self._briefed is None or self._briefed.brief != request.brief:
-                self._briefed = BriefMaker(self.grammar, self.loaded, request.brief)
-            return self._briefed
-        if request.plan is None:
+        given: Any = request.given
+        if given is None:
             return self.maker
-        if self._given is None or self._given.plan != request.plan:
-            self._given = GivenPlanMaker(self.grammar, self.loaded, request.plan)
-        return self._given
+        if self._of_given is None or self._of_given[0] != given:
+            self._of_given = given, OF_GIVEN[type(given)](self.grammar, self.loaded, given)
+        return self._of_given[1]
 
     def require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
-        if request.rooms > self.loaded.most_rooms and not (request.plan or request.brief):
+        if request.rooms > self.loaded.most_rooms and not request.given:
             raise RequestError(
                 f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by "
                 f"its topology, not {request.rooms}"

@@ -49,7 +49,7 @@ class Prover:
             nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
             statements.append(relaxed.proved(reason, nogoods))
         # The user's plan or brief says more than rules from which the same follows: it is left out last.
-        if request.plan or request.brief:
+        if request.given:
             statements.sort(key=lambda each: each.reason.file is not None)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in found.orders:
@@ -65,7 +65,7 @@ class Prover:
         )
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
-        if request.plan or request.brief:
+        if request.given:
             named = False
         elif not found.orders:
             named, rooms = self._number_of_rooms(

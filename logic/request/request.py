@@ -60,6 +60,11 @@ class Request:
     brief: Brief | None = None
     """What is wanted of each room by its name."""
 
+    @property
+    def given(self) -> Brief | OwnPlan | None:
+        """What it says of each room by its name, if anything."""
+        return self.brief or self.plan
+
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
         """A request from its JSON form; raises ``RequestError`` for what makes no sense."""
