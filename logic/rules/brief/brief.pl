@@ -161,7 +161,7 @@ decided(Left0, Left, Proof, Layout, Items, Answer) -->
     ->  { Left = Left0, areas_bounded(System, Items, Whole),
           ( middle(Whole, impossible(Stronger)) -> Answer = refuted(Stronger) ; Answer = refuted(Conflict) ) }
     ;   { sizes_at(Middle, Items, Sizes), pairs_keys(Sizes, Widths), held(Layout, Held) },
-        near_sample(3, Held, Items, Widths)
+        near_sample(1, Held, Items, Widths)
     ->  { Answer = placed, Left = Left0 }
     ;   { Left0 > 0, sizes_at(Middle, Items, Sizes), widest_miss(Items, Sizes, Item, Others) }
     ->  { halves(Item, Lower, Upper), Left1 is Left0 - 1 },
