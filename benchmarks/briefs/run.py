@@ -92,15 +92,16 @@ class BriefStudy:
             self._measured(bank)
 
     def _chosen(self, bank: Iterable[BriefEntry], each: int) -> list[BriefEntry]:
-        """Those of these kinds and rooms, the first ones of each."""
-        counts: dict[tuple[str, int], int] = {}
-        chosen = []
+        """Those of these kinds and rooms, of each group some that lie evenly in it."""
+        groups: dict[tuple[str, int], list[BriefEntry]] = {}
         for entry in bank:
-            group = entry.kind, entry.rooms
-            if entry.kind in self.kinds and entry.rooms in self.rooms and counts.get(group, 0) < each:
-                counts[group] = counts.get(group, 0) + 1
-                chosen.append(entry)
-        return chosen
+            if entry.kind in self.kinds and entry.rooms in self.rooms:
+                groups.setdefault((entry.kind, entry.rooms), []).append(entry)
+        return [
+            some[place * len(some) // min(each, len(some))]
+            for some in groups.values()
+            for place in range(min(each, len(some)))
+        ]
 
     def _measured(self, bank: list[BriefEntry]) -> None:
         found = Results()
