@@ -15,6 +15,7 @@ from msgspec import structs
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.score import Answer
 from benchmarks.common.houses import INFERENCES
+from benchmarks.common.processes import LIBC
 from logic.errors import LimitReached, Unsatisfiable
 from logic.generation.builder import Builder
 from logic.proofs.answer import house_or_proof
@@ -116,8 +117,9 @@ def within(seconds: float, work: Callable[[], T], kind: type[T]) -> T | None:
 
 
 def _alone(seconds: float, writing: int, work: Callable[[], object]) -> None:
-    """In the new process: work, and end."""
+    """In the new process: work, and end; with the study too."""
     try:
+        LIBC.prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
         content = msgspec.json.encode(work())
