@@ -146,7 +146,10 @@ def schema() -> dict[str, Any]:
 
 def alone(brief: Brief) -> Brief:
     """The brief without a grammar, whose types of rooms are labels."""
-    rooms = [msgspec.structs.replace(room, type="", label=room.label or room.type) for room in brief.rooms]
+    rooms = [
+        msgspec.structs.replace(room, type="", label=room.label or room.type or room.name)
+        for room in brief.rooms
+    ]
     return msgspec.structs.replace(brief, rooms=tuple(rooms))
 
 

@@ -253,6 +253,7 @@ def test_rooms_may_be_named_in_any_script() -> None:
     names = ["Küche", "居間", "غرفة نوم"]
     house = next(generate(brief={"rooms": [{"name": name} for name in names], "doors": [names[:2]]}))
     assert [room.name for room in house.rooms] == names
+    assert [room.type for room in house.rooms] == names
 
 
 def test_a_least_area_that_is_nearly_nothing_is_that_of_the_least_sides() -> None:
