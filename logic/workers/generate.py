@@ -25,6 +25,7 @@ from logic.request.fixed_rooms import fixed_rooms
 from logic.request.given_plan import SNAP, OwnPlan, keeping, read_plan
 from logic.request.request import MOST_ROOMS, Count, Request, whole
 from logic.spelling import keywords
+from logic.workers.idle import Idle
 from logic.workers.messages import (
     Counted,
     CountLayouts,
@@ -37,7 +38,7 @@ from logic.workers.messages import (
     Open,
     Warn,
 )
-from logic.workers.solver import GRACE, LOADING, START_UP, Idle, Solver
+from logic.workers.solver import GRACE, LOADING, START_UP, Solver
 
 _idle = Idle()
 

@@ -1,9 +1,8 @@
-"""Solver processes from outside: how they are started, asked, ended, and kept for the next request.
+"""Solver processes from outside: how they are started, asked and ended.
 
 ``worker.py`` is what runs in them.
 """
 
-import atexit
 import contextlib
 import errno
 import os
@@ -11,7 +10,6 @@ import selectors
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -52,9 +50,6 @@ STEP = 1.0
 
 GRACE = 1.0
 """Seconds past a limit in which a process may say what it was doing."""
-
-MOST_IDLE = 2
-"""Solver processes kept for the next request for the same rules: to start one takes half a second."""
 
 SCARCE = {errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.ENOMEM}
 """Why a process cannot be started: too many open files or processes, or no memory."""
@@ -298,44 +293,6 @@ class Solver:
 def _named(path: Iterable[str]) -> list[str]:
     """Where modules are looked for, but for the current folder."""
     return [folder for folder in path if folder and os.path.abspath(folder) != os.getcwd()]
-
-
-class Idle:
-    """Solver processes that have answered everything, by what they have loaded; safe among threads."""
-
-    def __init__(self) -> None:
-        """Begin with none."""
-        self.forget()
-        atexit.register(self.end)
-        # A forked child has copies of the pipes, but the processes answer its parent.
-        os.register_at_fork(after_in_child=self.forget)
-
-    def forget(self) -> None:
-        """Begin with none."""
-        self._lock, self._workers = threading.Lock(), []
-
-    def take(self, key: tuple[Any, ...]) -> Solver | None:
-        """One that has loaded just these rules and still runs, if there is one."""
-        with self._lock:
-            places = [place for place, (loaded, _) in enumerate(self._workers) if loaded == key]
-            worker = self._workers.pop(places[-1])[1] if places else None
-        if worker is None or worker.is_alive():
-            return worker
-        worker.end()
-        return self.take(key)
-
-    def add(self, key: tuple[Any, ...], worker: Solver) -> None:
-        """Keep one, and end those beyond ``MOST_IDLE`` that were used the longest time ago."""
-        with self._lock:
-            self._workers.append((key, worker))
-            late = [self._workers.pop(0)[1] for _ in range(len(self._workers) - MOST_IDLE)]
-        for unused in late:
-            unused.end()
-
-    def end(self) -> None:
-        """End all."""
-        while self._workers:
-            self._workers.pop()[1].end()
 
 
 def answers(

@@ -25,8 +25,9 @@ from logic import (
     load,
 )
 from logic.grammar import SHIPPED
+from logic.workers.idle import MOST_IDLE
 from logic.workers.messages import Open
-from logic.workers.solver import MOST_IDLE, Solver
+from logic.workers.solver import Solver
 from tests.logic.workers import in_process
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "family-4-rooms.json"
