@@ -8,12 +8,22 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.briefs.attempts import Attempt
-from benchmarks.briefs.bank import HASH, BriefEntry
+from benchmarks.briefs.bank import HASH, BriefEntry, frozen
 from benchmarks.briefs.score import JudgedAnswer, score
 from benchmarks.common.pages import machine, table_rows, versions
 from logic.layout.account import GROUNDING, LAYOUT, LENGTHS
 
 TEMPLATE = Path(__file__).with_name("template.md")
+
+FURNISHED = """
+The same briefs beside the rules of *home*, with its furniture, whose rules are ground before, as they are
+once in a process. It is not known for sure that these have a furnished house, as they are read off to a
+centimetre.
+
+| rooms | both done | without, median | furnished, median | p95 | of it furniture |
+|---|---|---|---|---|---|
+{rows}
+"""
 
 PEER = """
 Another program in the same run, of a sample: times of those of which both have said the same, a house or
@@ -40,15 +50,15 @@ class Results:
 def page(bank: Sequence[BriefEntry], found: Results, command: str) -> str:
     """The page, of what was measured."""
     return TEMPLATE.read_text().format(
-        count=len(bank),
+        count=len(frozen()),
         hash=HASH[:12],
         command=command,
         machine=machine(),
         versions=versions("clingo", "clingo-dl"),
-        kinds=table_rows(kind_rows(bank)),
+        kinds=table_rows(kind_rows(frozen())),
         times=table_rows(time_rows(bank, found)),
         score=table_rows(score_rows(found)),
-        furnished=table_rows(furnished_rows(bank, found)),
+        furnished=FURNISHED.format(rows=table_rows(furnished_rows(bank, found))) if found.furnished else "",
         proofs=proofs_in_words(found),
         peer=PEER.format(rows=table_rows(peer_rows(bank, found))) if found.peer else "",
         figures=" | ".join(FIGURES),
