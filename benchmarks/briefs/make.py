@@ -6,6 +6,7 @@ versions (``requirements.lock``) give the same houses, and so the same bank.
 """
 
 import sys
+from argparse import ArgumentParser
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from itertools import combinations, islice, pairwise
@@ -341,4 +342,6 @@ def main(file: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("file")
+    sys.exit(main(parser.parse_args().file))

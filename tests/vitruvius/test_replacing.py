@@ -21,7 +21,7 @@ PLANS = ROOT / "tests" / "fixtures" / "plans.jsonl"
 FOREIGN = b"years of my own work\n"
 
 FOLDERS = (
-    *("agents", "drift", "explorers", "fuzz", "generator", "gpu", "homes", "learner", "learning"),
+    *("agents", "brief", "drift", "explorers", "fuzz", "generator", "gpu", "homes", "learner", "learning"),
     *("paper", "phases", "playing", "sampling", "simulator", "tasks", "throughput", "transfer", "views"),
 )
 """Studies that write into a folder."""
