@@ -20,7 +20,7 @@ from logic.errors import RequestError
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.files import write_whole
-from logic.request.brief import alone
+from logic.request.brief import Brief, alone
 
 KINDS: tuple[Kind, ...] = ("house", "dissection", "changed", "impossible")
 
@@ -114,8 +114,7 @@ class BriefStudy:
         for entry in bank if self.proofs else ():
             because, brief = found.attempts[entry.name].because, alone(entry.read)
             if because is not None:
-                tried = lambda fewer: self._tried(partial(attempt, builder, fewer))  # noqa: E731
-                found.proofs[entry.name] = needed(brief, because, tried)
+                found.proofs[entry.name] = needed(brief, because, partial(self._of_fewer, builder))
                 say(f"{entry.name}: {found.proofs[entry.name]} of its proof")
         if self.peer:
             some = self._chosen(bank, self.peer_each)
@@ -132,6 +131,9 @@ class BriefStudy:
         text = page(bank, found, self._command())
         write({"brief-bank.md": text.encode()}, self.out, self.publish)
         print(text)
+
+    def _of_fewer(self, builder: Builder, brief: Brief) -> Attempt:
+        return self._tried(partial(attempt, builder, brief))
 
     def _tried(self, work: Callable[[], Attempt]) -> Attempt:
         return within(self.seconds, work, Attempt) or Attempt(

@@ -102,6 +102,8 @@ def alone_in(folder: Path) -> Iterator[None]:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise RequestError(f"{folder}: another command draws here: wait, or name another") from None
+        except OSError:
+            pass  # some network file systems lock no folder: nothing is known of others there
         yield
     finally:
         os.close(held)

@@ -85,7 +85,7 @@ def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
 
 def brief_requirements(brief: Brief) -> list[tuple[str, list[Symbol]]]:
     """What a brief requires, each line in words: see ``rules/brief/brief.lp``."""
-    return [(f"brief: {line.words}", [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
+    return [(line.reason, [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
 
 
 def brief_facts(brief: Brief, on_request: bool) -> list[Symbol]:

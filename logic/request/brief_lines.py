@@ -28,6 +28,11 @@ class Requirement(NamedTuple):
     words: str
     terms: tuple[tuple[Any, ...], ...]
 
+    @property
+    def reason(self) -> str:
+        """As a proof names it."""
+        return f"brief: {self.words}"
+
 
 def requirements(brief: Brief) -> list[Requirement]:
     """What a brief requires, line by line."""

@@ -119,8 +119,8 @@ def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]
         try:
             house(without(wanted, [line.where for line in out]))
         except Unsatisfiable as proof:
-            conflict = {reason.text.removeprefix("brief: ") for reason in proof.reasons}
-            named = [place for place, line in enumerate(lines) if line.words in conflict and line not in out]
+            conflict = {reason.text for reason in proof.reasons}
+            named = [place for place, line in enumerate(lines) if line.reason in conflict and line not in out]
             if not named:  # the grammar's own, whatever the brief says
                 raise
             hitting.add(named)

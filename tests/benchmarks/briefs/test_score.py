@@ -6,7 +6,8 @@ import msgspec
 import pytest
 
 from benchmarks.briefs.bank import BriefEntry
-from benchmarks.briefs.score import Answer, faults, judged, judged_all, lines, score
+from benchmarks.briefs.judge import faults, lines
+from benchmarks.briefs.score import Answer, judged, judged_all, score
 from logic import House, HouseFileError
 from logic.request.brief import read_brief
 

@@ -92,6 +92,22 @@ def test_what_is_no_brief_is_said_in_words_and_nothing_is_drawn(editor: Page) ->
     expect(editor.locator("#brief-wrong")).to_contain_text("this is no JSON of a brief")
 
 
+def test_a_brief_keeps_a_room_and_forgets_what_was_wrong_of_one_that_is_left_out(editor: Page) -> None:
+    editor.get_by_label("Area of Room 2").fill("much")
+    expect(editor.locator("#brief-wrong")).to_contain_text("“much” is no length")
+    editor.get_by_role("button", name="Leave Room 2 out").click()
+    expect(editor.locator("#brief-wrong")).to_have_text("")
+    drawn(editor, 2)
+    expect(editor.get_by_role("button", name="Leave Room 1 out")).to_be_disabled()
+
+
+def test_an_address_that_holds_no_brief_is_said_to_hold_none(server: Watched, page: Page) -> None:
+    page.goto(f"{server.address}#rooms=2&seed=0&count=2&size=260&brief=%7B%22rooms%22%3A3%7D")
+    expect(page.locator("#brief-wrong")).to_contain_text("this is no JSON of a brief")
+    expect(page.locator("#brief-json")).to_have_value('{"rooms":3}')
+    expect(page.locator("#status")).to_contain_text("Nothing is drawn")
+
+
 def test_a_brief_that_is_impossible_is_proved_by_its_lines(editor: Page) -> None:
     """Two rooms always share a wall."""
     wanted = {**brief(editor), "apart": [["Room 1", "Room 2"]]}

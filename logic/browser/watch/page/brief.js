@@ -8,6 +8,7 @@ import { byId, element } from "./dom.js";
 /** Milliseconds: a text that goes on sooner asks for nothing in between. */
 const PAUSE = 400;
 const SPAN = /^(\d+(?:\.\d+)?)(?:\s*\.\.\s*(\d+(?:\.\d+)?))?$/;
+const NO_BRIEF = 'this is no JSON of a brief: {"rooms": [{"name": "Hall"}, ...]}';
 const SIDES = ["north", "east", "south", "west"];
 
 /** What may be between two rooms: its key in a brief, in words. */
@@ -29,7 +30,6 @@ export function initBrief(onChange) {
   };
   byId("by-brief").addEventListener("change", ({ target }) => {
     brief = target.checked ? { rooms: ["Room 1", "Room 2"].map((name) => ({ name })), doors: [["Room 1", "Room 2"]] } : null;
-    wrong = {};
     draw();
     changed();
   });
@@ -59,9 +59,12 @@ export function initBrief(onChange) {
 /** Show what the address says. */
 export function readBriefAddress() {
   const said = address().get("brief");
-  wrong = {};
-  brief = said && parsed(said);
+  brief = said && (parsed(said) ?? { rooms: [] });
   draw();
+  if (brief && !parsed(said)) {
+    byId("brief-json").value = said;
+    say("As JSON", NO_BRIEF);
+  }
 }
 
 /** The room types of a grammar. */
@@ -76,7 +79,7 @@ export const readBrief = () => (!brief ? undefined : Object.values(wrong).some(B
 
 function readJson(text) {
   const read = parsed(text);
-  say("As JSON", read ? "" : "this is no JSON of a brief: {\"rooms\": [{\"name\": \"Hall\"}, ...]}");
+  say("As JSON", read ? "" : NO_BRIEF);
   if (read) {
     brief = read;
     draw(false);
@@ -89,7 +92,7 @@ function parsed(text) {
   try {
     const read = JSON.parse(text);
     const pairs = Object.keys(JOINTS).flatMap((kind) => read[kind] ?? []);
-    return read.rooms.every(({ name }) => typeof name === "string") && pairs.every((pair) => pair.length === 2) ? read : null;
+    return read.rooms.length && read.rooms.every(({ name }) => typeof name === "string") && pairs.every((pair) => pair.length === 2) ? read : null;
   } catch {
     return null;
   }
@@ -97,6 +100,7 @@ function parsed(text) {
 
 /** All of it as it is; with `whole`, the JSON too, in which the user may be writing. */
 function draw(whole = true) {
+  wrong = {};
   byId("brief").hidden = !brief;
   byId("by-brief").checked = Boolean(brief);
   byId("request").classList.toggle("by-brief", Boolean(brief));
@@ -137,7 +141,7 @@ function row(room, place) {
   outside.addEventListener("change", () => edit(() => set(room, "outside", { "": undefined, any: true }[outside.value] ?? sides(outside.value))));
   const entry = element("input", { type: "radio", name: "entrance", checked: (brief.entrance?.room ?? brief.entrance) === room.name, aria: { label: `The house is entered by ${room.name}` } });
   entry.addEventListener("change", () => edit(() => { brief.entrance = room.name; }));
-  const out = element("button", { type: "button", title: `Leave ${room.name} out`, aria: { label: `Leave ${room.name} out` } }, "×");
+  const out = element("button", { type: "button", title: `Leave ${room.name} out`, disabled: brief.rooms.length === 1, aria: { label: `Leave ${room.name} out` } }, "×");
   out.addEventListener("click", () => leaveOut(room));
   return element("tr", {}, ...[name, type, area, outside, entry, out].map((each) => element("td", {}, each)));
 }
