@@ -38,6 +38,36 @@ def at_signals(act: Callable[[KeyboardInterrupt], object]) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def heeded_after(seconds: float = 2.0) -> Iterator[None]:
+    """Heed a signal that comes within the block after it: a line that is taken slowly is not cut. Where
+    nobody takes it the signal is heeded after ``seconds``, and where another one comes at once.
+    """
+    before = {number: act for number in ENDS if callable(act := signal.getsignal(number))}
+    if threading.current_thread() is not threading.main_thread() or not before:
+        yield
+        return
+    came: list[int] = []
+
+    def heed(number: int, frame: FrameType | None) -> None:
+        if came:
+            before[signal.Signals(came.pop())](number, frame)
+        elif number != signal.SIGALRM:
+            came.append(number)
+            signal.setitimer(signal.ITIMER_REAL, seconds)
+
+    alarm = signal.signal(signal.SIGALRM, heed)
+    for number in before:
+        signal.signal(number, heed)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        for number, act in {**before, signal.SIGALRM: alarm}.items():
+            signal.signal(number, act)
+        heed(signal.SIGALRM, None)
+
+
 def end(by: KeyboardInterrupt) -> None:
     """Raise it."""
     raise by

@@ -1,16 +1,18 @@
 """Signals end a command whatever it is doing, and once."""
 
+import fcntl
 import json
 import os
 import signal
 import subprocess
 import sys
+import termios
 import time
 from pathlib import Path
 
 import pytest
 
-from logic.stopping import Terminated, at_signals, end
+from logic.stopping import Terminated, at_signals, end, heeded_after
 
 PASSED_OVER = """
 import os
@@ -66,16 +68,42 @@ def test_what_is_made_is_kept_while_it_is_written() -> None:
 
 
 def test_a_lost_terminal_leaves_the_houses_that_were_made() -> None:
-    words = ["generate", "--rooms", "1", "--count", "1000"]
+    """Whole ones, also where they are taken slowly: a pipe holds some, and the command waits in the next."""
+    words = ["generate", "--rooms", "6", "--count", "1000"]  # a house is longer than what is written at once
     running = subprocess.Popen(
-        [sys.executable, "-m", "vitruvius.cli", *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
+        [sys.executable, "-m", "vitruvius.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
     assert running.stdout
-    first = running.stdout.readline()
+    most = fcntl.fcntl(running.stdout.fileno(), fcntl.F_GETPIPE_SZ)
+    held = 0
+    while held != (held := _waiting(running.stdout.fileno())) or held < most / 2:
+        time.sleep(1)
     running.send_signal(signal.SIGHUP)
-    rest, said = running.communicate(timeout=60)
-    assert (running.returncode, said) == (143, "terminated\n")
-    assert all(json.loads(line)["unit"] == "m" for line in (first, *rest.splitlines()))
+    time.sleep(0.2)
+    houses, said = running.communicate(timeout=60)
+    assert (running.returncode, said) == (143, b"terminated\n")
+    assert len(houses) > held
+    assert all(json.loads(line)["unit"] == "m" for line in houses.splitlines())
+
+
+def test_a_reader_that_takes_nothing_is_not_waited_for() -> None:
+    out, into = os.pipe()
+    held = os.write(into, bytes(fcntl.fcntl(into, fcntl.F_GETPIPE_SZ)))
+    begun = time.monotonic()
+
+    def write() -> None:
+        with at_signals(end), heeded_after(0.1):
+            os.kill(os.getpid(), signal.SIGTERM)
+            os.write(into, b"house")
+
+    with pytest.raises(Terminated):
+        write()
+    assert time.monotonic() - begun < 30
+    assert len(os.read(out, held + 1)) == held
+    os.close(out)
+    os.close(into)
+
+
+def _waiting(pipe: int) -> int:
+    """How many bytes lie in a pipe."""
+    return int.from_bytes(fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)), sys.byteorder)

@@ -8,6 +8,7 @@ from typing import Any
 import tyro
 
 from logic.errors import RequestError
+from logic.stopping import heeded_after
 from logic.terminal import say
 
 Repeated = tyro.conf.UseAppendAction
@@ -35,11 +36,17 @@ def require_plan(plan: Path | None, unit: str, snap: float) -> None:
         raise RequestError("--plan-unit and --snap are of a plan: give it by --plan FILE")
 
 
+def print_line(text: str) -> None:
+    """Print a line that is whole, also where a signal ends the command while it is read."""
+    with heeded_after():
+        print(text, flush=True)
+
+
 def print_answer(command: str, answer: Any, exit_code: int = 0) -> None:
     """Print what a command found as ``--json`` has it: see ``vitruvius.answers.houses``."""
     from vitruvius.answers.houses import encoded
 
-    print(encoded(command, exit_code, answer), flush=True)
+    print_line(encoded(command, exit_code, answer))
 
 
 def say_warnings() -> None:

@@ -16,7 +16,7 @@ from logic.errors import RequestError, VitruviusError
 from logic.house.house import House
 from logic.spelling import numbered, quoted
 from logic.terminal import progress, progress_bar, say
-from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
+from vitruvius.commands.common import Repeated, counts, print_answer, print_line, require_plan, say_warnings
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ class Generate:
                     self._held(out, house)
                 houses.append(house)
                 if out is None and not self.json:
-                    print(json.dumps(house.to_dict()), flush=True)
+                    print_line(json.dumps(house.to_dict()))
         except (VitruviusError, KeyboardInterrupt) as end:
             # Another process may have written meanwhile.
             if out and houses and len(houses) > self._held(out, houses[0]):
