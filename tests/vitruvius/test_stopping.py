@@ -69,7 +69,7 @@ def test_what_is_made_is_kept_while_it_is_written() -> None:
 
 def test_a_lost_terminal_leaves_the_houses_that_were_made() -> None:
     """Whole ones, also where they are taken slowly: a pipe holds some, and the command waits in the next."""
-    words = ["generate", "--rooms", "6", "--count", "1000"]  # a house is longer than what is written at once
+    words = ["generate", "--grammar", "home", "--rooms", "8", "--count", "1000"]  # more than Python buffers
     running = subprocess.Popen(
         [sys.executable, "-m", "vitruvius.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
