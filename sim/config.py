@@ -144,7 +144,7 @@ class Config:
     @property
     def columns(self) -> tuple[str, ...]:
         """What an observation says of each ray, in this order; ``is target`` is the last. ``Episodes.look``
-        writes it.
+        writes it, in numbers from 0 to 1 but for the angle: see ``single_spaces``.
         """
         return (
             *(("angle",) if self.sees_angle else ()),

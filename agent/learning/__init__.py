@@ -1,1 +1,1 @@
-"""What all algorithms share: configs, replay, ranks, environments."""
+"""What all algorithms share: learners, configs, replay, ranks, environments."""

@@ -135,6 +135,12 @@ def machine() -> str:
 GOLDEN = json.loads(FILE.read_text()) if FILE.exists() else {}
 
 
+def record_of(name: str) -> dict[str, Any]:
+    """What was recorded; fails where nothing was, as of a preset that is new."""
+    assert name in GOLDEN, f"{FILE.name} has no {name!r}: ./run python -m tests.agent.test_golden prints it"
+    return GOLDEN[name]
+
+
 def same(found: dict[str, Any], golden: dict[str, Any]) -> None:
     """What was done is the same; so is what was shown, where the machine is."""
     shown, recorded = found.pop("shown"), golden["shown"]
@@ -150,21 +156,21 @@ def test_all_that_is_recorded_is_compared() -> None:
 
 @pytest.mark.parametrize("name", EXPLORERS)
 def test_the_explorer_does_what_it_did(name: str) -> None:
-    same(explored(name), GOLDEN[name])
+    same(explored(name), record_of(name))
 
 
 @pytest.mark.parametrize("preset", RECORDED)
 def test_a_presets_policy_does_what_it_did(preset: str) -> None:
-    same(played(preset), GOLDEN[f"{preset}, played"])
+    same(played(preset), record_of(f"{preset}, played"))
 
 
 @pytest.mark.parametrize("preset", RECORDED)
 def test_a_preset_learns_what_it_learnt(preset: str) -> None:
-    found, golden = learnt(preset), GOLDEN[f"{preset}, learnt"]
-    assert found["reports"] == golden["reports"]
-    assert found["losses"] == pytest.approx(golden["losses"], rel=0.05, abs=1e-6)
-    if found["machine"] == golden["machine"]:
-        assert found["weights"] == golden["weights"]
+    recorded, found = record_of(f"{preset}, learnt"), learnt(preset)
+    assert found["reports"] == recorded["reports"]
+    assert found["losses"] == pytest.approx(recorded["losses"], rel=0.05, abs=1e-6)
+    if found["machine"] == recorded["machine"]:
+        assert found["weights"] == recorded["weights"]
 
 
 if __name__ == "__main__":

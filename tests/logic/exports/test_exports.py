@@ -4,6 +4,7 @@
 # pyright: reportAttributeAccessIssue=false
 
 import json
+import re
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +27,7 @@ from logic.request.given_plan import read_plan
 from tests.sample_houses import RANDOM, example
 from vitruvius.cli import main
 
+PAGE = Path(__file__).parents[3] / "docs" / "house-file.md"
 HOME, STAR, ORIGINAL = benchmark("home-test-v1")[3], RANDOM[0], example()
 HOUSES = pytest.mark.parametrize("house", [HOME, STAR, ORIGINAL], ids=["home", "star", "original"])
 
@@ -269,4 +271,8 @@ def test_formats_and_files_that_are_not_are_named(tmp_path: Path) -> None:
         export([HOME], tmp_path, "gltv")
     with pytest.raises(ValueError, match="no house to write"):
         export([], tmp_path, "gltf")
-    assert set(FORMATS) == {"geojson", "gltf", "mjcf", "ros", "usd"}
+
+
+def test_the_page_of_house_files_has_a_row_for_each_format() -> None:
+    table = PAGE.read_text().partition("| `--to` |")[2].partition("\n\n")[0]
+    assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == [*FORMATS]
