@@ -18,7 +18,18 @@ PACKAGES = ("logic", "sim", "agent", "benchmarks", "vitruvius")
 FOLDERS = {
     "logic": (
         *("encoding", "errors", "spelling", "stopping", "copies", "includes", "grammar", "terminal"),
-        *("house", "checking", "request", "layout", "placement", "language", "generation", "proofs", "why"),
+        *(
+            "house",
+            "checking",
+            "readers",
+            "request",
+            "layout",
+            "placement",
+            "language",
+            "generation",
+            "proofs",
+            "why",
+        ),
         *("workers", "drawing", "exports", "browser"),
     ),
     "sim": (

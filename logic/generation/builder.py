@@ -24,7 +24,7 @@ from logic.language.loaded import LoadedGrammar
 from logic.layout.program import Program
 from logic.placement.lengths import metres
 from logic.request.brief import Brief
-from logic.request.given_plan import OwnPlan
+from logic.request.own_plan import OwnPlan
 from logic.request.request import Request, known
 from logic.spelling import unknown
 

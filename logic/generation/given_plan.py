@@ -26,7 +26,7 @@ from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
 from logic.placement.given_plan import openings, plan_faults
 from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
-from logic.request.given_plan import OwnPlan
+from logic.request.own_plan import OwnPlan
 from logic.request.request import Request
 
 PATIENCE = 5

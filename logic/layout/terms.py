@@ -11,7 +11,7 @@ from logic.request.brief import LEAST_SIDE, Brief
 from logic.request.brief_lines import area_ranges, void_numbers
 from logic.request.brief_lines import requirements as brief_lines
 from logic.request.fixed_rooms import FixedRoom
-from logic.request.given_plan import OwnPlan
+from logic.request.own_plan import OwnPlan
 from logic.request.request import MOST, Range, Request
 
 STEP = 500

@@ -9,7 +9,7 @@ from logic.house.parts import OUTSIDE
 from logic.placement.placer import Placer
 from logic.placement.plan import PlanDoor, PlanWindow
 from logic.placement.prolog import Term
-from logic.request.given_plan import OwnPlan
+from logic.request.own_plan import OwnPlan
 
 
 def plan_faults(

@@ -1,14 +1,16 @@
 """Rooms of a plan from GeoJSON (RFC 7946): a rectangle along the axes for each, in metres."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from statistics import median
 from typing import Any, NamedTuple
 
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
-from logic.house.parts import LONGEST_NAME, OUTSIDE, Room
+from logic.house.parts import LONGEST_NAME, Room
+from logic.readers.regular import unlike
+from logic.readers.units import metres_to
 from logic.spelling import numbered
 
 GEOJSON = "FeatureCollection"
@@ -24,9 +26,6 @@ OTHER_KINDS = ("door", "window", "piece")
 
 NAMES = ("name", "Name", "NAME", "label", "id")
 """Properties that name a room, the first that is there."""
-
-UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
-"""Metres to a unit."""
 
 LARGEST = 50.0
 """Metres: where half of the rooms are longer than this, their unit is another one."""
@@ -54,9 +53,9 @@ def from_geojson(
 ) -> tuple[list[Room], list[str]]:
     """The rooms of GeoJSON, and what is to be said of what was passed over.
 
-    Its y grows north: the plan's north-west corner becomes (0, 0). ``unit``: of ``UNITS``, or metres to a
-    unit as a number. Corners may lie ``snap`` metres beside those of a rectangle. Raises ``RequestError`` for
-    what is no plan, naming the room.
+    Its y grows north: the plan's north-west corner becomes (0, 0). ``unit``: see ``metres_to``. Corners may
+    lie ``snap`` metres beside those of a rectangle. Raises ``RequestError`` for what is no plan, naming the
+    room.
     """
     found, passed = list[Polygon](), Counter[str]()
     for number, feature in enumerate(_features(record)):
@@ -66,12 +65,12 @@ def from_geojson(
     if not found:
         others = f", but {_counted(passed)}" if passed else ""
         raise RequestError(f"plan: it has no polygon that is a room{others}")
-    factor = _factor(unit)
+    factor = metres_to(unit)
     boxes = [_box(each, factor, snap) for each in found]
     _require_metres(boxes, factor, unit)
     left, top = min(box[0] for box in boxes), max(box[3] for box in boxes)
     rooms = []
-    names = _unlike(each.name for each in found)
+    names = unlike(each.name for each in found)
     for each, name, (west, south, east, north) in zip(found, names, boxes, strict=True):
         # Edges are rounded, not sizes: what two rooms share stays shared.
         x, right, y, bottom = (round(m, 6) for m in (west - left, east - left, top - north, top - south))
@@ -136,21 +135,6 @@ def _name(properties: Mapping[str, Any], feature: Mapping[str, Any], number: int
     return f"R{number}"
 
 
-def _unlike(names: Iterable[str]) -> Iterator[str]:
-    """Names of which each is one room's: those that stand twice get numbers, as in ``Bedroom 2``. None is
-    what lies around the house.
-    """
-    names = list(names)
-    taken, seen = set(names), {OUTSIDE}
-    for name in names:
-        own, number = name, 1
-        while own in seen or (own != name and own in taken):
-            number += 1
-            own = f"{name[: LONGEST_NAME - 5]} {number}"
-        seen.add(own)
-        yield own
-
-
 def _ring(rings: Any, where: str) -> list[tuple[float, float]]:
     """The corners of a polygon without holes."""
     if not isinstance(rings, Sequence) or not rings:
@@ -198,19 +182,6 @@ def _is_rectangle(points: Sequence[tuple[float, float]], box: Box, near: float) 
     at_edge = all(min(x, width - x) <= near or min(y, height - y) <= near for x, y in ring)
     fills = abs(abs(area) - width * height) <= near * (width + height)
     return along and at_edge and fills and abs(length - 2 * (width + height)) <= 8 * near
-
-
-def _factor(unit: str) -> float:
-    """Metres to a unit."""
-    if unit in UNITS:
-        return UNITS[unit]
-    try:
-        factor = float(unit)
-    except ValueError:
-        factor = 0.0
-    if not 0 < factor < FAR:
-        raise RequestError(f"plan unit {unit}: one of {', '.join(UNITS)}, or metres to a unit, as in 0.02")
-    return factor
 
 
 def _require_metres(boxes: Sequence[Box], factor: float, unit: str) -> None:

@@ -8,9 +8,7 @@ import io
 import json
 import warnings
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, combinations
 from pathlib import Path
 from typing import Any
@@ -21,13 +19,18 @@ import shapely
 from logic.checking.figures import figure
 from logic.checking.shared_walls import gaps
 from logic.errors import HouseFileError, PlanWarning, RequestError
-from logic.house.boxes import TOLERANCE, WALLS, Box, overlap
+from logic.house.boxes import TOLERANCE, Box, overlap
 from logic.house.files import STANDARD, load, opened
 from logic.house.house import House
-from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
-from logic.house.walls import remaining
+from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
+from logic.readers import sketch
+from logic.readers.lines import MOST_WALL
+from logic.readers.regular import regular
+from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson, is_geojson
+from logic.request.openings import placed
 from logic.request.other_formats import named
+from logic.request.own_plan import OwnPlan
 from logic.request.snapping import snapped
 from logic.spelling import numbered
 
@@ -39,111 +42,45 @@ SNAP, MOST_SNAP = 0.01, 0.5
 
 HINT = "rooms are rectangles side by side, and walls have no thickness: draw rooms to the middle of each wall"
 
-
-@dataclass(frozen=True)
-class Wall:
-    """A part of one side of a room: on the other side is one other room, by its number, or the outside.
-
-    Metres: ``place`` across the wall, ``start`` and ``end`` along it.
-    """
-
-    room: int
-    side: str
-    behind: int | None
-    place: float
-    start: float
-    end: float
+HINT_OF_WALLS = (
+    f"walls between rooms are {MOST_WALL:g} m thick at most: draw what lies there as part of a room"
+)
 
 
-class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
-    """Rooms with names, types (empty: any) and places in metres, x east, y south.
+def read_plan(
+    source: str | Path | House | Mapping[str, Any], unit: str | None = None, snap: float = SNAP
+) -> OwnPlan:
+    """A plan from a house, from GeoJSON or one of ResPlan's plans, or from a file, known by its content.
 
-    If there are doors between rooms, there will be no others; likewise an entrance, and windows.
-    """
-
-    rooms: tuple[Room, ...]
-    doors: tuple[Door, ...] = ()
-    windows: tuple[Window, ...] = ()
-    kept: tuple[str, ...] = ()
-    """Names of the rooms whose furniture stays; the others have none yet."""
-
-    @cached_property
-    def lines(self) -> list[dict[str, tuple[str, int]]]:
-        """For each room and side the line that it lies on: its axis, and its number from west or north."""
-        numbers = [_numbers(edge for room in self.rooms for edge in room.box[k::2]) for k in (0, 1)]
-        return [
-            {side: ("xy"[k % 2], numbers[k % 2][room.box[k]]) for k, side in enumerate(WALLS)}
-            for room in self.rooms
-        ]
-
-    @property
-    def outline(self) -> Box:
-        """The box around all rooms: (west, north, east, south), metres."""
-        west, north, east, south = zip(*(room.box for room in self.rooms), strict=True)
-        return min(west), min(north), max(east), max(south)
-
-    @cached_property
-    def walls(self) -> list[Wall]:
-        """The sides of all rooms, each cut at what lies behind it."""
-        return [
-            wall for number in range(len(self.rooms)) for side in WALLS for wall in self._side(number, side)
-        ]
-
-    def wall_of(self, opening: Door | Window) -> Wall | None:
-        """The wall that a door or window lies in, on the side of its first room; None if in none."""
-        names = [room.name for room in self.rooms]
-        between = opening.between if isinstance(opening, Door) else (opening.room, OUTSIDE)
-        room, behind = sorted((names.index(name) if name != OUTSIDE else None for name in between), key=str)
-        for wall in self.walls:
-            k = WALLS.index(wall.side) % 2
-            start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
-            along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE
-            on = abs(place - wall.place) + abs(opening.box[k + 2] - wall.place) <= TOLERANCE
-            if (wall.room, wall.behind) == (room, behind) and along and on:
-                return wall
-        return None
-
-    def _side(self, number: int, side: str) -> Iterator[Wall]:
-        k = WALLS.index(side)
-        opposite = WALLS[(k + 2) % 4]
-        box = self.rooms[number].box
-        shared = []
-        for other, room in enumerate(self.rooms):
-            if self.lines[other][opposite] == self.lines[number][side]:
-                start, end = _common(box, room.box, 1 - k % 2)
-                if end - start > TOLERANCE:
-                    shared.append((start, end))
-                    yield Wall(number, side, other, box[k], start, end)
-        for start, end in remaining((box[1 - k % 2], box[3 - k % 2]), shared):
-            yield Wall(number, side, None, box[k], start, end)
-
-
-def read_plan(source: str | Path | House | Mapping[str, Any], unit: str = "m", snap: float = SNAP) -> OwnPlan:
-    """A plan from a house, from GeoJSON as a dict, or from a file of either.
-
-    ``unit`` of GeoJSON: see ``from_geojson``. ``snap``: metres within which edges are one wall. Warns
-    (``PlanWarning``) of what was moved or passed over. Raises ``HouseFileError`` for a file that cannot be
-    read, ``RequestError`` for what is no plan.
+    ``unit``: see ``metres_to``; by default what the file says, or metres. ``snap``: metres within which edges
+    are one wall. Warns (``PlanWarning``) of what was moved or passed over. Raises ``HouseFileError`` for a
+    file that cannot be read, ``RequestError`` for what is no plan.
     """
     if not 0 <= snap <= MOST_SNAP:
         raise RequestError(f"snap must be 0 to {MOST_SNAP:g} m, not {snap!r}")
-    if isinstance(source, str | Path):
-        source = _from_file(Path(source))
-    if isinstance(source, House):
-        rooms = [msgspec.structs.replace(room, children=()) for room in source.rooms]
-        doors, windows, notes = source.doors, source.windows, list[str]()
+    found, drawn = _read(source), None
+    if isinstance(found, House):
+        rooms = [msgspec.structs.replace(room, children=()) for room in found.rooms]
+        doors, windows, notes = found.doors, found.windows, list[str]()
+    elif isinstance(found, Sketch):
+        drawn = regular(found, unit, snap)
+        rooms, doors, windows, notes = drawn.rooms, (), (), drawn.notes
     else:
-        rooms, notes = from_geojson(source, unit, snap)
+        rooms, notes = from_geojson(found, unit or "m", snap)
         doors, windows = (), ()
     _require_rooms(rooms)
     on_lines = snapped(rooms, doors, windows, snap)
     if on_lines.moved:
         how_many = f"{numbered(on_lines.moved, 'edge')} of rooms"
         notes.append(f"{how_many} moved by {on_lines.farthest:.2g} m at most, onto walls beside them: --snap")
+    plan = OwnPlan(on_lines.rooms, on_lines.doors, on_lines.windows)
+    if drawn:
+        openings = placed(plan, drawn, max(snap, SNAP))
+        notes += openings.notes
+        plan = OwnPlan(plan.rooms, openings.doors, openings.windows)
     for note in notes:
         warnings.warn(f"plan: {note}", PlanWarning, stacklevel=3)
-    plan = OwnPlan(on_lines.rooms, on_lines.doors, on_lines.windows)
-    _require_plan(plan)
+    _require_plan(plan, HINT_OF_WALLS if drawn else HINT)
     return plan
 
 
@@ -170,12 +107,21 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
     )
 
 
-def _from_file(path: Path) -> House | dict[str, Any]:
+def _read(source: str | Path | House | Mapping[str, Any]) -> House | Sketch | Mapping[str, Any]:
+    """A house, a plan of another program, or GeoJSON."""
+    if isinstance(source, str | Path):
+        return _from_file(Path(source))
+    return source if isinstance(source, House) else sketch(b"", source) or source
+
+
+def _from_file(path: Path) -> House | Sketch | dict[str, Any]:
     content = _content(path)
     try:
         record = json.loads(content)
     except (ValueError, RecursionError):
         record = None  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
+    if found := sketch(content, record):
+        return found
     if isinstance(record, dict) and is_geojson(record):
         return record
     if what := named(content):
@@ -211,12 +157,12 @@ def _require_rooms(rooms: Sequence[Room]) -> None:
             )
 
 
-def _require_plan(plan: OwnPlan) -> None:
+def _require_plan(plan: OwnPlan, hint: str) -> None:
     """Refuse rooms that are no plan, each by its name."""
     for fault in _covers(plan):
         raise RequestError(f"plan: {fault}")
     for fault in chain(_overlaps(plan), _apart(plan), _gaps(plan)):
-        raise RequestError(f"plan: {fault}: {HINT}")
+        raise RequestError(f"plan: {fault}: {hint}")
     for fault in _misplaced(plan):
         raise RequestError(f"plan: {fault}")
 
@@ -291,18 +237,3 @@ def _misplaced(plan: OwnPlan) -> Iterator[str]:
     for window in plan.windows:
         if plan.wall_of(window) is None:
             yield f"a window of {window.room} at x {window.x:g}, y {window.y:g} is in no outer wall of it"
-
-
-def _numbers(values: Iterable[float]) -> dict[float, int]:
-    """The number of each value in their order; those that differ by a tolerance at most have the same."""
-    numbers: dict[float, int] = {}
-    last, number = float("-inf"), -1
-    for value in sorted(set(values)):
-        number += value - last > TOLERANCE
-        numbers[value] = number
-        last = value
-    return numbers
-
-
-def _common(one: Box, other: Box, axis: int) -> tuple[float, float]:
-    return max(one[axis], other[axis]), min(one[axis + 2], other[axis + 2])

@@ -22,6 +22,7 @@ BEGINNINGS = (
     (rb"glTF", "a glTF model", "give the house file that it was made of"),
     (rb"PK\x03\x04", "a zip archive, such as KMZ or XLSX", "unpack it, and convert the plan to GeoJSON"),
     (rb"\x89HDF\r\n", "an HDF5 file", GEOJSON),
+    (rb"\x80[\x02-\x05]", "a Python pickle, which may run anything", "write one plan of it as JSON"),
 )
 """Regular expressions of how files begin, what they are, and what to do."""
 
@@ -31,7 +32,7 @@ XML = {b"svg": "an SVG picture", b"kml": "KML", b"gml": "GML", b"mxfile": "a dia
 JSON = {"Topology": "TopoJSON", "CityJSON": "CityJSON"}
 """What JSON is, by its ``type``."""
 
-READ = "a plan is GeoJSON or a house file of one house"
+READ = "a plan is GeoJSON or a house file of one house, or another of those in docs/house-file.md"
 
 
 def named(content: bytes) -> str | None:

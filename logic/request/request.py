@@ -10,7 +10,7 @@ import msgspec
 from logic.errors import RequestError
 from logic.request.brief import Brief, read_brief
 from logic.request.fixed_rooms import FixedRoom, from_records
-from logic.request.given_plan import OwnPlan
+from logic.request.own_plan import OwnPlan
 from logic.spelling import numbered, unknown
 
 Range = tuple[int, int | None]

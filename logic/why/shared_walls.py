@@ -15,7 +15,7 @@ from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import OUTSIDE, Door, Provenance, Window
 from logic.placement.bounds import opening_lengths, wall_bounds
-from logic.request.given_plan import OwnPlan, Wall
+from logic.request.own_plan import OwnPlan, Wall
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
 from logic.why.support import Support

@@ -22,7 +22,8 @@ from logic.house.house import House
 from logic.house.parts import BODY
 from logic.request.brief import Brief, alone, read_brief
 from logic.request.fixed_rooms import fixed_rooms
-from logic.request.given_plan import SNAP, OwnPlan, keeping, read_plan
+from logic.request.given_plan import SNAP, keeping, read_plan
+from logic.request.own_plan import OwnPlan
 from logic.request.request import MOST_ROOMS, Count, Request, whole
 from logic.spelling import keywords
 from logic.workers.idle import Idle
@@ -63,7 +64,7 @@ def generate(
     furniture: Mapping[str, Count] | None = None,
     cell: float = 0.0,
     plan: str | Path | House | Mapping[str, Any] | None = None,
-    plan_unit: str = "m",
+    plan_unit: str | None = None,
     snap: float = SNAP,
     keep: House | None = None,
     brief: str | Path | Mapping[str, Any] | Brief | None = None,
@@ -85,10 +86,11 @@ def generate(
     The rooms of ``keep`` (as in ``house.only("R0", "R2")``) are fixed, with their doors and furniture, and
     count among the ``rooms``; all else, the main room too, is generated around them. Rooms that share walls
     are kept in a ``plan`` with doors, of the same house.
-    ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, or
-    a file of either (``docs/house-file.md``). Doors, windows and furniture are generated in it, and ``rooms``
-    may be left out. ``plan_unit`` is GeoJSON's: ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges
-    within ``snap`` metres of each other are one wall, of which is warned (``PlanWarning``).
+    ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, a
+    plan of ResPlan, or a file of these, HouseExpo, CubiCasa5K or IMDF (``docs/house-file.md``). Doors,
+    windows and furniture are generated in it, and ``rooms`` may be left out. ``plan_unit`` is the file's:
+    ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges within ``snap`` metres of each other are one
+    wall, of which is warned (``PlanWarning``).
     ``brief`` says what is wanted of each room by its name (``docs/briefs.md``), as JSON, a file of it, or a
     ``Brief``: without a grammar it alone says what the house is.
     ``grammar`` is a shipped grammar's name or a directory; by default ``family``. House ``i`` is

@@ -30,9 +30,9 @@ def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
     return counts
 
 
-def require_plan(plan: Path | None, unit: str, snap: float) -> None:
+def require_plan(plan: Path | None, unit: str | None, snap: float) -> None:
     """Raise ``RequestError`` for what is said of a plan where there is none."""
-    if plan is None and (unit, snap) != ("m", 0.01):
+    if plan is None and (unit, snap) != (None, 0.01):
         raise RequestError("--plan-unit and --snap are of a plan: give it by --plan FILE")
 
 

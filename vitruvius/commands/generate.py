@@ -62,10 +62,12 @@ class Generate:
     others."""
 
     plan: Streamed | None = None
-    """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
+    """House file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K or IMDF: its rooms have
+    their places, and all else is generated in them."""
 
-    plan_unit: str = "m"
-    """Of GeoJSON: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02."""
+    plan_unit: str | None = None
+    """Of a plan that is no house file: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02; by default
+    what the file says, or m."""
 
     snap: float = 0.01
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""

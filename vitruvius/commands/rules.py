@@ -44,10 +44,12 @@ class Explain:
     """JSON file (docs/briefs.md): what is wanted of rooms, each by its name."""
 
     plan: Streamed | None = None
-    """A house file of one house, or GeoJSON, with all rooms in their places."""
+    """A house file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K or IMDF, with all rooms
+    in their places."""
 
-    plan_unit: str = "m"
-    """Of GeoJSON: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02."""
+    plan_unit: str | None = None
+    """Of a plan that is no house file: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02; by default
+    what the file says, or m."""
 
     snap: float = 0.01
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
@@ -111,7 +113,7 @@ class Explain:
         words = [(flag, value) for flag, value in asked.items() if value is not None]
         words += [("--type", each) for each in self.type] + [("--piece", each) for each in self.piece]
         words += [("--cell", self.cell)] if self.cell else []
-        words += [("--plan-unit", self.plan_unit)] if self.plan_unit != "m" else []
+        words += [("--plan-unit", self.plan_unit)] if self.plan_unit else []
         return " ".join(["vitruvius generate", *(f"{flag} {quoted(value)}" for flag, value in words)])
 
     def _house(self, file: Path) -> int:

@@ -1,0 +1,31 @@
+"""Plans of other programs: which can be read, each known by its content, and made rooms side by side."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from logic.readers.cubicasa import is_cubicasa, read_cubicasa
+from logic.readers.houseexpo import is_houseexpo, read_houseexpo
+from logic.readers.imdf import is_imdf, read_imdf
+from logic.readers.resplan import is_resplan, read_resplan
+from logic.readers.sketch import Sketch
+
+
+class Reader(NamedTuple):
+    """A format: whether content, with the JSON that it is if any, is of it; and what it holds."""
+
+    recognises: Callable[[bytes, Any], bool]
+    read: Callable[[bytes, Any], Sketch]
+
+
+READERS = (
+    Reader(is_houseexpo, read_houseexpo),
+    Reader(is_resplan, read_resplan),
+    Reader(is_imdf, read_imdf),
+    Reader(is_cubicasa, read_cubicasa),
+)
+
+
+def sketch(content: bytes, record: Any) -> Sketch | None:
+    """A plan of one of ``READERS``; None for another file. Raises ``RequestError`` for what is none."""
+    reader = next((each for each in READERS if each.recognises(content, record)), None)
+    return reader and reader.read(content, record)

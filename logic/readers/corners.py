@@ -1,0 +1,161 @@
+"""Polygons along the axes: noisy corners become right ones, and what has several corners is cut to boxes."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import pairwise
+from math import hypot
+from typing import NamedTuple
+
+import shapely
+from shapely import Polygon
+
+from logic.errors import RequestError
+
+CHAMFER = 0.15
+"""Metres: a slanting wall that is no longer becomes a corner."""
+
+LEAN = 0.03
+"""How far a wall may lean, as a share of its length, beside noise."""
+
+Point = tuple[float, float]
+
+
+class Side(NamedTuple):
+    """A wall of a room along an axis: ``axis`` 0 for one that runs north to south, at an x."""
+
+    axis: int
+    place: float
+    length: float
+
+
+def squared(name: str, shape: Polygon, noise: float) -> Polygon:
+    """A polygon of walls along the axes. Corners may be ``noise`` metres beside their places.
+
+    Raises ``RequestError`` for a wall that slants and for an arc, by the room's name and where it is.
+    """
+    rings = [shape.exterior, *(each for each in shape.interiors if Polygon(each).area > (4 * noise) ** 2)]
+    plain = [shapely.simplify(ring, 2 * noise) for ring in rings]
+    shell, *holes = (_ring(name, [(x, y) for x, y, *_ in ring.coords[:-1]], noise) for ring in plain)
+    found = Polygon(shell, holes)
+    if not found.is_valid or found.is_empty:
+        x, y = shape.representative_point().coords[0]
+        raise RequestError(
+            f"plan: the outline of {name} at x {x:.2f}, y {y:.2f} m crosses itself: draw it again"
+        )
+    return found
+
+
+def _ring(name: str, corners: Sequence[Point], noise: float) -> list[Point]:
+    sides = _along(_sides(name, corners, noise))
+    jog = max(0.05, 3 * noise)
+    while len(sides) > 4:
+        # A step as small as noise is none: its walls are one.
+        least = min(range(len(sides)), key=lambda at: _reach(sides, at))
+        if _reach(sides, least) > jog:
+            break
+        sides = _along([side for at, side in enumerate(sides) if at != least])
+    if len(sides) < 4:
+        return []
+    corners = []
+    for one, other in pairwise([sides[-1], *sides]):
+        corners.append((one.place, other.place) if one.axis == 0 else (other.place, one.place))
+    return corners
+
+
+def _reach(sides: Sequence[Side], at: int) -> float:
+    """How long a side is between those beside it."""
+    return abs(sides[at - 1].place - sides[(at + 1) % len(sides)].place)
+
+
+def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
+    """The walls between corners; a short one that slants is two."""
+    found, slanting = list[Side](), list[tuple[Point, Point]]()
+    for one, other in pairwise([*corners, corners[0]]):
+        x, y = abs(other[0] - one[0]), abs(other[1] - one[1])
+        if min(x, y) <= 2.5 * noise + LEAN * max(x, y):
+            axis = int(x > y)
+            found.append(Side(axis, (one[axis] + other[axis]) / 2, max(x, y)))
+        elif hypot(x, y) <= CHAMFER:
+            found += [Side(0, one[0], y), Side(1, other[1], x)]
+        else:
+            slanting.append((one, other))
+    if slanting:
+        raise RequestError(
+            f"plan: {name} has {_slant(slanting)}: draw it in steps along the axes, or as a box"
+        )
+    return found
+
+
+def _slant(slanting: Sequence[tuple[Point, Point]]) -> str:
+    (x, y), end = slanting[0]
+    arc = len(slanting) > 3 and all(one[1] == other[0] for one, other in pairwise(slanting[:4]))
+    if arc:
+        end = slanting[-1][1]
+    what = "an arc" if arc else "a slanting wall"
+    return f"{what} from x {x:.2f}, y {y:.2f} to x {end[0]:.2f}, y {end[1]:.2f} m"
+
+
+def _along(sides: Sequence[Side]) -> list[Side]:
+    """Sides that follow each other along one axis as one, at the mean of their places."""
+    found: list[Side] = []
+    for side in sides:
+        if found and found[-1].axis == side.axis:
+            found[-1] = _joined(found[-1], side)
+        else:
+            found.append(side)
+    if len(found) > 1 and found[0].axis == found[-1].axis:
+        found[0] = _joined(found.pop(), found[0])
+    return found
+
+
+def _joined(one: Side, other: Side) -> Side:
+    length = one.length + other.length
+    return Side(one.axis, (one.place * one.length + other.place * other.length) / (length or 1.0), length)
+
+
+def moved(shape: Polygon, lines: Sequence[Callable[[float], float]]) -> Polygon:
+    """A polygon with its corners on other lines: ``lines`` of x and of y."""
+
+    def ring(corners: Iterable[Sequence[float]]) -> list[Point]:
+        return [(lines[0](x), lines[1](y)) for x, y in corners]
+
+    return Polygon(ring(shape.exterior.coords), [ring(each.coords) for each in shape.interiors])
+
+
+def boxes(shape: Polygon) -> Iterator[Polygon]:
+    """The boxes of a polygon along the axes: the largest that is in it, then the largest of the rest ..."""
+    rest = shape
+    while rest.area > 1e-6:
+        box = _largest(rest)
+        yield box
+        rest = shapely.difference(rest, box, grid_size=1e-9)
+
+
+def _largest(shape: shapely.Geometry) -> Polygon:
+    """The largest box in a polygon, or in several, whose sides lie on lines of its corners."""
+    corners = shapely.get_coordinates(shape)
+    xs, ys = (sorted({round(float(each), 9) for each in corners[:, k]}) for k in (0, 1))
+    grid = [
+        [bool(shapely.contains_xy(shape, (a + b) / 2, (c + d) / 2)) for a, b in pairwise(xs)]
+        for c, d in pairwise(ys)
+    ]
+    best = (0.0, shapely.box(0, 0, 0, 0))
+    for top in range(len(grid)):
+        free = [True] * len(grid[0])
+        for bottom in range(top, len(grid)):
+            free = [one and other for one, other in zip(free, grid[bottom], strict=True)]
+            for left, right in _runs(free):
+                area = (xs[right] - xs[left]) * (ys[bottom + 1] - ys[top])
+                if area > best[0] + 1e-9:
+                    best = area, shapely.box(xs[left], ys[top], xs[right], ys[bottom + 1])
+    return best[1]
+
+
+def _runs(free: Sequence[bool]) -> Iterator[tuple[int, int]]:
+    """Where runs of free columns begin and end."""
+    start = None
+    for at, is_free in enumerate([*free, False]):
+        if is_free and start is None:
+            start = at
+        elif not is_free and start is not None:
+            yield start, at
+            start = None

@@ -1,0 +1,108 @@
+"""CubiCasa5K (Kalervo and others, 2019): ``model.svg``, in pixels.
+
+A group of the class ``Space Bedroom`` has the room's polygon, and in many files a label with its size, as in
+``3.20 m x 4.05 m``; groups with the id ``Door`` and ``Window`` have rectangles in the walls.
+"""
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from math import log
+from statistics import median
+from typing import Any
+from xml.etree import ElementTree
+
+import shapely
+from shapely import Polygon
+
+from logic.errors import RequestError
+from logic.readers.sketch import Passage, Sketch, Space
+
+FORMAT = "a plan of CubiCasa5K"
+
+PIXEL = 0.01
+"""Metres to a pixel where no label says so: its models are drawn in centimetres."""
+
+METRES = re.compile(r"([\d.,]+)\s*m\s*[x×]\s*([\d.,]+)\s*m")
+FEET = re.compile(r"(\d+)'\s*(?:(\d+)\")?\s*[x×]\s*(\d+)'\s*(?:(\d+)\")?")
+
+FOOT = 0.3048
+
+
+def is_cubicasa(content: bytes, _: Any) -> bool:
+    """Whether a file is a model of CubiCasa5K: an SVG picture with a class for each room."""
+    return b"<svg" in content[:4096] and re.search(rb'class="Space ', content) is not None
+
+
+def read_cubicasa(content: bytes, _: Any) -> Sketch:
+    """Rooms by their classes; the unit by the sizes that labels say."""
+    if b"<!ENTITY" in content:
+        raise RequestError(f"plan: {FORMAT} has no entities of its own: save it without")
+    try:
+        tree = ElementTree.fromstring(content)
+    except ElementTree.ParseError as error:
+        raise RequestError(f"plan: {FORMAT} that is damaged: {error}") from None
+    storeys = [each for each in _groups(tree) if "Floorplan" in each.get("class", "").split()]
+    with_rooms = [each for each in storeys if any(_is_space(group) for group in _groups(each))]
+    if len(with_rooms) > 1:
+        names = ", ".join(each.get("id") or "one without an id" for each in with_rooms)
+        raise RequestError(
+            f"plan: it has {len(with_rooms)} storeys ({names}): keep the group of one of them in the file"
+        )
+    spaces, doors, windows, units = list[Space](), list[Passage](), list[Polygon](), list[float]()
+    for group in _groups(tree):
+        if _is_space(group):
+            _, *words = group.get("class", "").split()
+            polygon = _polygon(group)
+            if polygon is not None and words:
+                spaces.append(Space(words[0], (" ".join(words), words[0]), polygon))
+                units += _units(group, polygon)
+        elif group.get("id") in ("Door", "Window") and (polygon := _polygon(group)) is not None:
+            if group.get("id") == "Door":
+                doors.append(Passage(polygon))
+            else:
+                windows.append(polygon)
+    guessed = "" if units else f"no label of a room says its size, so a pixel is {PIXEL:g} m: --plan-unit"
+    return Sketch(FORMAT, spaces, doors, list(windows), median(units) if units else PIXEL, guessed=guessed)
+
+
+def _groups(tree: ElementTree.Element) -> Iterator[ElementTree.Element]:
+    return (each for each in tree.iter() if each.tag.rpartition("}")[2] == "g")
+
+
+def _is_space(group: ElementTree.Element) -> bool:
+    return group.get("class", "").split()[:1] == ["Space"]
+
+
+def _polygon(group: ElementTree.Element) -> Polygon | None:
+    """The polygon right in a group."""
+    for child in group:
+        if child.tag.rpartition("}")[2] == "polygon":
+            found = [
+                float(each) for each in re.findall(r"-?\d+(?:\.\d+)?(?:e-?\d+)?", child.get("points", ""))
+            ]
+            points = list(zip(found[::2], found[1::2], strict=False))
+            if len(points) >= 3 and any(a != b for a, b in pairwise(points)):
+                polygon = shapely.make_valid(Polygon(points))
+                parts = [each for each in shapely.get_parts(polygon) if isinstance(each, Polygon)]
+                return max(parts, key=lambda each: each.area, default=None)
+    return None
+
+
+def _units(group: ElementTree.Element, polygon: Polygon) -> Iterator[float]:
+    """Metres to a pixel by the sizes in a room's label, in the order in which both sides agree."""
+    west, north, east, south = polygon.bounds
+    for text in ("".join(each.itertext()) for each in group.iter() if each.tag.rpartition("}")[2] == "text"):
+        if found := METRES.search(text):
+            one, other = (float(each.replace(",", ".")) for each in found.groups())
+        elif found := FEET.search(text):
+            one, inches, other, more = (float(each or 0) for each in found.groups())
+            one, other = FOOT * (one + inches / 12), FOOT * (other + more / 12)
+        else:
+            continue
+        if min(one, other) < 1.5 or min(east - west, south - north) <= 0:
+            continue  # a label is rounded, which is much of a small room
+        pairs = [(a / (east - west), b / (south - north)) for a, b in ((one, other), (other, one))]
+        a, b = min(pairs, key=lambda pair: abs(log(pair[0] / pair[1])))
+        if abs(log(a / b)) < 0.05:  # else the room is no rectangle
+            yield (a + b) / 2

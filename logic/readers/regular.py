@@ -1,0 +1,225 @@
+"""A sketch made regular: metres, along the axes, rooms as boxes that share walls without a thickness.
+
+Whatever the format: here alone are units, rotation, noise, walls and rooms of several corners.
+"""
+
+from cmath import exp, phase
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import combinations, pairwise
+from math import atan2, degrees, radians
+from statistics import median
+from typing import Any, NamedTuple
+
+import shapely
+from shapely import Geometry, Polygon, affinity
+
+from logic.errors import RequestError
+from logic.house.boxes import Box
+from logic.house.parts import LONGEST_NAME, MOST_ROOMS, OUTSIDE, Room
+from logic.readers.corners import boxes, moved, squared
+from logic.readers.lines import common_lines
+from logic.readers.sketch import Sketch, Space
+from logic.readers.types import OUTSIDE as NO_ROOM
+from logic.readers.types import meant
+from logic.readers.units import metres_to
+from logic.spelling import numbered
+
+NARROW = 0.6
+"""Metres: a part of a room that is narrower, such as a niche, is no room."""
+
+TURNED = 0.25
+"""Degrees: a plan turned by less is not turned back."""
+
+SIZES = 0.7, 30.0
+"""Metres: between them is the median side of a plan's rooms."""
+
+
+class Opening(NamedTuple):
+    """Where a door or a window is, metres, and whether it is the entrance, if that is known."""
+
+    box: Box
+    is_entrance: bool | None = None
+
+
+class Regular(NamedTuple):
+    """Rooms side by side, metres; where doors and windows are, and what is to be said."""
+
+    rooms: list[Room]
+    passages: list[Opening]
+    windows: list[Opening]
+    outdoors: list[Geometry]
+    """Balconies and the like, which are no rooms."""
+    joints: list[tuple[str, str]]
+    """Parts of one room."""
+    notes: list[str]
+
+
+def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
+    """What a house can hold of a sketch. ``unit`` is the user's, in the place of the file's; corners may be
+    ``snap`` metres beside their places, and a centimetre at least.
+
+    Raises ``RequestError`` for what no house can hold: where, and what would do.
+    """
+    noise = max(snap, 0.01)
+    notes = [sketch.guessed] if sketch.guessed and not unit else []
+    kinds = [meant(space.words) for space in sketch.spaces]
+    spaces = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind != NO_ROOM]
+    others = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind == NO_ROOM]
+    if not spaces or len(spaces) > MOST_ROOMS:
+        raise RequestError(
+            f"plan: {sketch.format} has {numbered(len(spaces), 'room')}: 1 to {MOST_ROOMS:,} are read"
+        )
+    unknown = sorted(
+        {space.words[0] for space, (_, known) in zip(sketch.spaces, kinds, strict=True) if not known}
+    )
+    if unknown:
+        notes.append(f"not known, so they are of any type: {', '.join(unknown[:8])}")
+    if others:
+        notes.append(f"passed over, since no rooms: {', '.join(sorted({each.name for each in others})[:8])}")
+    metres = metres_to(unit) if unit else sketch.unit
+    _require_sizes([each.shape for each in spaces], metres, sketch.format)
+    turn = _turn([affinity.scale(each.shape, metres, metres, origin=(0, 0)) for each in spaces])
+    if abs(turn) > TURNED:
+        notes.append(f"turned by {turn:.1f} degrees, along the axes")
+    upright = _upright(spaces, metres, turn if abs(turn) > TURNED else 0.0, sketch.north_up)
+    names = unlike(space.name or space.words[0] or "room" for space in spaces)
+    named = list(zip(names, spaces, strict=True))
+    shapes = [squared(name, upright(space.shape), noise) for name, space in named]
+    lines = common_lines(shapes, noise)
+    on_lines = [moved(shape, lines) for shape in shapes]
+    for name, shape in zip((name for name, _ in named), on_lines, strict=True):
+        if not shape.is_valid or shape.area < 0.1:
+            x, y = shape.centroid.coords[0] if shape.area else shape.exterior.coords[0]
+            raise RequestError(
+                f"plan: {name} at x {x:.2f}, y {y:.2f} m is narrower than the walls around it: leave it "
+                "out, or join it to a room beside it"
+            )
+    rooms, joints = list[Room](), list[tuple[str, str]]()
+    taken = {name for name, _ in named}
+    for (name, space), shape in zip(named, on_lines, strict=True):
+        parts = list(_parts(name, shape, notes))
+        own = [name, *_more(name, len(parts) - 1, taken)]
+        for part, each in zip(parts, own, strict=True):
+            # Of a room of several corners the largest part is of its type.
+            kind = meant(space.words)[0] if each == name else ""
+            rooms.append(_room(each, kind, part))
+        joints += [
+            (a, b)
+            for (a, one), (b, other) in combinations(zip(own, parts, strict=True), 2)
+            if _touch(one, other)
+        ]
+        if len(parts) > 1:
+            notes.append(
+                f"{name} has {len(shape.exterior.coords) - 1} corners, and a room is a box: it is read as "
+                f"{len(parts)} rooms, {', '.join(own)}"
+            )
+    west, north = (min(room.box[k] for room in rooms) for k in (0, 1))
+    shift = (-west, -north)
+    rooms = [_room(each.name, each.type, shapely.box(*each.box), shift) for each in rooms]
+
+    def placed(shape: Geometry) -> Geometry:
+        return affinity.translate(upright(shape), *shift)
+
+    return Regular(
+        rooms,
+        [Opening(_bounds(placed(each.shape)), each.is_entrance) for each in sketch.passages],
+        [Opening(_bounds(placed(each))) for each in sketch.windows],
+        [placed(each.shape) for each in others],
+        joints,
+        notes,
+    )
+
+
+def _bounds(shape: Geometry) -> Box:
+    west, north, east, south = shapely.bounds(shape)
+    return float(west), float(north), float(east), float(south)
+
+
+def unlike(names: Iterable[str]) -> Iterator[str]:
+    """Names of which each is one room's: those that stand twice get numbers, as in ``Bedroom 2``. None is
+    what lies around the house.
+    """
+    names = [_words(name) for name in names]
+    taken, seen = set(names), {OUTSIDE}
+    for name in names:
+        own, number = name, 1
+        while own in seen or (own != name and own in taken):
+            number += 1
+            own = f"{name[: LONGEST_NAME - 5]} {number}"
+        seen.add(own)
+        yield own
+
+
+def _words(name: str) -> str:
+    words = "".join(each if each.isprintable() else " " for each in name)
+    return " ".join(words.split())[:LONGEST_NAME] or "room"
+
+
+def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
+    """Names of the other parts of a room."""
+    place = 1
+    for _ in range(number):
+        while (own := f"{name[: LONGEST_NAME - 5]} {place}") in taken or place == 1:
+            place += 1
+        taken.add(own)
+        yield own
+
+
+def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str) -> None:
+    """Refuse rooms whose sizes are no rooms' in metres."""
+    sides = [
+        metres * side
+        for west, south, east, north in (shape.bounds for shape in shapes)
+        for side in (east - west, north - south)
+    ]
+    middle = median(sides)
+    if not SIZES[0] <= middle <= SIZES[1]:
+        off = "shorter" if middle < 1 else "longer"
+        raise RequestError(
+            f"plan: half of the sides of rooms of {format} are {off} than {middle:.2g} m: these are no "
+            "rooms in metres: say --plan-unit"
+        )
+
+
+def _turn(shapes: Sequence[Polygon]) -> float:
+    """By how many degrees walls are turned out of the axes, -45 to 45: by the directions of most of them."""
+    total = 0j
+    for shape in shapes:
+        for (a, b), (c, d) in pairwise(shape.exterior.coords):
+            length = abs(complex(c - a, d - b))
+            total += length**2 * exp(4j * atan2(d - b, c - a))
+    return degrees(phase(total) / 4)
+
+
+def _upright(spaces: Sequence[Space], metres: float, turn: float, north_up: bool) -> Callable[[Any], Any]:
+    """From the units of the file to metres along the axes, y south."""
+    x, y = shapely.union_all([each.shape for each in spaces]).centroid.coords[0]
+
+    def upright(shape: Geometry) -> Geometry:
+        shape = affinity.translate(shape, -x, -y)
+        shape = affinity.rotate(shape, -radians(turn), origin=(0, 0), use_radians=True)
+        return affinity.scale(shape, metres, -metres if north_up else metres, origin=(0, 0))
+
+    return upright
+
+
+def _parts(name: str, shape: Polygon, notes: list[str]) -> Iterator[Polygon]:
+    """The boxes of a room; those that are no rooms are left out, and said to be."""
+    first, *others = boxes(shape)
+    yield first
+    for part in others:
+        west, north, east, south = part.bounds
+        if min(east - west, south - north) >= NARROW:
+            yield part
+        else:
+            size = f"{east - west:.2f} by {south - north:.2f} m"
+            notes.append(f"a niche of {name} of {size} is left out: a room is a box")
+
+
+def _touch(one: Polygon, other: Polygon) -> bool:
+    return shapely.intersection(one, other).length > NARROW
+
+
+def _room(name: str, kind: str, box: Polygon, shift: tuple[float, float] = (0.0, 0.0)) -> Room:
+    west, north, east, south = (round(edge + shift[k % 2], 4) for k, edge in enumerate(box.bounds))
+    return Room(west, north, round(east - west, 6), round(south - north, 6), name=name, type=kind)

@@ -1,0 +1,72 @@
+"""ResPlan (Abouagour and Garyfallidis, 2025): geometries by type, of one flat, with y as in pictures.
+
+The data set is a pickle, which runs what its writer wants, so it is not read here. One plan of it is JSON by
+``json.dump(plan, file, default=shapely.geometry.mapping)``; in Python ``generate`` takes the plan itself.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import shapely
+from shapely import Polygon
+from shapely.geometry import shape
+
+from logic.errors import RequestError
+from logic.readers.sketch import Passage, Sketch, Space
+
+FORMAT = "a plan of ResPlan"
+
+PARTS = ("inner", "wall", "door", "window")
+"""What each plan has beside its rooms."""
+
+OTHERS = (*PARTS, "front_door", "land")
+"""Geometries that are no rooms."""
+
+
+def is_resplan(_: bytes, record: Any) -> bool:
+    """Whether a value is one of ResPlan's plans."""
+    return isinstance(record, Mapping) and set(PARTS) <= record.keys()
+
+
+def read_resplan(_: bytes, record: Any) -> Sketch:
+    """Each polygon of a type is a room. A plan is 256 units wide; its ``area`` in square metres says how many
+    metres that is.
+    """
+    spaces = [
+        Space(key, (key,), each)
+        for key, value in record.items()
+        if key not in OTHERS and _is_geometry(value)
+        for each in _polygons(key, value)
+    ]
+    doors = [
+        Passage(each, key == "front_door") for key in ("door", "front_door") for each in _of(record, key)
+    ]
+    inner, area = sum(each.area for each in _of(record, "inner")), record.get("area")
+    if isinstance(area, int | float) and area > 0 and inner > 0:
+        return Sketch(FORMAT, spaces, doors, _of(record, "window"), (float(area) / inner) ** 0.5)
+    guessed = "it has no area that says its unit, so this is a metre: --plan-unit"
+    return Sketch(FORMAT, spaces, doors, _of(record, "window"), guessed=guessed)
+
+
+def _of(record: Mapping[str, Any], key: str) -> list[Any]:
+    value = record.get(key)
+    return _polygons(key, value) if _is_geometry(value) else []
+
+
+def _is_geometry(value: Any) -> bool:
+    return hasattr(value, "__geo_interface__") or (isinstance(value, Mapping) and "type" in value)
+
+
+def _polygons(key: str, value: Any) -> list[Polygon]:
+    try:
+        return list(_parts(shapely.make_valid(shape(value))))
+    except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
+        raise RequestError(f"plan: {key} of {FORMAT} is no geometry of GeoJSON") from None
+
+
+def _parts(geometry: Any) -> Iterator[Polygon]:
+    for part in shapely.get_parts(geometry):
+        if isinstance(part, Polygon):
+            yield part
+        elif hasattr(part, "geoms"):
+            yield from _parts(part)

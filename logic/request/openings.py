@@ -1,0 +1,131 @@
+"""Doors and windows that are near walls of a plan, put into them."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import shapely
+
+from logic.house.boxes import WALLS, Box
+from logic.house.parts import OUTSIDE, Door, Window
+from logic.readers.lines import MOST_WALL
+from logic.readers.regular import Opening, Regular
+from logic.request.own_plan import OwnPlan, Wall
+
+REACH = MOST_WALL / 2 + 0.15
+"""Metres: how far from a wall its doors and windows may be drawn."""
+
+ROUND = 0.05
+"""Metres: doors are so many of them wide, where noise is all that is between."""
+
+LEAST = 0.4
+"""Metres: what is shorter is no door and no window."""
+
+
+class Placed(NamedTuple):
+    """Doors and windows in the walls of a plan, and what is to be said of the others."""
+
+    doors: tuple[Door, ...]
+    windows: tuple[Window, ...]
+    notes: list[str]
+
+
+def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
+    """The doors and windows of a drawing in the walls beside them, in a plan of its rooms.
+
+    Where a drawing knows its entrance, other doors to the outside are windows, as they are before a balcony.
+    Between the parts of one room all of their wall is open.
+    """
+    names = [room.name for room in plan.rooms]
+    inner = [wall for wall in plan.walls if wall.behind is not None and wall.room < wall.behind]
+    outer = [wall for wall in plan.walls if wall.behind is None]
+    doors, windows, notes = list[Door](), list[Window](), list[str]()
+    knows_entrance = any(each.is_entrance for each in drawn.passages)
+    for opening in drawn.passages:
+        found = _nearest(opening, [*inner, *outer])
+        if found is None:
+            notes.append(f"a door at {_at(opening)} is in no wall: it is passed over")
+            continue
+        wall, start, end = found
+        if wall.behind is not None:
+            length = _rounded(end - start, wall, noise)
+            doors.append(_door(wall, start, length, (names[wall.room], names[wall.behind])))
+        elif (knows_entrance and not opening.is_entrance) or _leads_out(opening, drawn):
+            windows.append(_window(wall, start, end, names[wall.room]))
+        else:
+            length = _rounded(end - start, wall, noise)
+            doors.append(_door(wall, start, length, (names[wall.room], OUTSIDE)))
+    for opening in drawn.windows:
+        if found := _nearest(opening, outer):
+            wall, start, end = found
+            windows.append(_window(wall, start, end, names[wall.room]))
+        else:
+            notes.append(f"a window at {_at(opening)} is in no outer wall: it is passed over")
+    if doors:
+        doors += _joints(drawn, inner, names)
+    return Placed(tuple(_widest(doors, notes)), tuple(windows), notes)
+
+
+def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, float] | None:
+    """The wall that an opening is in, and from where to where there, metres."""
+    box = opening.box
+    axis = int(box[2] - box[0] > box[3] - box[1])  # across which it is thin
+    middle, low, high = (box[axis] + box[axis + 2]) / 2, box[1 - axis], box[3 - axis]
+    best, least = None, REACH
+    for wall in walls:
+        off = abs(wall.place - middle)
+        start, end = max(low, wall.start), min(high, wall.end)
+        runs = WALLS.index(wall.side) % 2 == axis
+        if runs and off < least and end - start > max(LEAST, (high - low) / 2):
+            best, least = (wall, start, end), off
+    return best
+
+
+def _rounded(length: float, wall: Wall, noise: float) -> float:
+    """The length of a door without noise."""
+    whole = round(length / ROUND) * ROUND
+    near = abs(whole - length) <= 2 * noise + 1e-6 and whole <= wall.end - wall.start
+    return round(whole if near else length, 6)
+
+
+def _door(wall: Wall, start: float, length: float, between: tuple[str, str]) -> Door:
+    return Door(*_segment(wall, min(start, wall.end - length), length), between)
+
+
+def _window(wall: Wall, start: float, end: float, room: str) -> Window:
+    return Window(*_segment(wall, start, end - start), room)
+
+
+def _segment(wall: Wall, start: float, length: float) -> Box:
+    """x, y, width and height of a part of a wall."""
+    start = round(max(start, wall.start), 6)
+    if WALLS.index(wall.side) % 2:
+        return start, wall.place, round(length, 6), 0.0
+    return wall.place, start, 0.0, round(length, 6)
+
+
+def _leads_out(opening: Opening, drawn: Regular) -> bool:
+    """Whether a door leads to a balcony or the like."""
+    box = shapely.box(*opening.box)
+    return any(shapely.distance(box, each) < REACH for each in drawn.outdoors)
+
+
+def _joints(drawn: Regular, inner: Sequence[Wall], names: Sequence[str]) -> Iterator[Door]:
+    for wall in inner:
+        between = names[wall.room], names[wall.behind or 0]
+        if between in drawn.joints or between[::-1] in drawn.joints:
+            yield _door(wall, wall.start, wall.end - wall.start, between)
+
+
+def _widest(doors: Sequence[Door], notes: list[str]) -> Iterator[Door]:
+    """One door between any two rooms."""
+    best: dict[frozenset[str], Door] = {}
+    for door in sorted(doors, key=lambda door: door.length, reverse=True):
+        one, other = door.between
+        if best.setdefault(frozenset(door.between), door) is not door:
+            notes.append(f"of two doors between {one} and {other} the wider is kept")
+    yield from (door for door in doors if best[frozenset(door.between)] is door)
+
+
+def _at(opening: Opening) -> str:
+    west, north, east, south = opening.box
+    return f"x {(west + east) / 2:.2f}, y {(north + south) / 2:.2f} m"

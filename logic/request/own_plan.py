@@ -1,0 +1,104 @@
+"""Rooms that have their places, and what lies behind each of their walls."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import msgspec
+
+from logic.house.boxes import TOLERANCE, WALLS, Box
+from logic.house.parts import OUTSIDE, Door, Room, Window
+from logic.house.walls import remaining
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A part of one side of a room: on the other side is one other room, by its number, or the outside.
+
+    Metres: ``place`` across the wall, ``start`` and ``end`` along it.
+    """
+
+    room: int
+    side: str
+    behind: int | None
+    place: float
+    start: float
+    end: float
+
+
+class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
+    """Rooms with names, types (empty: any) and places in metres, x east, y south.
+
+    If there are doors between rooms, there will be no others; likewise an entrance, and windows.
+    """
+
+    rooms: tuple[Room, ...]
+    doors: tuple[Door, ...] = ()
+    windows: tuple[Window, ...] = ()
+    kept: tuple[str, ...] = ()
+    """Names of the rooms whose furniture stays; the others have none yet."""
+
+    @cached_property
+    def lines(self) -> list[dict[str, tuple[str, int]]]:
+        """For each room and side the line that it lies on: its axis, and its number from west or north."""
+        numbers = [_numbers(edge for room in self.rooms for edge in room.box[k::2]) for k in (0, 1)]
+        return [
+            {side: ("xy"[k % 2], numbers[k % 2][room.box[k]]) for k, side in enumerate(WALLS)}
+            for room in self.rooms
+        ]
+
+    @property
+    def outline(self) -> Box:
+        """The box around all rooms: (west, north, east, south), metres."""
+        west, north, east, south = zip(*(room.box for room in self.rooms), strict=True)
+        return min(west), min(north), max(east), max(south)
+
+    @cached_property
+    def walls(self) -> list[Wall]:
+        """The sides of all rooms, each cut at what lies behind it."""
+        return [
+            wall for number in range(len(self.rooms)) for side in WALLS for wall in self._side(number, side)
+        ]
+
+    def wall_of(self, opening: Door | Window) -> Wall | None:
+        """The wall that a door or window lies in, on the side of its first room; None if in none."""
+        names = [room.name for room in self.rooms]
+        between = opening.between if isinstance(opening, Door) else (opening.room, OUTSIDE)
+        room, behind = sorted((names.index(name) if name != OUTSIDE else None for name in between), key=str)
+        for wall in self.walls:
+            k = WALLS.index(wall.side) % 2
+            start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
+            along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE
+            on = abs(place - wall.place) + abs(opening.box[k + 2] - wall.place) <= TOLERANCE
+            if (wall.room, wall.behind) == (room, behind) and along and on:
+                return wall
+        return None
+
+    def _side(self, number: int, side: str) -> Iterator[Wall]:
+        k = WALLS.index(side)
+        opposite = WALLS[(k + 2) % 4]
+        box = self.rooms[number].box
+        shared = []
+        for other, room in enumerate(self.rooms):
+            if self.lines[other][opposite] == self.lines[number][side]:
+                start, end = _common(box, room.box, 1 - k % 2)
+                if end - start > TOLERANCE:
+                    shared.append((start, end))
+                    yield Wall(number, side, other, box[k], start, end)
+        for start, end in remaining((box[1 - k % 2], box[3 - k % 2]), shared):
+            yield Wall(number, side, None, box[k], start, end)
+
+
+def _numbers(values: Iterable[float]) -> dict[float, int]:
+    """The number of each value in their order; those that differ by a tolerance at most have the same."""
+    numbers: dict[float, int] = {}
+    last, number = float("-inf"), -1
+    for value in sorted(set(values)):
+        number += value - last > TOLERANCE
+        numbers[value] = number
+        last = value
+    return numbers
+
+
+def _common(one: Box, other: Box, axis: int) -> tuple[float, float]:
+    return max(one[axis], other[axis]), min(one[axis + 2], other[axis + 2])

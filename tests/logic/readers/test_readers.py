@@ -1,0 +1,294 @@
+"""Plans of other programs are read to rooms, doors and windows; what is none says where and what would do."""
+
+import json
+import warnings
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from shapely.geometry import mapping
+
+from logic import House, HouseFileError, PlanWarning, RequestError, load
+from logic.readers import READERS
+from logic.request.given_plan import read_plan
+from logic.request.own_plan import OwnPlan
+from tests.logic.readers.written import WALL, WORDS, WRITERS, resplan_record
+
+BANK = Path(__file__).parents[3] / "benchmarks" / "houses" / "home-test-v1.jsonl.gz"
+HOMES = 8
+
+Ring = list[tuple[float, float]]
+
+HALL: Ring = [(4, 0), (6, 0), (6, 4), (4, 4)]
+LIVING: Ring = [(0, 0), (3.9, 0), (3.9, 4), (0, 4)]
+
+
+@pytest.fixture(scope="module")
+def homes() -> list[House]:
+    return load(BANK)[:HOMES]
+
+
+@pytest.fixture(autouse=True)
+def _warnings_are_read_where_they_are_claimed() -> Iterator[None]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PlanWarning)
+        yield
+
+
+def written(folder: Path, content: bytes, name: str = "plan") -> OwnPlan:
+    (folder / name).write_bytes(content)
+    return read_plan(folder / name)
+
+
+def paired(home: House, plan: OwnPlan) -> dict[str, str]:
+    """The home's rooms by the names of the plan's, which lie where they do."""
+    west, north = (min(room.box[k] for room in home.rooms) for k in (0, 1))
+    found = {"outside": "outside"}
+    for room in home.rooms:
+        middle = np.array([room.x + room.width / 2 - west, room.y + room.height / 2 - north])
+        off = [abs(middle - [each.x + each.width / 2, each.y + each.height / 2]).sum() for each in plan.rooms]
+        found[plan.rooms[int(np.argmin(off))].name] = room.name
+    assert len(found) == len(plan.rooms) + 1 == len(home.rooms) + 1
+    return found
+
+
+def shared(rooms: dict[str, Any]) -> set[frozenset[str]]:
+    """The rooms that share a wall which is longer than walls are thick."""
+    boxes = {name: shapely.box(*room.box) for name, room in rooms.items()}
+    return {
+        frozenset((a, b))
+        for a, one in boxes.items()
+        for b, other in boxes.items()
+        if a < b and one.buffer(1e-4, join_style="mitre").intersection(other).area > 1.5e-4 * WALL
+    }
+
+
+@pytest.mark.parametrize("format", WRITERS)
+def test_a_home_in_another_format_is_the_same_rooms_doors_and_windows(
+    format: str, homes: list[House], tmp_path: Path
+) -> None:
+    for seed, home in enumerate(homes):
+        plan = written(tmp_path, WRITERS[format](home, np.random.default_rng(seed), 0.01))
+        names = paired(home, plan)
+        ours = {room.name: room for room in home.rooms}
+        for room in plan.rooms:
+            same = ours[names[room.name]]
+            # Walls between rooms are where they were; outer ones end at their inner face.
+            off = max(abs(room.width - same.width), abs(room.height - same.height))
+            assert off < WALL + 0.03
+            if format not in ("resplan", "imdf"):
+                assert room.type == same.type
+        theirs = {names[room.name]: room for room in plan.rooms}
+        assert shared(theirs) == shared(ours)
+        joined = {frozenset(names[each] for each in door.between) for door in plan.doors}
+        if format != "houseexpo":
+            assert joined == {frozenset(door.between) for door in home.doors}
+        assert all(door.length == pytest.approx(0.8) for door in plan.doors if format != "houseexpo")
+        if format in ("resplan", "cubicasa"):
+            assert len(plan.windows) == len(home.windows)
+
+
+def test_floor_between_rooms_of_houseexpo_is_a_door(homes: list[House], tmp_path: Path) -> None:
+    found = wanted = 0
+    for seed, home in enumerate(homes):
+        plan = written(tmp_path, WRITERS["houseexpo"](home, np.random.default_rng(seed), 0.01))
+        names = paired(home, plan)
+        ours = {frozenset(door.between) for door in home.doors if not door.is_entrance}
+        theirs = {frozenset(names[each] for each in door.between) for door in plan.doors}
+        assert theirs <= ours
+        found, wanted = found + len(theirs), wanted + len(ours)
+    # The outline has no holes: a door between walls that stand free is lost with them.
+    assert found >= 0.95 * wanted
+
+
+def test_a_plan_of_resplan_is_read_as_python_has_it(homes: list[House], tmp_path: Path) -> None:
+    record = resplan_record(homes[0], np.random.default_rng(0))
+    plan = read_plan(record)
+    assert plan == written(tmp_path, json.dumps(record, default=mapping).encode())
+    assert {room.type for room in plan.rooms} <= set(WORDS["resplan"])
+    unknown = {key: value for key, value in record.items() if key != "area"}
+    with pytest.raises(RequestError, match=r"longer than .* say --plan-unit"):
+        read_plan(unknown)
+    metres = (record["area"] / record["inner"].area) ** 0.5
+    assert read_plan(unknown, unit=str(metres)) == plan
+
+
+def houseexpo(**rooms: Ring) -> bytes:
+    """Rooms of any shape in the floor of HouseExpo, which has their bounding boxes."""
+    shapes = {name: shapely.Polygon(ring) for name, ring in rooms.items()}
+    floor = (
+        shapely.union_all(list(shapes.values()))
+        .buffer(0.1, join_style="mitre")
+        .buffer(-0.1, join_style="mitre")
+    )
+    boxes = {name: [shape.bounds] for name, shape in shapes.items()}
+    return json.dumps({"verts": mapping(floor)["coordinates"][0], "room_category": boxes}).encode()
+
+
+def svg(*rooms: tuple[str, Ring], more: str = "") -> bytes:
+    """Rooms as CubiCasa5K has them."""
+    points = [" ".join(f"{100 * x},{100 * y}" for x, y in ring) for _, ring in rooms]
+    groups = [
+        f'<g class="Space {kind}"><polygon points="{each} "/></g>'
+        for (kind, _), each in zip(rooms, points, strict=True)
+    ]
+    return f'<svg xmlns="http://www.w3.org/2000/svg"><g id="Model">{"".join(groups)}{more}</g></svg>'.encode()
+
+
+def imdf(*rings: Ring, degree: float = 1e-5, levels: str = "000") -> bytes:
+    """Units of IMDF, of about a metre to each of ``degree``."""
+    features = [
+        {
+            "type": "Feature", "id": str(number), "feature_type": "unit",
+            "geometry": {"type": "Polygon", "coordinates": [[(x * degree, y * degree) for x, y in ring]]},
+            "properties": {"category": "room", "level_id": level},
+        }
+        for number, (ring, level) in enumerate(zip(rings, levels, strict=False))
+    ]  # fmt: skip
+    return json.dumps({"type": "FeatureCollection", "features": features}).encode()
+
+
+def test_a_room_of_several_corners_becomes_boxes_of_which_the_largest_has_its_type(tmp_path: Path) -> None:
+    ell: Ring = [(0, 0), (3.9, 0), (3.9, 4), (1.9, 4), (1.9, 7), (0, 7)]
+    door = '<g id="Door" class="Door"><polygon points="390,100 400,100 400,180 390,180"/></g>'
+    with pytest.warns(PlanWarning, match="LivingRoom has 6 corners.*2 rooms, LivingRoom, LivingRoom 2"):
+        plan = written(tmp_path, svg(("LivingRoom", ell), ("HallWay", HALL), more=door))
+    rooms = {room.name: room for room in plan.rooms}
+    assert rooms["LivingRoom"].box == (0, 0, 3.95, 4)
+    assert rooms["LivingRoom 2"].box == (0, 4, 1.9, 7)
+    assert [room.type for room in plan.rooms] == ["living", "", "corridor"]
+    # All of the wall between the parts is open.
+    assert {door.between: door.length for door in plan.doors} == {
+        ("LivingRoom", "HallWay"): pytest.approx(0.8),
+        ("LivingRoom", "LivingRoom 2"): pytest.approx(1.9),
+    }
+
+
+def test_a_niche_is_left_out_and_said_to_be(tmp_path: Path) -> None:
+    dented: Ring = [(0, 0), (3.9, 0), (3.9, 4), (2, 4), (2, 4.3), (1, 4.3), (1, 4), (0, 4)]
+    with pytest.warns(PlanWarning, match=r"a niche of LivingRoom of 1\.00 by 0\.30 m is left out"):
+        plan = written(tmp_path, svg(("LivingRoom", dented), ("HallWay", HALL)))
+    assert [room.height for room in plan.rooms] == [4, 4]
+
+
+def test_rooms_of_houseexpo_are_cut_out_of_the_boxes_of_larger_ones(tmp_path: Path) -> None:
+    ell: Ring = [(0, 0), (5, 0), (5, 3), (3, 3), (3, 6), (0, 6)]
+    plan = written(tmp_path, houseexpo(Living_Room=ell, Kitchen=[(3, 3), (5, 3), (5, 6), (3, 6)]))
+    assert {room.name: room.area for room in plan.rooms} == {
+        "Living Room": 18,
+        "Living Room 2": 6,
+        "Kitchen": 6,
+    }
+
+
+def test_what_is_no_room_is_passed_over_and_a_door_to_it_is_a_window(tmp_path: Path) -> None:
+    doors = (
+        '<g id="Door"><polygon points="100,-10 180,-10 180,0 100,0"/></g>'
+        '<g id="Door"><polygon points="600,100 600,180 610,180 610,100"/></g>'
+    )
+    balcony = ("Outdoor Balcony", [(0, -2), (3, -2), (3, -0.1), (0, -0.1)])
+    with pytest.warns(PlanWarning, match="passed over, since no rooms: Outdoor"):
+        plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Entry", HALL), balcony, more=doors))
+    assert [window.room for window in plan.windows] == ["LivingRoom"]
+    assert [door.between for door in plan.doors] == [("Entry", "outside")]
+
+
+def test_a_word_that_no_table_has_is_a_room_of_any_type(tmp_path: Path) -> None:
+    with pytest.warns(PlanWarning, match="not known, so they are of any type: Ballroom"):
+        plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Ballroom", HALL)))
+    assert [room.type for room in plan.rooms] == ["living", ""]
+
+
+@pytest.mark.parametrize(("unit", "width"), [(None, 2.05), ("0.02", 4.1), ("mm", None)])
+def test_a_unit_that_is_said_is_taken_for_that_of_the_file(
+    unit: str | None, width: float | None, tmp_path: Path
+) -> None:
+    (tmp_path / "plan").write_bytes(svg(("LivingRoom", LIVING), ("HallWay", HALL)))
+    if width is None:
+        with pytest.raises(RequestError, match=r"half of the sides of rooms .* are shorter than 0\.4 m"):
+            read_plan(tmp_path / "plan", unit)
+        return
+    rooms = {room.name: room for room in read_plan(tmp_path / "plan", unit).rooms}
+    assert rooms["HallWay"].width == pytest.approx(width)
+
+
+ARC: Ring = [
+    (4, 0),
+    (6, 0),
+    *((6 + 2 * np.sin(a), 2 - 2 * np.cos(a)) for a in np.linspace(0.2, 3, 12)),
+    (6, 4),
+    (4, 4),
+]
+
+
+ROOM = ("LivingRoom", LIVING)
+
+
+def hall(off: float) -> tuple[str, Ring]:
+    return "Entry", [(x + off, y) for x, y in HALL]
+
+
+SHORT: Ring = [(0, 4.1), (2, 4.1), (2, 6), (0, 6)]
+LONG: Ring = [(0, 6.1), (6, 6.1), (6, 8), (0, 8)]
+COURT = svg(ROOM, hall(0), ("Bath", SHORT), ("Bath", [(x + 4, y) for x, y in SHORT]), ("Sauna", LONG))
+BATH = '<g class="Space Bath"><polygon points="0,0 9,0 9,9 "/></g>'
+STOREYS = "".join(f'<g id="Floor-{k}" class="Floorplan Floor-{k}">{BATH}</g>' for k in (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (svg(ROOM, ("Entry", [(4, 0), (6, 0), (7, 4), (4, 4)])), "Entry has a slanting wall from x"),
+        (svg(ROOM, ("Entry", ARC)), "Entry has an arc from x .* to x .*: draw it in steps"),
+        (svg(ROOM, hall(0.6)), r"Entry shares no wall .*0\.700 m off"),
+        (svg(ROOM, hall(-0.6)), r"LivingRoom overlaps Entry by 0\.500 m"),
+        (COURT, r"between LivingRoom, Entry, Bath, Bath 2, Sauna are no room's, 1\.950 m wide.*draw what"),
+        (svg(("Outdoor", HALL)), "has 0 rooms"),
+        (svg(ROOM)[:-9], "that is damaged"),
+        (b'<!DOCTYPE s [<!ENTITY a "b">]>' + svg(ROOM), "no entities"),
+        (svg(more=STOREYS), r"2 storeys \(Floor-1, Floor-2\): keep the group of one"),
+        (imdf(LIVING, HALL, degree=1e3), "degrees of longitude and latitude"),
+        (imdf(LIVING, HALL, levels="01"), r"2 levels \(0, 1\): keep the features of one"),
+        (imdf([]), "IMDF has units with polygons: it has none"),
+        (imdf(LIVING[:1]), "geometry of unit 0 is none"),
+        (b'{"verts": [[0, 0]], "room_category": {}}', "at least four corners"),
+        (b'{"verts": [[0,0],[1,0],[1,1],[0,1e999]], "room_category": {}}', "at least four corners"),
+        (b'{"verts": [[0,0],[9,0],[9,9],[0,9]], "room_category": {"Bath": [[0,0,1]]}}', "a box of Bath"),
+        (b'{"verts": [[0,0],[9,0],[9,9],[0,9]], "room_category": []}', "an object of lists of boxes"),
+        (b'{"inner": 1, "wall": 1, "door": 1, "window": {"type": "Polygon"}}', "window of .* is no geometry"),
+        (b'{"inner": [], "wall": [], "door": [], "window": []}', "has 0 rooms"),
+    ],
+)  # fmt: skip
+def test_what_is_no_plan_says_where_and_what_would_do(content: bytes, says: str, tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match=says) as refused:
+        written(tmp_path, content)
+    assert str(refused.value).startswith("plan: ")
+    assert "\n" not in str(refused.value)
+
+
+def test_an_svg_picture_without_rooms_is_none_of_them(tmp_path: Path) -> None:
+    with pytest.raises(HouseFileError, match="is an SVG picture"):
+        written(tmp_path, svg())
+
+
+def test_an_archive_is_read_to_a_limit(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "plan", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("unit.geojson", b" " * (1 << 25))
+    with pytest.raises(RequestError, match="larger than 16 MiB"):
+        read_plan(tmp_path / "plan")
+    with zipfile.ZipFile(tmp_path / "plan", "w") as archive:
+        archive.writestr("unit.geojson", b"[" * 100_000)
+    with pytest.raises(RequestError, match="no collection of features"):
+        read_plan(tmp_path / "plan")
+
+
+def test_formats_are_not_taken_for_each_other(homes: list[House]) -> None:
+    for format, write in WRITERS.items():
+        content = write(homes[0], np.random.default_rng(0), 0.0)
+        record = json.loads(content) if content.startswith(b"{") else None
+        names = [reader.read.__name__ for reader in READERS if reader.recognises(content, record)]
+        assert names == [f"read_{format}"]
