@@ -1,8 +1,6 @@
 """Learning map completion, supervised: explorers make the maps, the houses tell what was to be predicted."""
 
-import json
 from dataclasses import replace
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +16,7 @@ from agent.algorithms.map_completion.sight import cast_rays
 from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.algorithms.map_completion.windows import Windows, seen
 from agent.learning.environments import require_own_maps, shield
-from agent.learning.learner import Learner, Progress, Tally
+from agent.learning.map_learner import MapLearner
 from agent.learning.simulator import simulator
 from agent.policies.network import seeded
 from agent.policies.policies import Explorer
@@ -65,9 +63,9 @@ class WindowBatch(NamedTuple):
     """(n, W, W) float32."""
 
 
-class MapCompletion(Learner):
+class MapCompletion(MapLearner):
     """A run of map completion. In each turn explorers go on for some steps; then the network learns from a
-    window of each one's map. Episodes are cut short at random, so that there are maps of all ages.
+    window of each one's map.
     """
 
     config: CompletionConfig
@@ -95,49 +93,18 @@ class MapCompletion(Learner):
         rooms = [room for house in envs.houses for room in house.rooms]
         found = {room.type for room in rooms} | {piece.type for room in rooms for piece in room.pieces}
         config = replace(config, kinds=config.kinds or tuple(sorted(found)))
-        super().__init__(config, envs, report=config.num_steps)
-        self.optimizer = torch.optim.AdamW(
-            self.network.parameters(), lr=config.learning_rate, weight_decay=1e-4, foreach=True
-        )
-        self.random = np.random.default_rng(self.seed)
-        self.explorer = Explorer(self.avoidance, envs.config)
-        self.explorer.begin(envs.num_envs)
-        self.tracker = self.explorer.tracker
+        super().__init__(config, envs)
         planner = self.tracker.planner
         self.windows, self.marks = Windows(planner), Marks(envs.config, planner)
         self.truth = Truth(envs, config.kinds, planner.cell)
         self.reset_envs()
 
-    def iterate(self) -> Progress:
-        """Explore, and learn from the maps."""
-        start, tally = perf_counter(), Tally()
-        self.restart()
-        for _ in range(self.config.num_steps):
-            self.step(tally)
-        loss = self.learn()
-        self.clock.all += perf_counter() - start
-        return self.report(tally, loss=loss, epsilon=0.0)
-
-    def restart(self) -> None:
-        """Begin other episodes in a share of the environments."""
-        mask = self.random.random(self.envs.num_envs) < self.config.restarts
-        if mask.any():
-            observation, _ = self.envs.reset(options={"reset_mask": mask})
-            self.s, begun = torch.as_tensor(observation), torch.from_numpy(mask)
-            self.tracker.fresh |= begun
-            self.blocked, self.ended = self.blocked & ~begun, self.ended & ~begun
-
-    def step(self, tally: Tally) -> None:
-        """A step of all explorers."""
-        before, start, begun = self.explorer.interventions, perf_counter(), self.ended
+    def act(self) -> Tensor:
+        """See ``MapLearner``; what is so in the house is noted where an episode has begun."""
         actions = self.explorer(self.s, self.blocked)
         self.marks.note(self.s)
         self.truth.begin(np.flatnonzero(self.tracker.planner.read("time").numpy() == 1))
-        self.clock.mapping += perf_counter() - start
-        reward, _, _ = self.step_envs(actions)
-        tally.add(reward, ~begun, torch.tensor(self.explorer.interventions - before))
-        # The step after an end began the next episode.
-        self.tracker.fresh |= begun
+        return actions
 
     def learn(self) -> float:
         """Learn from a window of each map, in the config's epochs; the mean loss."""
@@ -165,32 +132,18 @@ class MapCompletion(Learner):
         return self.descend(loss, self.config.max_grad_norm)
 
     def own_state(self) -> dict[str, Any]:
-        """The optimiser, the maps, and where the explorers are."""
-        return {
-            "optimizer": self.optimizer.state_dict(),
-            "map": self.tracker.planner.state,
+        """See ``MapLearner``; with what was noted."""
+        return super().own_state() | {
             "marks": {name: torch.from_numpy(getattr(self.marks, name)) for name in ("blocks", "found")},
             "truth": {name: torch.from_numpy(getattr(self.truth, name)) for name in ("pose", "house")},
-            "last": {name: getattr(self, name).clone() for name in LAST},
-            "tracker": {name: getattr(self.tracker, name).clone() for name in ("actions", "fresh")},
-            "random": json.dumps(self.random.bit_generator.state),
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
         """Take up what ``own_state`` gave."""
-        self.optimizer.load_state_dict(state["optimizer"])
-        self.tracker.planner.state = state["map"]
+        super().restore_own(state)
         for owner, values in ((self.truth, state["truth"]), (self.marks, state["marks"])):
             for name, value in values.items():
                 setattr(owner, name, value.numpy())
-        for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):
-            for name, value in values.items():
-                setattr(owner, name, value)
-        self.random.bit_generator.state = json.loads(state["random"])
-
-
-LAST = ("s", "blocked", "ended")
-"""What the next step starts from."""
 
 
 def completion_loss(prediction: Prediction, batch: WindowBatch) -> Tensor:

@@ -1,7 +1,5 @@
 """Learning to search: a network plays, and learns what each view was worth where it chose one."""
 
-import json
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,7 @@ from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.network import ViewMaps, ViewNetwork, empty, turned, views
 from agent.algorithms.search.values import TrueValues
 from agent.learning.environments import require_own_maps, shield
-from agent.learning.learner import Learner, Progress, Tally
+from agent.learning.map_learner import MapLearner
 from agent.policies.network import seeded
 from agent.policies.policies import Explorer
 from logic.errors import RequestError
@@ -26,9 +24,9 @@ MOST = 4.0
 """Logarithms of values beyond which the loss goes on along a line."""
 
 
-class LearnedSearch(Learner):
-    """A run of a network that searches. In each turn it plays on for some steps, and its choices go into a
-    buffer; then it learns from random ones of these. Episodes are cut short at random, so that they differ.
+class LearnedSearch(MapLearner):
+    """A run of a network that searches. In each turn it leads explorers, and its choices go into a buffer;
+    then it learns from random ones of these.
     """
 
     config: SearchConfig
@@ -52,69 +50,35 @@ class LearnedSearch(Learner):
         """Begin a run; ``envs`` has NEXT_STEP autoreset. Raises ``RequestError`` behind closed doors."""
         if envs.config.closed_doors:
             raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
-        super().__init__(config, envs, report=config.num_steps)
-        self.optimizer = torch.optim.AdamW(
-            [each for each in self.network.parameters() if each.requires_grad],
-            lr=config.learning_rate,
-            weight_decay=1e-4,
-            foreach=True,
-        )
-        self.random = np.random.default_rng(self.seed)
-        self.chooser = ViewChooser(self.network, envs.config, self.choose)
-        self.explorer = Explorer(self.avoidance, envs.config, chooser=self.chooser)
-        self.explorer.begin(envs.num_envs)
-        self.tracker = self.explorer.tracker
+        super().__init__(config, envs)
         self.reader = self.chooser.reader_of(self.tracker.planner)
         self.truth = TrueValues(envs, self.tracker.planner)
         # At its full size from the start: a state that grew would not be read again.
         self.buffer = empty(config.buffer_size)
         self.made, self.due = 0, 0.0
         self.reset_envs()
-        self.begun = torch.ones(envs.num_envs, dtype=torch.bool)
 
-    def iterate(self) -> Progress:
-        """Play, and learn from the choices that were made."""
-        start, tally = perf_counter(), Tally()
-        self.restart()
-        for _ in range(self.config.num_steps):
-            self.step(tally)
-        loss = self.learn()
-        self.clock.all += perf_counter() - start
-        return self.report(tally, loss=loss, epsilon=self.guided)
+    def explorer_of(self) -> Explorer:
+        """The body, led by choices that are noted."""
+        self.chooser = ViewChooser(self.network, self.envs.config, self.choose)
+        return Explorer(self.avoidance, self.envs.config, chooser=self.chooser)
 
     @property
-    def guided(self) -> float:
-        """Share of the choices that are the true best views."""
+    def epsilon(self) -> float:
+        """Share of the choices that are the true best views, not the network's."""
         return max(0.0, 1 - self.fraction / max(self.config.guided, 1e-9))
 
-    def restart(self) -> None:
-        """Begin other episodes in a share of the environments."""
-        mask = self.random.random(self.envs.num_envs) < self.config.restarts
-        if mask.any():
-            observation, _ = self.envs.reset(options={"reset_mask": mask})
-            self.s, begun = torch.as_tensor(observation), torch.from_numpy(mask)
-            self.tracker.fresh |= begun
-            self.begun |= begun
-            self.blocked, self.ended = self.blocked & ~begun, self.ended & ~begun
-
-    def step(self, tally: Tally) -> None:
-        """A step of all environments."""
-        before, start, ended = self.explorer.interventions, perf_counter(), self.ended
-        self.truth.watch(np.flatnonzero(self.begun.numpy()), self.reader)
-        actions = self.explorer(self.s, self.blocked)
-        self.clock.mapping += perf_counter() - start
-        reward, _, _ = self.step_envs(actions)
-        tally.add(reward, ~ended, torch.tensor(self.explorer.interventions - before))
-        # The step after an end began the next episode.
-        self.tracker.fresh |= ended
-        self.begun = ended
+    def act(self) -> Tensor:
+        """See ``MapLearner``; posteriors over the true places of targets follow what is seen."""
+        self.truth.watch(np.flatnonzero(self.tracker.fresh.numpy()), self.reader)
+        return self.explorer(self.s, self.blocked)
 
     def choose(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
         """The views to go to, the network's or the true best; and note what all are worth."""
         worth = self.truth.read(environments, self.reader.corners(environments)) * views(maps)
         picks = self.chooser.greedy(environments, maps)
         self.note(maps._replace(worth=worth.half()), ~torch.from_numpy(self.truth.known(environments)))
-        told = torch.from_numpy(self.random.random(len(environments)) < self.guided)
+        told = torch.from_numpy(self.random.random(len(environments)) < self.epsilon)
         return torch.where(told & (worth.flatten(1).amax(1) > 0), best(worth, maps), picks)
 
     def note(self, maps: ViewMaps, valid: Tensor) -> None:
@@ -148,34 +112,20 @@ class LearnedSearch(Learner):
         return float(torch.stack(losses).mean()) if losses else 0.0
 
     def own_state(self) -> dict[str, Any]:
-        """The optimiser, the maps, the choices, and where the bodies are."""
-        return {
-            "optimizer": self.optimizer.state_dict(),
-            "map": self.tracker.planner.state,
+        """See ``MapLearner``; with the posteriors and the choices."""
+        return super().own_state() | {
             "reader": self.reader.state,
             "truth": self.truth.state,
             "buffer": self.buffer._asdict(),
             "counts": {"made": self.made, "due": self.due},
-            "last": {name: getattr(self, name).clone() for name in LAST},
-            "tracker": {name: getattr(self.tracker, name).clone() for name in ("actions", "fresh")},
-            "random": json.dumps(self.random.bit_generator.state),
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
         """Take up what ``own_state`` gave."""
-        self.optimizer.load_state_dict(state["optimizer"])
-        self.tracker.planner.state = state["map"]
+        super().restore_own(state)
         self.reader.state, self.truth.state = state["reader"], state["truth"]
         self.buffer = ViewMaps(**state["buffer"])
         self.made, self.due = int(state["counts"]["made"]), float(state["counts"]["due"])
-        for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):
-            for name, value in values.items():
-                setattr(owner, name, value)
-        self.random.bit_generator.state = json.loads(state["random"])
-
-
-LAST = ("s", "blocked", "ended", "begun")
-"""What the next step starts from."""
 
 
 def value_loss(values: Tensor, worth: Tensor, focus: float) -> Tensor:
