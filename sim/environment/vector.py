@@ -10,7 +10,6 @@ from gymnasium.vector.utils import batch_space
 
 from logic import House
 from logic.spelling import keywords, unknown
-from sim.actions import ACTIONS
 from sim.backends.backend import Backend
 from sim.config import Config
 from sim.environment.arguments import (
@@ -27,6 +26,7 @@ from sim.environment.kept import KEPT, remade, require_state
 from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
 from sim.environment.pictures import Pictures, scene_of
+from sim.environment.steps import read_actions, read_tensor, require_actions, require_going_on
 from sim.environment.window import ScreenWindow
 from sim.geometry import Geometry
 from sim.runtime import start
@@ -244,9 +244,7 @@ class HouseVectorEnv(VectorEnv):
         an error to step an environment that has ended.
         Raises ``ValueError``, before anything is changed, for actions of another shape, kind or range.
         """
-        actions = np.asarray(actions)
-        if not np.issubdtype(actions.dtype, np.integer):
-            raise ValueError(f"actions must be integers 0, 1 or 2, not {actions.dtype}")
+        actions = read_actions(actions)
         self._check(actions)
         self.world.arrays["action"].fill(actions)
         self.world.run("step")
@@ -266,13 +264,7 @@ class HouseVectorEnv(VectorEnv):
         terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and ``final_obs`` where the
         mode is ``SAME_STEP``) is the same memory at each call: clone what must outlive the next one.
         """
-        import torch
-
-        tensor = isinstance(actions, torch.Tensor)
-        if not tensor or actions.dtype != torch.int64 or actions.device.type != self.device:
-            raise ValueError(f"actions must be an int64 tensor on the device {self.device!r}")
-        # By NumPy where that can be: torch's threads would stay awake, and in the way of those that step.
-        given: Any = actions.numpy() if self.device == "cpu" else actions
+        given = read_tensor(actions, self.device)
         self._check(given)
         if self._tensors is None:
             self._tensors = self._outputs.tensors(self.device)
@@ -304,9 +296,7 @@ class HouseVectorEnv(VectorEnv):
 
         After a reset: what an episode brings in order, whatever the agent does.
         """
-        self._require_open()
-        if not self._ready:
-            raise ResetNeeded("call reset() before targets()")
+        self._require_ready("targets")
         return self.world.targets(whole("count", count, MOST_TARGETS))
 
     @property
@@ -339,8 +329,7 @@ class HouseVectorEnv(VectorEnv):
         self._require_open()
         if self.render_mode is None:
             return None
-        if not self._ready:
-            raise ResetNeeded("call reset() before render()")
+        self._require_ready("render")
         if self._pictures.window:
             self._pictures.show()
             return None
@@ -358,6 +347,11 @@ class HouseVectorEnv(VectorEnv):
         if self.closed:
             raise ClosedEnvironmentError("these environments were closed: make new ones")
 
+    def _require_ready(self, call: str) -> None:
+        self._require_open()
+        if not self._ready:
+            raise ResetNeeded(f"call reset() before {call}()")
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arguments and the state: what is read goes on bit for bit, its random numbers too."""
         arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
@@ -367,31 +361,7 @@ class HouseVectorEnv(VectorEnv):
 
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, cannot be done now."""
-        self._require_open()
-        if not self._ready:
-            raise ResetNeeded("call reset() before step()")
-        if actions.shape != (self.num_envs,):
-            raise ValueError(
-                f"actions have shape {tuple(actions.shape)}: one for each of {self.num_envs} environments"
-            )
-        least, greatest = _range(actions)
-        if least < 0 or greatest >= ACTIONS:
-            raise ValueError(f"actions go from 0 to 2, found {least} to {greatest}")
+        self._require_ready("step")
+        require_actions(actions, self.num_envs)
         if self.autoreset_mode is AutoresetMode.DISABLED:
-            flags = self._outputs.flags()
-            over = flags[TERMINATED] | flags[TRUNCATED]
-            if over.any():
-                raise ResetNeeded(
-                    f"the episode of environment {int(over.argmax())} has ended: reset it by "
-                    'reset(options={"reset_mask": ...})'
-                )
-
-
-def _range(actions: Any) -> tuple[int, int]:
-    """The least and the greatest of an array or a tensor, from a GPU in one answer."""
-    if isinstance(actions, np.ndarray):
-        return int(actions.min()), int(actions.max())
-    import torch
-
-    least, greatest = torch.stack(actions.aminmax()).tolist()
-    return least, greatest
+            require_going_on(self._outputs.flags())
