@@ -31,7 +31,7 @@ def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar
         edges = [atom for atom in layout if atom.name == "edge"]
         edges = [atom for atom in edges if f"R{atom.arguments[0]}" in named] or edges
         why = NO_PLAN.format(rooms=len(house.rooms), fault=fault.text)
-        raise loaded.topology_error(why, _apart(edges, len(named)) or edges)
+        raise loaded.rules.topology_error(why, _apart(edges, len(named)) or edges)
 
 
 def _apart(edges: Iterable[Symbol], rooms: int) -> list[Symbol]:

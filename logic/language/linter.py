@@ -76,7 +76,7 @@ def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) ->
 def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[GrammarError]:
     """Rules that bind in no house that the topology allows and in no type of room, as far as was looked."""
     unbound: dict[Reason, None] = {}
-    program_of = loaded.program_of
+    program_of = loaded.rules.program_of
     source, left, most = Source(grammar.asp), MOST_INSTANCES, 0
     limit = ""
     for constants, parts in _programs(loaded, rooms, unbound):
@@ -135,5 +135,5 @@ def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
 
 def _numbers(rules: Iterable[Reason], loaded: LoadedGrammar) -> list[int]:
     """The numbers in some rules, and in all constants that the grammar defines."""
-    texts = [*(reason.text for reason in rules), *loaded.constants]
+    texts = [*(reason.text for reason in rules), *loaded.rules.constants]
     return sorted({int(number) for text in texts for number in re.findall(r"\b\d{1,3}\b", text)})

@@ -8,25 +8,16 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.errors import GrammarError
-from logic.grammar import LENGTHS, OWN, PLANS, STAR, Grammar
-from logic.language.asp.audit import audit, unreadable
+from logic.grammar import LENGTHS, STAR, Grammar
+from logic.language.asp.audit import unreadable
 from logic.language.asp.causes import Mistake, first_causes, misspelt_name
-from logic.language.asp.facts import NAME, Facts, places, stated
-from logic.language.asp.heads import closed_heads
-from logic.language.asp.integers import overflowing
-from logic.language.asp.stages import misplaced
-from logic.language.asp.statements import Statement, error_at, place, read
-from logic.language.asp.stratification import unstratified
+from logic.language.asp.facts import NAME, stated
+from logic.language.asp.rules import StatedRules
 from logic.language.asp.vocabulary import (
-    Words,
     capitalised,
-    core_words,
     misspelt_lines,
     misspelt_names,
-    misspelt_predicates,
-    stages,
     unknown_choices,
-    words,
 )
 from logic.language.metres import impossible, unlikely
 from logic.language.prolog_problems import problem, unknown
@@ -77,8 +68,7 @@ class LoadedGrammar:
         """How deep units are, metres, where a house is one of units: ``logic.generation.units``."""
         self.most_in_unit = 0
         """How many rooms a unit has at most."""
-        self._words = Words()
-        self._facts = Facts(grammar, self._words)
+        self.rules = StatedRules(grammar)
         self._of_no_room: list[GrammarError] = []
         self.errors = first_causes(self._readable()) or first_causes(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
@@ -91,95 +81,24 @@ class LoadedGrammar:
         if remarks and not self.errors:
             self.errors = list(self.programs.remarks())
 
-    @property
-    def constants(self) -> list[str]:
-        """What the grammar defines as constants of clingo's, as text."""
-        return [str(use.node) for use in self._words.defined.values()]
-
-    @property
-    def program_of(self) -> dict[tuple[str | None, int | None, int | None], str]:
-        """The name of the program in which each rule of the grammar stands, by its place."""
-        return {place(rule.node): rule.program for rule in self._words.rules}
-
     def _readable(self) -> Iterator[Mistake]:
         """What is wrong with statements by themselves."""
         if self._illegible:
             yield from map(Mistake, self._illegible)
             return
-        try:
-            misused = list(self._misused(read(self.grammar.own)))
-            misnamed = list(self._other_topologies()) if self._words.derived else []
-        except GrammarError as error:
-            yield Mistake(error)
-        else:
-            # What else is wrong may follow from the topology that is taken instead.
-            yield from (Mistake(error, frozenset({"topology/1"})) for error in misnamed)
-            wrong = misnamed or misused
-            yield from () if misnamed else map(Mistake, misused)
-            strange = [] if wrong else self._strange()
-            strange += [] if wrong else self._gone(strange, ("type", 1))
-            if self.placer.problems or any({"type/1", "topology/1"} & each.explains for each in strange):
-                yield from strange
+        yield from self.rules.mistakes(last=bool(self.placer.problems))
         # Which clauses there are depends on the topology, and that is a star where none is named.
         unnamed = self.grammar.topology_name == STAR.stem
         for error in (problem(*row) for row in self.placer.problems):
             yield Mistake(error, about=frozenset({"topology/1", "type/1"} if unnamed else {"type/1"}))
 
-    def _strange(self) -> list[Mistake]:
-        """Predicates that are not known; the topology's name alone, as it says which others there are."""
-        found = list(misspelt_predicates(self._words))
-        named = [mistake for mistake in found if "topology/1" in mistake.explains]
-        star = core_words()
-        stated = self._words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
-        shared = [
-            use for each in stated & core_words(PLANS).opened.keys() for use in self._words.derived[each]
-        ]
-        if shared and not named and self.grammar.topology_name == STAR.stem:
-            first = min(shared, key=lambda use: use.node.location.begin)
-            why = f"{first.node.name} is for rooms that share walls: name a topology, as in topology(ring)."
-            named = [Mistake(error_at(first.node, why), frozenset({"topology/1"}))]
-        return named or found
-
-    def _gone(self, strange: Sequence[Mistake], *needed: tuple[str, int]) -> list[Mistake]:
-        """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
-        names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self._words.derived}
-        names -= {name for mistake in strange for name in mistake.explains}
-        return [self._facts.absent_from(".lp", sorted(names), self.grammar.own)] if names else []
-
-    def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
-        """Statements that no grammar may have, and those that do not act where they stand."""
-        try:
-            self._words = words(statements, core_words(self.grammar.topology))
-            self._facts = Facts(self.grammar, self._words)
-        except RecursionError:
-            yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
-            return
-        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words, self.grammar)}
-        yield from refused.values()
-        programs = stages(core_words(self.grammar.topology))
-        yield from audit((each for each in statements if id(each.node) not in refused), programs)
-        yield from misplaced(self._words, refused)
-        yield from unstratified(statements)
-        yield from overflowing(statements)
-
-    def _other_topologies(self) -> Iterator[GrammarError]:
-        """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""
-        found = self._words.derived.get(("topology", 1), [])
-        for use in found:
-            named = f"topology({self.grammar.topology_name})."
-            if str(use.statement.node) != named and self.grammar.topology_name != OWN.stem:
-                yield use.statement.error("a topology is named by a fact alone, as in topology(ring).")
-        if not found and self.grammar.topology_name not in (STAR.stem, OWN.stem):
-            name = self.grammar.topology_name
-            yield GrammarError(f"topology({name}). is no fact where it stands", self.grammar.directory)
-
     def _errors(self) -> Iterator[Mistake]:
         sized = size_clauses(self.placer)
-        strange = self._strange()
+        strange = self.rules.strange()
         gone = [] if strange else list(self._unstated({predicate for predicate, *_ in sized}))
         if not gone:
-            strange += [*unknown_choices(self._words), *misspelt_lines(self._words)]
-            strange += misspelt_names(self._words, (name for _, name, *_ in sized))
+            strange += [*unknown_choices(self.rules.words), *misspelt_lines(self.rules.words)]
+            strange += misspelt_names(self.rules.words, (name for _, name, *_ in sized))
         meant, others = _by_meaning(strange)
         try:
             probe = self._probe({"rooms": 1}, "house")
@@ -188,10 +107,10 @@ class LoadedGrammar:
             yield from [*gone, Mistake(error), *strange]
             return
         names = {name for mistake in strange for name in mistake.about or ()}
-        values, wrong = self._facts.wrong(probe, names)
-        wrong = [*self._facts.misnamed(probe), *wrong]
+        values, wrong = self.rules.facts.wrong(probe, names)
+        wrong = [*self.rules.facts.misnamed(probe), *wrong]
         types, empty = ({each.arguments[0] for each in probe.atoms(name, 1)} for name in ("type", "empty"))
-        absent = self._gone(strange, ("may", 4)) if wrong and types - empty else []
+        absent = self.rules.gone(strange, ("may", 4)) if wrong and types - empty else []
         yield from [*gone, *values, *meant, *absent, *wrong, *others]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
         if strange or gone or values or wrong:
@@ -206,11 +125,11 @@ class LoadedGrammar:
         room, piece = Function("size", [anything]), Function("size", [anything, anything])
         found = self.placer.origins([*lengths, room, piece])
         names = ["room_size/3"] if "room_size" not in stated and room not in found else []
-        if "piece_size" not in stated and piece not in found and ("may", 4) in self._words.derived:
+        if "piece_size" not in stated and piece not in found and ("may", 4) in self.rules.words.derived:
             names.append("piece_size/4")
         absent = [f"{each.arguments[0].name}/1" for each in lengths if each not in found]
         if names or len(absent) > 1:
-            yield self._facts.absent_from(".pl", [*names, *absent], self.grammar.prolog)
+            yield self.rules.facts.absent_from(".pl", [*names, *absent], self.grammar.prolog)
 
     def _unsized(
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: Set[str]
@@ -224,7 +143,7 @@ class LoadedGrammar:
         of_rules: dict[str, GrammarError] = {}  # One statement may state many facts.
         for symbol in sorted(probe.atoms("unused", 2)):
             fact, why = stated(symbol.arguments[0]), symbol.arguments[1].string
-            found = self._facts.at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
+            found = self.rules.facts.at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
             of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
         self._of_no_room += of_rules.values()
         for known in (set(self.furniture), pieces):
@@ -261,7 +180,7 @@ class LoadedGrammar:
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
         clashes = disagreements(self.placer, usable, whole is not probe, MOST_ROOMS)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
-        yield from map(Mistake, [*errors, *clashes, *self._facts.absent(absent)])
+        yield from map(Mistake, [*errors, *clashes, *self.rules.facts.absent(absent)])
         if not errors and not absent:
             yield from map(Mistake, impossible(self.extremes, self.placer.origins))
 
@@ -281,7 +200,7 @@ class LoadedGrammar:
         self.most_in_unit = stated.arguments[1].number
         if not known:
             name = self.grammar.topology_name
-            yield self._facts.at(stated, f"{stated}: the topology {name} has no units, as building has")
+            yield self.rules.facts.at(stated, f"{stated}: the topology {name} has no units, as building has")
         elif self.depths is None and not self.placer.origins([Function("unit_depth")]):
             clause = "unit_depth(D) :- { D >= 7.0, D =< 9.0 }."
             why = f"unit_depth/1 has no clause: add one, as {clause}"
@@ -291,7 +210,7 @@ class LoadedGrammar:
         """What is hardly meant."""
         yield from self._of_no_room
         yield from unlikely(self.extremes, self.placer.origins)
-        yield from capitalised(self._words)
+        yield from capitalised(self.rules.words)
 
     def _probe(self, constants: dict[str, Any], stage: str) -> Program:
         """A stage without furniture: a rule that has very many instances in it is refused."""
@@ -304,25 +223,6 @@ class LoadedGrammar:
             f"this rule has more than {MOST_INSTANCES:,} instances: does it recur without end? {endless.text}"
         )
         raise GrammarError(why, endless.file, endless.line, endless.column)
-
-    def topology_error(self, why: str, edges: Iterable[Symbol]) -> GrammarError:
-        """An error of the topology of the user's own, at the rules by which it has these ``edges``."""
-        found = [use for edge in edges for use in places(edge, self._words)]
-        rules = sorted({place(use.node) for use in found or self._words.derived.get(("edge", 3), ())})
-        if not rules:
-            return GrammarError(why, self.grammar.directory)
-        others = sorted({line for _, line, _ in rules} - {rules[0][1]})
-        also = f" (lines {', '.join(map(str, others))} too)" if others else ""
-        return GrammarError(why + also, *rules[0])
-
-
-def _too_deep(statement: Statement) -> bool:
-    """Whether the terms of a statement lie deeper in each other than Python's stack is."""
-    try:
-        words([statement])
-    except RecursionError:
-        return True
-    return False
 
 
 def _meant(name: str, names: Iterable[str]) -> str:

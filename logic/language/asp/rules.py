@@ -1,0 +1,125 @@
+"""The rules in a grammar's ``.lp`` files, read without running them: what is wrong with them alone."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from clingo import Symbol
+
+from logic.errors import GrammarError
+from logic.grammar import OWN, PLANS, STAR, Grammar
+from logic.language.asp.audit import audit
+from logic.language.asp.causes import Mistake
+from logic.language.asp.facts import Facts, places
+from logic.language.asp.heads import closed_heads
+from logic.language.asp.integers import overflowing
+from logic.language.asp.stages import misplaced
+from logic.language.asp.statements import Statement, error_at, place, read
+from logic.language.asp.stratification import unstratified
+from logic.language.asp.vocabulary import Words, core_words, misspelt_predicates, stages, words
+
+
+class StatedRules:
+    """What the rules of a grammar name, and what is wrong with that."""
+
+    def __init__(self, grammar: Grammar) -> None:
+        """Nothing is read yet."""
+        self.grammar = grammar
+        self.words = Words()
+        self.facts = Facts(grammar, self.words)
+
+    @property
+    def constants(self) -> list[str]:
+        """What the grammar defines as constants of clingo's, as text."""
+        return [str(use.node) for use in self.words.defined.values()]
+
+    @property
+    def program_of(self) -> dict[tuple[str | None, int | None, int | None], str]:
+        """The name of the program in which each rule of the grammar stands, by its place."""
+        return {place(rule.node): rule.program for rule in self.words.rules}
+
+    def mistakes(self, last: bool) -> Iterator[Mistake]:
+        """Read the files; what is wrong with statements by themselves.
+
+        Names that are not known are wrong too, but most are said only where this is the ``last`` look at the
+        grammar: a later one, by what lengths there are, knows more of what was meant.
+        """
+        try:
+            misused = list(self._misused(read(self.grammar.own)))
+            misnamed = list(self._other_topologies()) if self.words.derived else []
+        except GrammarError as error:
+            yield Mistake(error)
+            return
+        # What else is wrong may follow from the topology that is taken instead.
+        yield from (Mistake(error, frozenset({"topology/1"})) for error in misnamed)
+        wrong = misnamed or misused
+        yield from () if misnamed else map(Mistake, misused)
+        strange = [] if wrong else self.strange()
+        strange += [] if wrong else self.gone(strange, ("type", 1))
+        if last or any({"type/1", "topology/1"} & each.explains for each in strange):
+            yield from strange
+
+    def strange(self) -> list[Mistake]:
+        """Predicates that are not known; the topology's name alone, as it says which others there are."""
+        found = list(misspelt_predicates(self.words))
+        named = [mistake for mistake in found if "topology/1" in mistake.explains]
+        star = core_words()
+        stated = self.words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
+        shared = [
+            use for each in stated & core_words(PLANS).opened.keys() for use in self.words.derived[each]
+        ]
+        if shared and not named and self.grammar.topology_name == STAR.stem:
+            first = min(shared, key=lambda use: use.node.location.begin)
+            why = f"{first.node.name} is for rooms that share walls: name a topology, as in topology(ring)."
+            named = [Mistake(error_at(first.node, why), frozenset({"topology/1"}))]
+        return named or found
+
+    def gone(self, strange: Sequence[Mistake], *needed: tuple[str, int]) -> list[Mistake]:
+        """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
+        names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self.words.derived}
+        names -= {name for mistake in strange for name in mistake.explains}
+        return [self.facts.absent_from(".lp", sorted(names), self.grammar.own)] if names else []
+
+    def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
+        """Statements that no grammar may have, and those that do not act where they stand."""
+        try:
+            self.words = words(statements, core_words(self.grammar.topology))
+            self.facts = Facts(self.grammar, self.words)
+        except RecursionError:
+            yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
+            return
+        refused = {id(each.node): each.error(why) for each, why in closed_heads(self.words, self.grammar)}
+        yield from refused.values()
+        programs = stages(core_words(self.grammar.topology))
+        yield from audit((each for each in statements if id(each.node) not in refused), programs)
+        yield from misplaced(self.words, refused)
+        yield from unstratified(statements)
+        yield from overflowing(statements)
+
+    def _other_topologies(self) -> Iterator[GrammarError]:
+        """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""
+        found = self.words.derived.get(("topology", 1), [])
+        for use in found:
+            named = f"topology({self.grammar.topology_name})."
+            if str(use.statement.node) != named and self.grammar.topology_name != OWN.stem:
+                yield use.statement.error("a topology is named by a fact alone, as in topology(ring).")
+        if not found and self.grammar.topology_name not in (STAR.stem, OWN.stem):
+            name = self.grammar.topology_name
+            yield GrammarError(f"topology({name}). is no fact where it stands", self.grammar.directory)
+
+    def topology_error(self, why: str, edges: Iterable[Symbol]) -> GrammarError:
+        """An error of the topology of the user's own, at the rules by which it has these ``edges``."""
+        found = [use for edge in edges for use in places(edge, self.words)]
+        rules = sorted({place(use.node) for use in found or self.words.derived.get(("edge", 3), ())})
+        if not rules:
+            return GrammarError(why, self.grammar.directory)
+        others = sorted({line for _, line, _ in rules} - {rules[0][1]})
+        also = f" (lines {', '.join(map(str, others))} too)" if others else ""
+        return GrammarError(why + also, *rules[0])
+
+
+def _too_deep(statement: Statement) -> bool:
+    """Whether the terms of a statement lie deeper in each other than Python's stack is."""
+    try:
+        words([statement])
+    except RecursionError:
+        return True
+    return False
