@@ -14,11 +14,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.second_part import of_second_part
 
 TESTS = Path(__file__).parent
+
+# How long a case takes is no claim, least of all beside others that are at work.
+settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("tests")
 
 # A browser of tests alone: no sandbox, which root may not have, and no talk with its maker.
 FLAGS = (
@@ -95,7 +100,8 @@ def browser() -> Iterator[Browser]:
 
 
 @contextmanager
-def _opened(browser: Browser, **options: Any) -> Iterator[Page]:
+def opened_page(browser: Browser, **options: Any) -> Iterator[Page]:
+    """A page that fails the test where it logs a warning or an error, throws, or asks of another host."""
     errors: list[str] = []
     context = browser.new_context(**options)
 
@@ -118,15 +124,15 @@ def _opened(browser: Browser, **options: Any) -> Iterator[Page]:
 
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
-    """A page that fails the test where it logs a warning or an error, throws, or asks of another host."""
-    with _opened(browser, viewport={"width": 1280, "height": 800}) as page:
+    """Such a page, on a screen."""
+    with opened_page(browser, viewport={"width": 1280, "height": 800}) as page:
         yield page
 
 
 @pytest.fixture
 def phone(browser: Browser) -> Iterator[Page]:
     """Such a page on a telephone's screen, which is touched."""
-    with _opened(browser, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True) as page:
+    with opened_page(browser, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True) as page:
         yield page
 
 

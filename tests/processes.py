@@ -9,6 +9,8 @@ from multiprocessing.process import BaseProcess
 import torch
 from torch.distributed import TCPStore  # pyright: ignore[reportPrivateImportUsage]
 
+from tests.patience import PATIENCE
+
 SERVER = get_context("forkserver")
 SERVER.set_forkserver_preload(
     ["torch._dynamo", "torch.utils.tensorboard", "agent.evaluation.plots", "agent.runs.runs", __name__]
@@ -39,7 +41,7 @@ def as_two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> list[
     shared |= {"MASTER_PORT": str(store.port), "TORCHELASTIC_USE_AGENT_STORE": "True"}
     ranks = [start(*arguments, job=job, **shared, RANK=rank, LOCAL_RANK=rank) for rank in "01"]
     for process in ranks:
-        process.join(300)
+        process.join(PATIENCE)
     return [process.exitcode for process in ranks]
 
 

@@ -15,6 +15,7 @@ from agent.banks import TEST
 from logic import RequestError, generate, load, save
 from logic.grammar import SHIPPED
 from logic.request.request import Request, whole
+from tests.patience import PATIENCE
 
 STEP = """
 import numpy as np, sim
@@ -41,7 +42,7 @@ def test_the_simulator_runs_without_a_home_that_can_be_written(name: str, tmp_pa
         env=environment,
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     assert (made.returncode, made.stdout) == (0, "(2, 40, 2) True\n"), made.stderr
@@ -66,7 +67,7 @@ def test_the_simulator_runs_where_no_file_can_be_written(name: str, tmp_path: Pa
         env=environment,
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     assert (made.returncode, made.stdout) == (0, f"(2, 40, 2) {keeps}\n"), made.stderr
@@ -80,7 +81,7 @@ def command(words: str, streams: str, folder: Path) -> tuple[int, str]:
         cwd=folder,
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     return made.returncode, made.stderr
@@ -151,7 +152,7 @@ def test_what_a_shell_lacks_is_said_and_no_rule_is_blamed(name: str, folder: Pat
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     assert (made.returncode, made.stderr.count("\n")) == (code, 1), made.stderr
@@ -165,7 +166,7 @@ def test_too_little_memory_is_no_fault_of_ours(folder: Path) -> None:
         cwd=folder,
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     assert made.returncode == 4
@@ -203,7 +204,7 @@ def test_names_are_read_and_written_without_a_locale(folder: Path) -> None:
         cwd=folder,
         env=os.environ | ASCII,
         capture_output=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     assert made.stderr.decode() == "Häuser.jsonl: 1 made. Next: vitruvius draw Häuser.jsonl\n"
@@ -218,7 +219,7 @@ def test_names_that_are_no_utf_8_are_said_and_answered(folder: Path) -> None:
             [sys.executable, "-m", "vitruvius.cli", *words, "--json"],
             cwd=folder,
             capture_output=True,
-            timeout=100,
+            timeout=PATIENCE,
             check=False,
         )
         assert made.returncode == 5, made.stderr

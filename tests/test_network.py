@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.patience import PATIENCE
+
 WATCH = """
 import json, os, sys
 log = os.open(os.environ["WATCHED"], os.O_WRONLY | os.O_APPEND)
@@ -77,7 +79,7 @@ def asked_of_a_network(program: str, folder: Path) -> list[str]:
         "XDG_CACHE_HOME": str(folder),
         "TI_OFFLINE_CACHE_FILE_PATH": str(kernels),
     }
-    subprocess.run(command, check=True, cwd=folder, env=environment, timeout=300)
+    subprocess.run(command, check=True, cwd=folder, env=environment, timeout=PATIENCE)
     notes = [json.loads(line) for line in log.read_text().splitlines()]
     assert notes.count(["start"]) > 1, "processes are watched"
     outside = [line for line in calls.read_text().splitlines() if "AF_INET" in line]

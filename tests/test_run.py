@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
+
 ROOT = Path(__file__).parents[1]
 TOOLS = "bash cat chmod cksum cp dirname env flock grep id ln mkdir mv readlink rm sed sh sleep true xargs"
 SWIPL = "exit 0"
@@ -66,7 +68,7 @@ class Machine:
 
     def run(self, *args: str) -> tuple[int, str, str]:
         process = self.start(*args)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=PATIENCE)
         return process.returncode, out, err
 
     def set_ups(self) -> int:
@@ -177,7 +179,7 @@ def test_uv_is_brought_by_what_is_there(tmp_path: Path, program: str) -> None:
 @pytest.mark.skipif(not shutil.which("flock"), reason="needs flock")
 def test_two_at_once_set_up_once(machine: Machine) -> None:
     both = [machine.start("demo", SLOW="0.5") for _ in range(2)]
-    answers = [process.communicate(timeout=60) for process in both]
+    answers = [process.communicate(timeout=PATIENCE) for process in both]
     assert [process.returncode for process in both] == [3, 3]
     assert machine.set_ups() == 1
     assert any("waiting for another ./run" in err for _, err in answers)

@@ -19,6 +19,7 @@ import pytest
 from agent.algorithms.table import PRESETS
 from benchmarks import STUDIES
 from logic import House, Rect, Star, load, save
+from tests.patience import PATIENCE
 from tests.sample_houses import changed_star
 from vitruvius.cli import COMMANDS, EXTRAS, main, parse
 from vitruvius.commands.houses import Check, Draw
@@ -200,7 +201,7 @@ def test_a_missing_prolog_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SWI_HOME_DIR", "/nowhere")
     monkeypatch.setenv("LIBSWIPL_PATH", "/nowhere/libswipl.so")
     command = [sys.executable, "-m", "vitruvius.cli", "generate", "--rooms", "1"]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert ended.returncode == 69
     assert "SWI-Prolog" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
@@ -228,7 +229,7 @@ def stopped(file: Path, sent: signal.Signals) -> tuple[int, str]:
         assert process.stdout is not None
         assert process.stdout.readline() == "made\n"
         process.send_signal(sent)
-        _, said = process.communicate(timeout=10)
+        _, said = process.communicate(timeout=PATIENCE)
     finally:
         process.kill()  # nothing, if it has ended as it should
     return process.returncode, said
@@ -308,7 +309,7 @@ def on_the_base(*arguments: object) -> subprocess.CompletedProcess[str]:
     """A command where none of the extras is installed."""
     absent = " ".join(module for modules in EXTRAS.values() for module in modules)
     command = [sys.executable, "-c", BASE_ALONE, absent, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
 
 
 def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from agent.progress import progress as agent_progress
 from benchmarks import STUDIES
 from logic import generate, save
 from logic.terminal import progress
+from tests.patience import PATIENCE
 from vitruvius import page
 from vitruvius.answers.agents import ANSWERS
 from vitruvius.cli import COMMANDS, GROUPS, STUDY_GROUPS, command_help, main
@@ -247,7 +248,7 @@ def completed(shell: str, code: str, script: str, cwd: Path) -> list[list[str]]:
         env=known,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
         check=False,
     )
     assert done.stderr == ""

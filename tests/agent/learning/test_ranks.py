@@ -14,6 +14,7 @@ from agent.runs import checkpoint
 from agent.runs.runs import run
 from logic import RequestError, save
 from tests import processes
+from tests.patience import PATIENCE
 from tests.ranks import main as learn
 from tests.sample_houses import random_house
 
@@ -65,7 +66,7 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=PATIENCE,
         check=False,
     )
     assert ended.returncode == 0, ended.stderr[-2000:]

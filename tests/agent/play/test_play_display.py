@@ -15,6 +15,7 @@ from agent.play.game import replayed
 from agent.play.results import load
 from logic import House, save
 from sim.film import SHARP, plan
+from tests.patience import PATIENCE
 
 HEAD, SIZE = 64, 656
 """Pixels above a plan, and of its longer side on a display 800 pixels high: ``agent.play.window``."""
@@ -25,7 +26,7 @@ Display = dict[str, str]
 
 def keys(display: Display, *words: str) -> None:
     """Press keys on a display, as the X server's XTEST has them: ``keydown Up``."""
-    subprocess.run(["xdotool", *words], env=display, check=True, timeout=20)
+    subprocess.run(["xdotool", *words], env=display, check=True, timeout=PATIENCE)
 
 
 def comes(condition: Callable[[], bool], seconds: float = 60) -> bool:
@@ -39,7 +40,9 @@ def comes(condition: Callable[[], bool], seconds: float = 60) -> bool:
 def shows(display: Display, house: House) -> bool:
     """Whether the window shows the plan of a house: all but the body, its rays and the target."""
     search = ["xdotool", "search", "--onlyvisible", "--class", ".", "getwindowgeometry", "--shell"]
-    said = subprocess.run(search, env=display, capture_output=True, text=True, timeout=20, check=False).stdout
+    said = subprocess.run(
+        search, env=display, capture_output=True, text=True, timeout=PATIENCE, check=False
+    ).stdout
     at = {name: int(value) for name, value in (line.split("=") for line in said.split())}
     expected = np.asarray(plan(house, SIZE).reduce(SHARP).convert("RGB"), int)
     height, width = expected.shape[:2]
@@ -64,7 +67,7 @@ def test_keys_on_a_display_drive_a_game_that_its_file_repeats(tmp_path: Path, di
         keys(display, "key", "Return")
         assert comes(lambda: shows(display, HOUSES[1]))
         keys(display, "key", "Up", "key", "Escape")
-        assert process.wait(timeout=60) == 0
+        assert process.wait(timeout=PATIENCE) == 0
     finally:
         process.kill()
     [game] = load(out)

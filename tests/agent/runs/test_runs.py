@@ -31,6 +31,7 @@ from logic.errors import RequestError
 from logic.stopping import Terminated
 from sim.environment.arguments import BANK
 from tests import processes
+from tests.patience import PATIENCE
 from tests.sample_houses import random_house
 from vitruvius.cli import parse
 
@@ -100,7 +101,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
         return processes.start(*arguments, "--out", str(tmp_path / name), "--resume")
 
     whole = started("whole")
-    whole.join(120)  # the others find its kernels on disk
+    whole.join(PATIENCE)  # the others find its kernels on disk
     assert whole.exitcode == 0
     killed, lines = started("killed"), 0
     for least in (4, 11):
@@ -111,7 +112,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
         killed.kill()
         killed.join()
         killed = started("killed")
-    killed.join(120)
+    killed.join(PATIENCE)
     assert killed.exitcode == 0
     assert metrics(tmp_path / "killed") == metrics(tmp_path / "whole")
     assert same(tmp_path / "killed", tmp_path / "whole")

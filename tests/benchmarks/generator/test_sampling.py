@@ -1,6 +1,7 @@
 """Sampling is fair: gaps on their simplex, sizes in their range, layouts alike; and layouts are counted."""
 
 import json
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -170,7 +171,7 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
         main(["generate", "--rooms", "2", "--count-layouts"])
     shown = capsys.readouterr()
     assert shown.out == "hall: 5,678\n"
-    assert "hall: 1,234 layouts after 0 s" in shown.err
+    assert re.search(r"hall: 1,234 layouts after \d+ s", shown.err)
 
 
 def test_counts_are_those_of_brute_force(tmp_path: Path) -> None:

@@ -4,10 +4,12 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from playwright.sync_api import Browser, Page
 
 from logic.browser.playground import folder
 from logic.browser.playground.server import Server, listening
 from logic.errors import MissingProgram
+from tests.conftest import opened_page
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +26,17 @@ def site(tmp_path_factory) -> Iterator[Server]:
         server.shutdown()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def at(site: Server) -> str:
     """The page's address."""
     return f"http://{site.server_name}:{site.server_port}/"
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Browser, at: str) -> Iterator[Page]:
+    """A document beside the page, from which the page's worker is asked: it stays for all tests of a module,
+    and starts no solvers of its own.
+    """
+    with opened_page(browser) as page:
+        page.goto(f"{at}page.css")
+        yield page

@@ -19,9 +19,10 @@ from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.grammar import SHIPPED
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from tests.logic.browser.answers import answered
+from tests.patience import PATIENCE
 
-SECONDS = 60_000
-"""Milliseconds for an answer on a slow machine."""
+WHOLE = 1000 * PATIENCE
+"""Milliseconds for an answer."""
 
 SHEETS = {
     "family": {"rooms": 5, "seed": 3, "count": 2, "types": {"bedroom": 2, "hall": [1, None]}},
@@ -45,7 +46,7 @@ def houses_of(page: Page, grammar: str, **asked: Any) -> list[dict[str, Any]]:
 def drawn(page: Page, address: str) -> None:
     """Open the page, and wait for its houses."""
     page.goto(address)
-    expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
+    expect(page.locator("#status")).to_contain_text("drawn in", timeout=WHOLE)
 
 
 def edit(page: Page, name: str, old: str, new: str) -> None:
@@ -57,10 +58,9 @@ def edit(page: Page, name: str, old: str, new: str) -> None:
     area.fill(text.replace(old, new, 1))
 
 
-def test_the_browser_makes_the_same_houses_as_python_number_for_number(page, at):
-    page.goto(at)
+def test_the_browser_makes_the_same_houses_as_python_number_for_number(opened):
     for grammar, asked in SHEETS.items():
-        found = houses_of(page, grammar, **asked)
+        found = houses_of(opened, grammar, **asked)
         made = [house.converted().to_dict() for house in generate(grammar=grammar, **asked)]
         expected = json.loads(json.dumps(made))
         assert not any(check(House.from_dict(house)) for house in found)
@@ -96,7 +96,7 @@ BEYOND = """async (houses) => {
 
 
 def test_names_stand_within_their_rooms(page, at):
-    page.goto(at)
+    page.goto(f"{at}?grammar=paper#rooms=1&count=1")
     houses = [house.converted().to_dict() for house in benchmark("home-test-v1")[:60]]
     assert page.evaluate(BEYOND, json.loads(json.dumps(houses))) == []
 
@@ -107,10 +107,9 @@ def test_the_first_houses_that_one_sees_are_homes_with_an_entrance(page, at):
     expect(page.locator("[data-part=entrance]")).to_have_count(1)
 
 
-def test_random_numbers_are_those_of_numpy(page, at):
-    page.goto(at)
+def test_random_numbers_are_those_of_numpy(opened):
     seeds = [[0, 0], [2**31 - 1, 127], [12345678901234, 5]]
-    found = page.evaluate(
+    found = opened.evaluate(
         """async (seeds) => {
             const { Generator } = await import("./solver/random.js");
             return seeds.map((seed) => {
@@ -133,37 +132,37 @@ def test_a_mistake_stands_at_its_line_and_a_changed_rule_makes_other_houses(page
     first = page.locator("[data-part=R0]")
     kind = str(first.get_attribute("aria-label")).removeprefix("R0, ")
     edit(page, "rooms.lp", "type(bedroom;", "type(bedroom")
-    expect(page.locator("#findings li").first).to_contain_text("rooms.lp:3:14", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("rooms.lp:3:14", timeout=WHOLE)
     expect(page.locator("#findings li").first).to_contain_text("syntax error")
     edit(page, "rooms.lp", "type(bedroom", "type(bedroom;")
-    expect(page.locator("#findings li")).to_have_count(0, timeout=SECONDS)
+    expect(page.locator("#findings li")).to_have_count(0, timeout=WHOLE)
     edit(page, "sizes.pl", "door_width(", "door_widht(")
-    expect(page.locator("#findings li").first).to_contain_text("did you mean door_width/1?", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("did you mean door_width/1?", timeout=WHOLE)
     edit(page, "sizes.pl", "door_widht(", "door_width(")
     edit(page, "rooms.lp", "#program house.", f"#program house.\n:- room(0,{kind}).")
-    expect(first).not_to_have_attribute("aria-label", f"R0, {kind}", timeout=SECONDS)
+    expect(first).not_to_have_attribute("aria-label", f"R0, {kind}", timeout=WHOLE)
     edit(page, "rooms.lp", "#program house.", "#program house.\n:- rom(_,hall).")
-    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=WHOLE)
     page.reload()  # What is changed outlives it, until it is taken back.
-    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=WHOLE)
     page.get_by_role("button", name="As shipped").click()
-    expect(page.locator("#findings li")).to_have_count(0, timeout=SECONDS)
-    expect(first).to_have_attribute("aria-label", f"R0, {kind}", timeout=SECONDS)
+    expect(page.locator("#findings li")).to_have_count(0, timeout=WHOLE)
+    expect(first).to_have_attribute("aria-label", f"R0, {kind}", timeout=WHOLE)
 
 
 def test_a_proof_names_the_rules_that_conflict(page, at):
     drawn(page, f"{at}?grammar=family#rooms=3&count=1")
     page.locator("[name='type.bathroom']").fill("2")
     answer = page.locator("#answer")
-    expect(answer).to_contain_text(":- rooms >= 3, basic(T), not room(_,T).", timeout=SECONDS)
+    expect(answer).to_contain_text(":- rooms >= 3, basic(T), not room(_,T).", timeout=WHOLE)
     for reason in ("rooms: 3", "bathroom: 2", "basic(bedroom; bathroom; kitchen)."):
         expect(answer).to_contain_text(reason)
     advice = "There is a house with 2 rooms, or without bathroom: 2."
-    expect(answer).to_contain_text(advice, timeout=SECONDS)
+    expect(answer).to_contain_text(advice, timeout=WHOLE)
     page.locator("[name='type.bathroom']").fill("")
-    expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
+    expect(page.locator("#status")).to_contain_text("drawn in", timeout=WHOLE)
     edit(page, "sizes.pl", "D >= 1.9,  D =< 2.1", "D >= 4.9, D =< 5")
-    expect(answer).to_contain_text("since no bedroom can be furnished", timeout=SECONDS)
+    expect(answer).to_contain_text("since no bedroom can be furnished", timeout=WHOLE)
     for reason in (
         "may(bedroom,bed,1,2).",
         "passage(0.42).",
@@ -182,7 +181,7 @@ def test_rules_without_end_are_stopped_and_the_page_goes_on(page, at):
     edit(page, "rooms.lp", "number(0).", "number(1).")
     expect(page.locator("#status")).to_have_text("Drawing.")
     edit(page, "rooms.lp", "number(1). number(N+1) :- number(N).", "")  # The solvers are still at it.
-    expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
+    expect(page.locator("#status")).to_contain_text("drawn in", timeout=WHOLE)
 
 
 def test_the_houses_come_as_a_file_that_python_reads(page, at, tmp_path):
@@ -236,7 +235,7 @@ def test_the_edited_rules_come_as_a_folder_from_which_python_makes_the_same_hous
     expect(page.get_by_role("button", name="Rules as a zip")).to_be_disabled()
     edit(page, "rooms.lp", "%", "% ä ½\n%")
     expect(page.locator("#command code")).to_contain_text("clinic-edited")
-    expect(page.locator("#sheet li:not(.old) svg")).to_have_count(1, timeout=SECONDS)
+    expect(page.locator("#sheet li:not(.old) svg")).to_have_count(1, timeout=WHOLE)
     kept = {}
     for name in ("Rules as a zip", "Houses as a file"):
         with page.expect_download() as download:
@@ -275,7 +274,7 @@ def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(page, at):
     drawn(page, f"{at}#grammar=family&rooms=2&count=1")
     page.locator("#sheet [data-part=R0]").click()
     edit(page, "rooms.lp", "#program house.", "#program house.\n:- rom(_,hall).")
-    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=WHOLE)
     assert findings(page) == []
     assert too_wide(page) == []
     assert cut_on_paper(page) == []
@@ -293,7 +292,7 @@ def test_without_the_server_a_stopped_page_says_what_to_do(browser, at):
     )
     page.context.set_offline(False)
     page.get_by_role("slider", name="Rooms").fill("2")
-    expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
+    expect(page.locator("#status")).to_contain_text("drawn in", timeout=WHOLE)
     page.close()
 
 

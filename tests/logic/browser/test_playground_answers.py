@@ -104,13 +104,6 @@ PLANS = (
 )
 
 
-@pytest.fixture
-def opened(page: Page, at: str) -> Page:
-    """The page."""
-    page.goto(at)
-    return page
-
-
 def test_where_a_fact_is_missing_the_page_has_the_proof_of_python(opened, tmp_path):
     for number, (name, (text, types)) in enumerate(PROOFS.items()):
         files = {"rooms.lp": text, "sizes.pl": proofs.SIZES}

@@ -31,12 +31,10 @@ from logic.grammar import SHIPPED
 from logic.request.request import Request
 from logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
+from tests.patience import PATIENCE
 from vitruvius.cli import main
 
-WHOLE = 20_000
-"""Milliseconds for an answer on a machine with much else to do; it comes in a fraction of a second."""
-
-expect.set_options(timeout=WHOLE)
+expect.set_options(timeout=1000 * PATIENCE)
 
 
 @dataclass
@@ -61,7 +59,7 @@ class Watched:
     def ask(self, path: str = "", body: object = None, **headers: str) -> tuple[int, str]:
         """The status and the text of an answer, by a plain request."""
         url = urlsplit(self.address)
-        connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
+        connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=PATIENCE)
         method = "GET" if body is None else "POST"
         text = body if isinstance(body, str) or body is None else json.dumps(body)
         connection.request(method, path if path[:1] == "/" else url.path + path, text, headers)
@@ -238,7 +236,7 @@ def test_the_page_shows_the_houses_that_generate_makes(watched: Watched, page: P
 def versions(watched: Watched) -> Iterator[dict[str, Any]]:
     """The rules, as the stream of events tells them: as they are, then at each change."""
     url = urlsplit(watched.address)
-    connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
+    connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=PATIENCE)
     connection.request("GET", f"{url.path}events")
     for line in connection.getresponse():
         if line.startswith(b"data: "):
@@ -374,7 +372,7 @@ def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, pa
     page.route("**/engine.js", engine)
     page.goto(f"{server.address}#count=1")
     page.get_by_label("Seed", exact=True).fill("1")
-    page.wait_for_timeout(150)
+    page.wait_for_function("answers.length == 2")
     page.evaluate("answers[1]()")
     expect(page.locator("#sheet")).to_have_text("seed 1")
     page.evaluate("answers[0]()")
@@ -443,14 +441,14 @@ def test_ctrl_c_ends_it_at_once_with_all_processes(tmp_path: Path) -> None:
             ("events", None),
             ("sheet", {"version": 1, "request": {"rooms": 9, "seed": 0, "count": 48}}),
         ):
-            connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
+            connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=PATIENCE)
             connection.request("POST" if body else "GET", url.path + path, json.dumps(body))
             streams.append(connection.getresponse())
         assert "kinds" in streams[1].readline().decode()
         workers = children(watched.process.pid)
         assert workers
         watched.process.send_signal(signal.SIGINT)
-        assert watched.process.wait(10) == 130
+        assert watched.process.wait(PATIENCE) == 130
         assert watched.process.stderr
         assert watched.process.stderr.read() == "interrupted\n"
         assert not [worker for worker in workers if is_alive(worker)]
@@ -475,12 +473,12 @@ def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothin
         cwd=Path(__file__).parents[3],
         env=os.environ | {"PATH": path},
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
         check=True,
     ).stderr  # Read until all that could write there have ended.
     assert said == ""
     (started,) = tmp_path.glob("started.*")
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE
     while is_alive(int(started.suffix[1:])):  # What is killed closes its files a moment before it has ended.
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -577,8 +575,8 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
         for count in counts:
             count.cancel()
         house = MakeHouse(request=Request(1).to_dict(), seed=0, index=0, inferences=10**8)
-        made = lambda worker: worker.asked(house, Made, 20, "late")  # noqa: E731
-        assert (await asyncio.wait_for(pool.ask(made), 20)).house
+        made = lambda worker: worker.asked(house, Made, PATIENCE, "late")  # noqa: E731
+        assert (await asyncio.wait_for(pool.ask(made), PATIENCE)).house
         pool.end()
         with pytest.raises(Stale):
             await pool.ask(made)

@@ -63,7 +63,7 @@ def plain(bedroom: tuple[Piece, ...], size: tuple[float, float] = (3.6, 3.8)) ->
     return built(4.2, 4.2, ((first,), *((sketch,) for sketch in others)))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(houses())
 def test_a_correct_house_has_no_violation_in_our_format_and_in_the_original_s(house: House) -> None:
     assert check(house) == []
@@ -184,7 +184,7 @@ def front_to_the_wall(house: House) -> tuple[House, list[str]]:
     return wrong, [f"R3 (hall): sofa faces {opposite}, not away from its wall ({wall})"]
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(house=houses())
 def test_a_star_may_have_an_entrance_which_furniture_keeps_clear_of(house: House) -> None:
     """Its door is the main room's, and no other room's."""
@@ -227,7 +227,7 @@ MISTAKES: list[Callable[[House], tuple[House, list[str]]]] = [
 
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.__name__)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(house=houses())
 def test_a_house_with_one_mistake_has_exactly_that_violation(mistake: Callable, house: House) -> None:
     wrong, words = mistake(house)

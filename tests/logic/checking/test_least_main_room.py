@@ -14,7 +14,7 @@ from tests.logic.house.handmade import DOOR, Sketch, built, turned_house
 lengths = st.floats(0.5, 20.0)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(width=lengths, height=lengths, area=st.floats(0.1, 200.0))
 def test_no_rectangle_is_smaller_than_the_least_rectangle(width: float, height: float, area: float) -> None:
     least = least_rectangle(width, height, area)
@@ -24,7 +24,7 @@ def test_no_rectangle_is_smaller_than_the_least_rectangle(width: float, height: 
     assert least - 1e-9 <= found <= least * 1.01
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_the_least_main_room_is_that_of_rooms_pushed_together(data: st.DataObject) -> None:
     """Against a linear program that moves the rooms of each side and shrinks its wall."""

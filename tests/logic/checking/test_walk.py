@@ -13,7 +13,7 @@ from logic.house.parts import BODY
 from tests.logic.house.handmade import houses
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(houses())
 def test_the_floor_that_a_body_reaches_is_that_of_a_flooded_raster(house: House) -> None:
     """A raster of 2.5 cm, flooded from the main room, reaches the same share of every room."""

@@ -242,7 +242,7 @@ def sweeps_over_furniture(house: House, leaf: Leaf) -> bool:
     return False
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     kind=st.sampled_from(sorted(LOOKS.pieces)),
     box=st.tuples(st.floats(0, 5), st.floats(0, 5), *[st.floats(0.3, 3)] * 2),
@@ -394,7 +394,7 @@ def test_a_legend_says_what_the_marks_are() -> None:
 SIDES = st.lists(st.integers(0, 3), min_size=1, max_size=128)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(sides=SIDES, cell=st.sampled_from([60, 150, 300, 720]))
 @example(sides=[0, 1, 2, 3] * 32, cell=300)
 @example(sides=[0, 1, 2, 3] * 12, cell=300)

@@ -16,6 +16,7 @@ from logic.errors import Unsatisfiable
 from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import MISTAKES, linted
 from tests.logic.workers import in_process
+from tests.patience import PATIENCE
 
 LP, PL = '#include "{}".', ":- include('{}')."
 
@@ -151,7 +152,7 @@ def test_an_include_that_stands_elsewhere_is_refused_where_it_stands(
         others = ["".join(f"\nother{letter}({n})." for letter in "abcd") for n in range(len(cases))]
         files = {f"{n}{suffix}": text + others[n] for n, (text, _) in enumerate(cases)}
         folder = grammar(tmp_path / suffix, files)
-        found, _ = solver.submit(linted, folder).result(timeout=60)
+        found, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
         why = "an include stands at the top of its file, alone on its line"
         said = {(each.file, each.line) for each in found if why in each.text}
         assert said == {(str(folder / f"{n}{suffix}"), line) for n, (_, line) in enumerate(cases)}
@@ -225,7 +226,7 @@ def test_mistakes_below_an_include_of_an_included_file_are_found_at_their_places
         before = f"\n{include.format(empty.name)}\n{before}"
         moved.write_text(before + mistake.new + after)
         file.write_text(include.format(f"parts/{file.name}"))
-        findings, _ = solver.submit(linted, folder).result(timeout=60)
+        findings, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
         found = [(each.file, each.line, each.column) for each in findings if mistake.says in each.text]
         lines = (before + mistake.new[: mistake.new.index(mistake.at)]).split("\n")
         assert found[:1] == [(str(moved), len(lines), len(lines[-1]) + 1)], (title, findings)
@@ -264,7 +265,7 @@ def test_what_contradicts_an_included_file_names_it_with_its_folder(
     folder = grammar(
         tmp_path / "mine", {"parts/sizes.pl": "room_gap(1.0).", "a.pl": PL.format("parts/sizes.pl")}
     )
-    ((found, *_), _) = solver.submit(linted, folder).result(timeout=60)
+    ((found, *_), _) = solver.submit(linted, folder).result(timeout=PATIENCE)
     assert (found.file, found.line) == (str(folder / "sizes.pl"), 4)
     assert "the first stands in line 1 of parts/sizes.pl" in found.text
 
@@ -288,7 +289,7 @@ def test_a_file_has_one_name_in_whatever_is_said_of_its_lengths(
         (folder / names[1]).write_text(f"\n{texts[1]}")
         sizes = folder / "sizes.pl"
         sizes.write_text(re.sub(r"room_size\(hall.*\n", "", sizes.read_text()))
-        found, _ = solver.submit(linted, folder).result(timeout=60)
+        found, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
         name = names[texts.index(clause)]
         line = (folder / name).read_text().split("\n").index(clause) + 1
         assert any(said in each.text and f"line {line} of {name}" in each.text for each in found), found
@@ -308,7 +309,7 @@ def test_what_contradicts_a_file_of_a_shipped_grammar_is_to_be_mended_in_ones_ow
         (folder / "m.lp").write_text("".join(LP.format(f"family/{name}.lp") + "\n" for name in names))
         (folder / "m.pl").write_text(PL.format("family/sizes.pl"))
         (folder / f"{own}{suffix}").write_text(f"\n{rule}")
-        ((found,), _) = solver.submit(linted, folder).result(timeout=60)
+        ((found,), _) = solver.submit(linted, folder).result(timeout=PATIENCE)
         assert (found.file, found.line) == (str(folder / f"{own}{suffix}"), 2)
         assert place in found.text
 
@@ -333,7 +334,7 @@ def test_watch_notices_that_an_included_file_changes_goes_and_comes_back(tmp_pat
         return {file["name"]: file["text"] for file in rules.files}.get("parts/b.lp")
 
     async def watched() -> list[str | None]:
-        session = Session(folder, "mine", 10.0)
+        session = Session(folder, "mine", PATIENCE)
         session.begin()
         seen = []
         versions = session.versions()
@@ -342,9 +343,9 @@ def test_watch_notices_that_an_included_file_changes_goes_and_comes_back(tmp_pat
             included.unlink,
             lambda: included.write_text("% three\n"),
         ):
-            seen.append(shown(await asyncio.wait_for(anext(versions), 10)))
+            seen.append(shown(await asyncio.wait_for(anext(versions), PATIENCE)))
             act()
-        seen.append(shown(await asyncio.wait_for(anext(versions), 10)))
+        seen.append(shown(await asyncio.wait_for(anext(versions), PATIENCE)))
         session.end()
         return seen
 

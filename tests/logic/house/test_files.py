@@ -36,7 +36,7 @@ provenances = st.builds(
 )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.lists(houses(), min_size=1, max_size=3), st.none() | provenances, st.sampled_from(["", ".gz"]))
 def test_reading_back_gives_the_same_houses(
     tmp_path_factory: pytest.TempPathFactory, made: list[House], provenance: Provenance | None, end: str

@@ -34,7 +34,7 @@ def test_the_hand_made_plans_are_read_as_they_were_written() -> None:
     assert load(FIXTURES / "plans.jsonl") == list(PLANS.values())
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(houses(), st.booleans())
 def test_a_converted_star_is_the_same_house_and_its_file_can_be_written_back(house: House, old: bool) -> None:
     house = House.of_star(house.star, "original") if old else house
@@ -229,7 +229,7 @@ def altered(draw: st.DrawFn) -> dict[str, Any]:
     return record
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(altered())
 def test_the_schema_and_the_reader_accept_the_same_records_but_for_what_is_stated(record: Any) -> None:
     if record.get("format") != "vitruvius-2":

@@ -9,6 +9,7 @@ import pytest
 from logic import GrammarError
 from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import linted
+from tests.patience import PATIENCE
 
 MISSPELT = [
     ("rooms.lp", "type(hall;", "tpye(hall;", "did you mean type/1?"),
@@ -131,7 +132,7 @@ TWICE = {
 
 
 def findings_of(folder: Path, solver: ProcessPoolExecutor) -> list[str]:
-    found, _ = solver.submit(linted, folder).result(timeout=60)
+    found, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
     return [str(each) for each in found]
 
 

@@ -20,6 +20,7 @@ from logic.layout.program import CORE
 from logic.placement import prolog
 from tests.logic.language import mistakes
 from tests.logic.language.mistakes import Mistake
+from tests.patience import PATIENCE
 
 SECONDS = 2.0
 """CPU time in which a mistake is found."""
@@ -56,7 +57,7 @@ def test_a_mistake_is_found_at_its_place(title: str, solver: ProcessPoolExecutor
         before, after = text, "\n"
     (folder / mistake.file).write_text(before + mistake.new + after)
     result: Future = solver.submit(linted, folder)
-    findings, seconds = result.result(timeout=60)
+    findings, seconds = result.result(timeout=PATIENCE)
     found = [finding for finding in findings if mistake.says in finding.text]
     assert found, findings
     lines = (before + mistake.new[: mistake.new.index(mistake.at)]).split("\n")
@@ -102,7 +103,7 @@ def test_a_fact_of_each_predicate_of_the_core_is_refused_or_an_input(
     begin = len((folder / file).read_text().split("\n"))
     with (folder / file).open("a") as rules:
         rules.writelines(f"{name}({','.join('1' * arity)}).\n" for name, arity in core)
-    findings, _ = solver.submit(linted, folder).result(timeout=60)
+    findings, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
     refused = {
         core[finding.line - begin]
         for finding in findings

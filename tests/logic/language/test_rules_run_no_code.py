@@ -10,6 +10,7 @@ import pytest
 from logic.errors import VitruviusError
 from logic.grammar import SHIPPED, find
 from logic.request.request import Request
+from tests.patience import PATIENCE
 
 # Whole texts at the end of sizes.pl. RUN leaves a file behind wherever it is run.
 REFUSED = {
@@ -123,7 +124,7 @@ def test_no_rule_file_runs_a_program(title: str, solver: ProcessPoolExecutor, tm
     text = text.replace("RUN", "shell('TOUCH')").replace("TOUCH", f"touch {trace}")
     rules = (folder / file).read_text()
     (folder / file).write_text(f"{text}\n{rules}" if place == "begin" else f"{rules}\n{text}\n")
-    errors, linted, generated = solver.submit(tried, folder, trace).result(timeout=60)
+    errors, linted, generated = solver.submit(tried, folder, trace).result(timeout=PATIENCE)
     assert (linted, generated) == (False, False)
     assert errors or not refused
     assert not any("raises an error" in error for error in errors), "it was run before it was judged"

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
+
 FILES = sorted(Path(__file__).parent.glob("*.plt"))
 
 
@@ -14,7 +16,7 @@ def test_prolog(file: Path) -> None:
         ["swipl", "-g", "run_tests", "-t", "halt", file],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
         check=False,
     )
     # Choice points show as warnings: a relation of the rules that leaves one makes every house slower.

@@ -64,10 +64,15 @@ class Scene:
         with suppress(BlockingIOError):
             self._server.accept()[0].close()
             effects.add("connection")
-        with suppress(subprocess.TimeoutExpired):
-            self._victim.wait(0.2)
+        if not self._sleeps():
             effects.add("signal")
         return effects
+
+    def _sleeps(self) -> bool:
+        """Whether the victim does, and has no signal yet to receive."""
+        status = Path(f"/proc/{self._victim.pid}/status").read_text()
+        pending = re.findall(r"^(?:Sig|Shd)Pnd:\s+(\w+)", status, re.M)
+        return "State:\tS" in status and not any(int(signals, 16) for signals in pending)
 
     def _files(self) -> dict[str, tuple[object, ...]]:
         return {

@@ -17,6 +17,9 @@ from logic.grammar import SHIPPED, find
 from logic.language import trial
 from logic.workers import solver
 
+LATE = 10.0
+"""Seconds that an answer may take beyond its limit where others are at work: without it, it takes minutes."""
+
 JOIN = "n(1..999).\n:- {}n(X), n(Y), n(Z), X*X-Y*Y*Z*Z*Z = 17.\n"
 """A join of a billion triples, hardly one of which fits."""
 
@@ -140,7 +143,7 @@ def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Pat
     began = time.monotonic()
     with pytest.raises(LimitReached) as caught:
         next(generate(rooms=12, grammar=made, seconds=4.0))
-    assert 4.0 <= time.monotonic() - began < 4.0 + solver.GRACE + 1.0
+    assert 4.0 <= time.monotonic() - began < 4.0 + solver.GRACE + LATE
     said = str(caught.value)
     late = "house 0 reached its limit of 4 seconds: raise it with --seconds."
     assert said.startswith(f"{late} It was at work on ")
@@ -164,12 +167,12 @@ def test_a_limit_of_a_search_names_the_rule_without_which_a_layout_is_found_and_
     made = shutil.copytree(SHIPPED / "family", tmp_path / "mine")
     choice, rule = "option(key(R),1..12,1) :- R = 0..rooms-1.", ":- pick(key(R),K), pick(key(Q),K), R < Q."
     place, said = add(made / "rooms.lp", f"{choice}\n{rule}\n"), ""
-    for seconds in (4.0, 16.0):
+    for seconds in (4.0, 16.0, 64.0):
         next(generate(rooms=3, grammar=made))  # So that rules are loaded.
         began = time.monotonic()
         with pytest.raises(LimitReached) as caught:
             next(generate(rooms=13, grammar=made, seconds=seconds))
-        assert seconds <= time.monotonic() - began < seconds + solver.GRACE + 1.0
+        assert seconds <= time.monotonic() - began < seconds + solver.GRACE + LATE
         said = str(caught.value)
         if place in said:
             break
@@ -199,7 +202,7 @@ def test_counting_takes_no_more_than_its_seconds() -> None:
     counted = list(count_layouts(9, grammar="family", seconds=2.0))
     assert len(counted) == 5  # The rooms, and the furniture of each of four types.
     assert not all(exact for *_, exact in counted)
-    assert time.monotonic() - began < 2.0 + 8.0  # It starts a process and loads the rules.
+    assert time.monotonic() - began < 2.0 + solver.START_UP  # Without a limit it would take days.
 
 
 def test_a_trial_names_each_rule_and_each_size_and_ends_where_nothing_is_wrong() -> None:

@@ -150,7 +150,7 @@ def crossed(boxes: Boxes, old: np.ndarray, new: np.ndarray) -> np.ndarray:
     return ((side(p, q, a) * side(p, q, b) < 0) & (side(a, b, p) * side(a, b, q) < 0)).any(axis=1)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32))
 def test_no_body_crosses_a_wall_at_any_speed(fast, seed):
     _, info = fast.reset(seed=seed)

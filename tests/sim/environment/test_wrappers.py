@@ -14,6 +14,7 @@ from gymnasium.wrappers import vector
 
 from sim import HouseVectorEnv
 from tests import sample_houses
+from tests.patience import PATIENCE
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
 NAME = "sim:Vitruvius/House-v0"
@@ -149,7 +150,11 @@ def test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing(tmp_p
     """What cannot be had is said in the parent: a GPU, and a fork of a process in which Taichi runs."""
     (tmp_path / "processes.py").write_text(PROCESSES)
     made = subprocess.run(
-        [sys.executable, tmp_path / "processes.py"], capture_output=True, text=True, timeout=200, check=False
+        [sys.executable, tmp_path / "processes.py"],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
     )
     assert made.returncode == 0, made.stderr
     gpu, fork, count = made.stdout.splitlines()

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.patience import PATIENCE
+
 GENERATE = """
 import sys
 from importlib.metadata import entry_points
@@ -25,7 +27,7 @@ def test_making_a_house_imports_nothing_of_the_simulator_or_the_agent(tmp_path: 
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=PATIENCE,
         check=False,
     )
     assert made.returncode == 0, made.stderr

@@ -383,10 +383,10 @@ def test_the_loss_is_least_at_the_mean_of_what_views_are_worth(focus):
 
 def test_a_run_learns_what_views_are_worth():
     envs = make_envs(HOUSES, 4, "secondary")
-    config = replace(SMALL, steps=4000, guided=0.5, passes=30.0, learning_rate=1e-2)
+    config = replace(SMALL, steps=2500, guided=0.5, passes=5.0, learning_rate=1e-2)
     learner = cast(Any, learner_of(config, envs))
-    losses = [now.loss for now in learner.train()]
-    assert np.mean(losses[-8:]) < np.mean([loss for loss in losses if loss][:4])
+    losses = [now.loss for now in learner.train() if now.loss]  # in each turn with anything to learn from
+    assert np.mean(losses[-8:]) < 0.9 * np.mean(losses[:4])
     assert learner.made > 60
     assert learner.buffer.worth[: learner.made].float().amax((1, 2, 3)).min() > 0
     # What it is told of unseen ground is as it was.
