@@ -75,7 +75,7 @@ def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
             joined = Function("joined", [Number(wall.room), behind])
             found[joined] = f"plan: a door joins {door.between[0]} and {door.between[1]}"
     for kind, some in (
-        ("doors", [door for door in plan.doors if not door.is_entrance]),
+        ("doors", [door for door in plan.doors if not door.is_entrance and not plan.has_more_doors]),
         ("windows", plan.windows),
     ):
         if some:

@@ -1,6 +1,6 @@
 """Polygons along the axes: noisy corners become right ones, and what has several corners is cut to boxes."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import hypot
 from typing import NamedTuple
@@ -112,11 +112,11 @@ def _joined(one: Side, other: Side) -> Side:
     return Side(one.axis, (one.place * one.length + other.place * other.length) / (length or 1.0), length)
 
 
-def moved(shape: Polygon, lines: Sequence[Callable[[float], float]]) -> Polygon:
-    """A polygon with its corners on other lines: ``lines`` of x and of y."""
+def moved(shape: Polygon, lines: tuple[Mapping[float, float], Mapping[float, float]]) -> Polygon:
+    """A polygon with its corners on other lines: by its own in x and in y."""
 
     def ring(corners: Iterable[Sequence[float]]) -> list[Point]:
-        return [(lines[0](x), lines[1](y)) for x, y in corners]
+        return [(lines[0][x], lines[1][y]) for x, y in corners]
 
     return Polygon(ring(shape.exterior.coords), [ring(each.coords) for each in shape.interiors])
 

@@ -1,7 +1,8 @@
 """Lines of walls: the two faces of a wall between rooms, and all that lies on one line, get one place."""
 
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
+from itertools import pairwise, permutations
+from statistics import median
 from typing import NamedTuple
 
 import shapely
@@ -12,6 +13,10 @@ MOST_WALL = 0.4
 
 FACING = 0.1
 """Metres of two walls that must be opposite each other."""
+
+
+Places = dict[float, float]
+"""Where lines are, metres, and where they lie then."""
 
 
 class Face(NamedTuple):
@@ -26,44 +31,49 @@ class Face(NamedTuple):
     is_far: bool
 
 
-def common_lines(shapes: Sequence[Polygon], noise: float) -> list[Callable[[float], float]]:
-    """For x and for y, where what is there lies when walls have no thickness.
+def common_lines(shapes: Sequence[Polygon], noise: float) -> list[tuple[Places, Places]]:
+    """Of each room, for its lines at an x and for those at a y, where they lie when walls have no thickness.
 
     Two faces at most ``MOST_WALL`` apart, with no room between them, are one wall, in its middle; what lies
-    ``2 * noise`` metres beside each other is one line.
+    ``2 * noise`` metres beside each other is one line. Outer walls are as thick as those between rooms are.
     """
-    found = []
-    tree = shapely.STRtree(list(shapes))
+    walls = [_walls(shapes, axis, noise) for axis in (0, 1)]
+    thick = [_thickness(wall) for each in walls for wall in each if len({face.is_far for face in wall}) == 2]
+    half = max(0.0, median(thick)) / 2 if thick else 0.0
+    found: list[tuple[Places, Places]] = [({}, {}) for _ in shapes]
     for axis in (0, 1):
-        faces = sorted(
-            (face for room, shape in enumerate(shapes) for face in _faces(room, shape, axis)),
-            key=lambda face: face.place,
-        )
-        groups = _groups(faces, 2 * noise + 1e-6)
-        joined = list(range(len(groups)))
-
-        def root(group: int, joined: list[int] = joined) -> int:
-            while joined[group] != group:
-                group = joined[group]
-            return group
-
-        numbered = [(face, number) for number, group in enumerate(groups) for face in group]
-        for one, its in numbered:
-            if not one.is_far:
-                continue
-            for other, others in numbered:
-                if (
-                    its != others
-                    and _is_wall(one, other, noise)
-                    and not _between(one, other, axis, shapes, tree)
-                ):
-                    joined[root(others)] = root(its)
-        together: dict[int, list[Face]] = {}
-        for face, number in numbered:
-            together.setdefault(root(number), []).append(face)
-        places = {face.place: _middle(group) for group in together.values() for face in group}
-        found.append(_nearest(places))
+        for wall in walls[axis]:
+            place = _middle(wall, half)
+            for face in wall:
+                found[face.room][axis][face.place] = place
     return found
+
+
+def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face]]:
+    """The faces of each wall, on both of its sides."""
+    tree = shapely.STRtree(list(shapes))
+    faces = sorted(
+        (face for room, shape in enumerate(shapes) for face in _faces(room, shape, axis)),
+        key=lambda face: face.place,
+    )
+    # Faces of either side by themselves: those of other walls may lie on one line, off by a wall's thickness.
+    sides = [[face for face in faces if face.is_far == side] for side in (True, False)]
+    groups = [group for side in sides for group in _groups(side, 2 * noise + 1e-6)]
+    joined = list(range(len(groups)))
+
+    def root(group: int) -> int:
+        while joined[group] != group:
+            group = joined[group]
+        return group
+
+    numbered = [(face, number) for number, group in enumerate(groups) for face in group]
+    for (one, its), (other, others) in permutations(numbered, 2):
+        if its != others and _is_wall(one, other, noise) and not _between(one, other, axis, shapes, tree):
+            joined[root(others)] = root(its)
+    together: dict[int, list[Face]] = {}
+    for face, number in numbered:
+        together.setdefault(root(number), []).append(face)
+    return list(together.values())
 
 
 def _faces(room: int, shape: Polygon, axis: int) -> list[Face]:
@@ -91,9 +101,11 @@ def _groups(faces: Sequence[Face], within: float) -> list[list[Face]]:
 
 
 def _is_wall(one: Face, other: Face, noise: float) -> bool:
+    """Whether there is a wall from a room to another at greater places."""
+    if not one.is_far or other.is_far or one.room == other.room:
+        return False
     along = min(one.end, other.end) - max(one.start, other.start)
-    apart = other.place - one.place
-    return not other.is_far and one.room != other.room and -2 * noise <= apart <= MOST_WALL and along > FACING
+    return -2 * noise <= other.place - one.place <= MOST_WALL and along > FACING
 
 
 def _between(one: Face, other: Face, axis: int, shapes: Sequence[Polygon], tree: shapely.STRtree) -> bool:
@@ -107,16 +119,21 @@ def _between(one: Face, other: Face, axis: int, shapes: Sequence[Polygon], tree:
     return any(each.intersection(gap).area > 0.5 * gap.area for each in near)
 
 
-def _middle(group: Sequence[Face]) -> float:
-    """Halfway between the mean place of faces on the one side and on the other, by their lengths."""
-    means = []
-    for is_far in (True, False):
-        faces = [face for face in group if face.is_far == is_far]
-        length = sum(face.end - face.start for face in faces)
-        if faces:
-            means.append(sum(face.place * (face.end - face.start) for face in faces) / length)
-    return round(sum(means) / len(means), 4)
+def _middle(wall: Sequence[Face], half: float) -> float:
+    """Halfway between the faces on the one side of a wall and on the other; outwards, where it has one."""
+    far, near = (_mean([face for face in wall if face.is_far == side]) for side in (True, False))
+    ends = [*([far] if far is not None else []), *([near] if near is not None else [])]
+    if len(ends) == 2:
+        return round(sum(ends) / 2, 4)
+    return round(ends[0] + (half if far is not None else -half), 4)
 
 
-def _nearest(places: dict[float, float]) -> Callable[[float], float]:
-    return lambda value: places[min(places, key=lambda place: abs(place - value))]
+def _thickness(wall: Sequence[Face]) -> float:
+    far, near = (_mean([face for face in wall if face.is_far == side]) for side in (True, False))
+    return (near or 0.0) - (far or 0.0)
+
+
+def _mean(faces: Sequence[Face]) -> float | None:
+    """The mean place of faces, by their lengths."""
+    length = sum(face.end - face.start for face in faces)
+    return sum(face.place * (face.end - face.start) for face in faces) / length if faces else None

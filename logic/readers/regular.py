@@ -85,8 +85,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
     names = unlike(space.name or space.words[0] or "room" for space in spaces)
     named = list(zip(names, spaces, strict=True))
     shapes = [squared(name, upright(space.shape), noise) for name, space in named]
-    lines = common_lines(shapes, noise)
-    on_lines = [moved(shape, lines) for shape in shapes]
+    on_lines = [moved(*each) for each in zip(shapes, common_lines(shapes, noise), strict=True)]
     for name, shape in zip((name for name, _ in named), on_lines, strict=True):
         if not shape.is_valid or shape.area < 0.1:
             x, y = shape.centroid.coords[0] if shape.area else shape.exterior.coords[0]

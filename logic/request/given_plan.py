@@ -77,7 +77,7 @@ def read_plan(
     if drawn:
         openings = placed(plan, drawn, max(snap, SNAP))
         notes += openings.notes
-        plan = OwnPlan(plan.rooms, openings.doors, openings.windows)
+        plan = OwnPlan(plan.rooms, openings.doors, openings.windows, has_more_doors=openings.has_more)
     for note in notes:
         warnings.warn(f"plan: {note}", PlanWarning, stacklevel=3)
     _require_plan(plan, HINT_OF_WALLS if drawn else HINT)

@@ -26,6 +26,8 @@ class Placed(NamedTuple):
 
     doors: tuple[Door, ...]
     windows: tuple[Window, ...]
+    has_more: bool
+    """Whether there are rooms that no door leads to."""
     notes: list[str]
 
 
@@ -39,6 +41,7 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     inner = [wall for wall in plan.walls if wall.behind is not None and wall.room < wall.behind]
     outer = [wall for wall in plan.walls if wall.behind is None]
     doors, windows, notes = list[Door](), list[Window](), list[str]()
+    alone: list[str] = []
     knows_entrance = any(each.is_entrance for each in drawn.passages)
     for opening in drawn.passages:
         found = _nearest(opening, [*inner, *outer])
@@ -46,27 +49,29 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
             notes.append(f"a door at {_at(opening)} is in no wall: it is passed over")
             continue
         wall, start, end = found
-        if wall.behind is not None:
-            length = _rounded(end - start, wall, noise)
-            doors.append(_door(wall, start, length, (names[wall.room], names[wall.behind])))
-        elif (knows_entrance and not opening.is_entrance) or _leads_out(opening, drawn):
-            windows.append(_window(wall, start, end, names[wall.room]))
+        if wall.behind is None and (
+            (knows_entrance and not opening.is_entrance) or _leads_out(opening, drawn)
+        ):
+            windows.append(Window(*_segment(wall, start, end - start), names[wall.room]))
         else:
-            length = _rounded(end - start, wall, noise)
-            doors.append(_door(wall, start, length, (names[wall.room], OUTSIDE)))
+            between = names[wall.room], OUTSIDE if wall.behind is None else names[wall.behind]
+            doors.append(Door(*_segment(wall, start, _rounded(end - start, noise)), between))
     for opening in drawn.windows:
         if found := _nearest(opening, outer):
             wall, start, end = found
-            windows.append(_window(wall, start, end, names[wall.room]))
+            windows.append(Window(*_segment(wall, start, end - start), names[wall.room]))
         else:
             notes.append(f"a window at {_at(opening)} is in no outer wall: it is passed over")
     if doors:
         doors += _joints(drawn, inner, names)
-    return Placed(tuple(_widest(doors, notes)), tuple(windows), notes)
+        if alone := _unreached(names, doors):
+            some = f"{', '.join(alone[:3])}{' and others' if alone[3:] else ''}"
+            notes.append(f"no door that is drawn leads to {some}: there may be more doors than these")
+    return Placed(tuple(_widest(doors, notes)), tuple(windows), bool(doors and alone), notes)
 
 
 def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, float] | None:
-    """The wall that an opening is in, and from where to where there, metres."""
+    """The wall that an opening is in, and from where to where it is drawn along it, metres."""
     box = opening.box
     axis = int(box[2] - box[0] > box[3] - box[1])  # across which it is thin
     middle, low, high = (box[axis] + box[axis + 2]) / 2, box[1 - axis], box[3 - axis]
@@ -76,31 +81,23 @@ def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, floa
         start, end = max(low, wall.start), min(high, wall.end)
         runs = WALLS.index(wall.side) % 2 == axis
         if runs and off < least and end - start > max(LEAST, (high - low) / 2):
-            best, least = (wall, start, end), off
+            best, least = (wall, low, high), off
     return best
 
 
-def _rounded(length: float, wall: Wall, noise: float) -> float:
+def _rounded(length: float, noise: float) -> float:
     """The length of a door without noise."""
     whole = round(length / ROUND) * ROUND
-    near = abs(whole - length) <= 2 * noise + 1e-6 and whole <= wall.end - wall.start
-    return round(whole if near else length, 6)
-
-
-def _door(wall: Wall, start: float, length: float, between: tuple[str, str]) -> Door:
-    return Door(*_segment(wall, min(start, wall.end - length), length), between)
-
-
-def _window(wall: Wall, start: float, end: float, room: str) -> Window:
-    return Window(*_segment(wall, start, end - start), room)
+    return whole if abs(whole - length) <= 2 * noise + 1e-6 else length
 
 
 def _segment(wall: Wall, start: float, length: float) -> Box:
-    """x, y, width and height of a part of a wall."""
-    start = round(max(start, wall.start), 6)
+    """x, y, width and height of a part of a wall, or of all of it."""
+    length = round(min(length, wall.end - wall.start), 6)
+    start = round(max(wall.start, min(start, wall.end - length)), 6)
     if WALLS.index(wall.side) % 2:
-        return start, wall.place, round(length, 6), 0.0
-    return wall.place, start, 0.0, round(length, 6)
+        return start, wall.place, length, 0.0
+    return wall.place, start, 0.0, length
 
 
 def _leads_out(opening: Opening, drawn: Regular) -> bool:
@@ -113,7 +110,17 @@ def _joints(drawn: Regular, inner: Sequence[Wall], names: Sequence[str]) -> Iter
     for wall in inner:
         between = names[wall.room], names[wall.behind or 0]
         if between in drawn.joints or between[::-1] in drawn.joints:
-            yield _door(wall, wall.start, wall.end - wall.start, between)
+            yield Door(*_segment(wall, wall.start, wall.end - wall.start), between)
+
+
+def _unreached(names: Sequence[str], doors: Sequence[Door]) -> list[str]:
+    """The rooms that no way through doors leads to from the room that most of them do."""
+    reached = {name: {name} for name in names}
+    for one, other in (door.between for door in doors if not door.is_entrance):
+        joined = reached[one] | reached[other]
+        reached |= dict.fromkeys(joined, joined)
+    most = max(reached.values(), key=len)
+    return [name for name in names if name not in most]
 
 
 def _widest(doors: Sequence[Door], notes: list[str]) -> Iterator[Door]:

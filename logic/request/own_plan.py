@@ -37,6 +37,8 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
     windows: tuple[Window, ...] = ()
     kept: tuple[str, ...] = ()
     """Names of the rooms whose furniture stays; the others have none yet."""
+    has_more_doors: bool = False
+    """Whether there may be other doors between rooms than those."""
 
     @cached_property
     def lines(self) -> list[dict[str, tuple[str, int]]]:

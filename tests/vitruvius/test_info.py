@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 
 from agent import banks
@@ -20,6 +21,7 @@ from logic.grammar import SHIPPED, shipped
 from sim.environment import arguments
 from sim.environment.arguments import BANK
 from tests.agent.runs.test_keras import SHAPES, keras_file
+from tests.logic.readers.written import WRITERS
 from tests.sample_houses import FIXTURES
 from vitruvius.cli import main
 from vitruvius.commands.info import TITLES
@@ -190,3 +192,15 @@ def test_the_papers_house_has_the_simulators_name() -> None:
 def test_all_that_comes_with_it_is_told_by_its_name() -> None:
     for name in (*BANKS, banks.PAPER_HOUSE, *shipped(), *released(), *PRESETS):
         assert {kind.name for kind in recognised(name)} == {name}
+
+
+def test_plans_of_other_programs_are_told(tmp_path: Path) -> None:
+    home = load(FIXTURES / "plans.jsonl")[0]
+    for format_, write in WRITERS.items():
+        (tmp_path / "plan").write_bytes(write(home, np.random.default_rng(0), 0.0))
+        found = told(tmp_path / "plan")
+        assert format_ in found.format.casefold()
+        assert found.rooms >= len(home.rooms)
+    (tmp_path / "plan").write_bytes(b'{"verts": [], "room_category": {}}')
+    with pytest.raises(UnknownFileError, match="at least four corners"):
+        told(tmp_path / "plan")

@@ -14,7 +14,7 @@ from vitruvius.info.recognise import recognised
 
 TITLES = {
     "houses": "houses",
-    "plan": "plan in GeoJSON, for vitruvius generate --plan",
+    "plan": "plan, for vitruvius generate --plan",
     "agent": "agent, for vitruvius evaluate",
     "run": "training run, for vitruvius train --resume",
     "games": "games that people played, for vitruvius play --replay",
@@ -46,8 +46,8 @@ class About(msgspec.Struct, frozen=True):
 class Info:
     """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
 
-    It reads house files of every format, GeoJSON plans, checkpoints, folders of train, games, scores, traces,
-    folders of rules, TOML settings and weights of Keras, and runs nothing of them.
+    It reads house files of every format, plans that generate reads, checkpoints, folders of train, games,
+    scores, traces, folders of rules, TOML settings and weights of Keras, and runs nothing of them.
     """
 
     thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]

@@ -35,8 +35,9 @@ class Houses(Named, tag="houses", frozen=True):
 
 
 class Plan(Named, tag="plan", frozen=True):
-    """GeoJSON, for ``generate --plan``."""
+    """GeoJSON or another program's plan, for ``generate --plan``."""
 
+    format: str
     rooms: int
     types: dict[str, int]
     size: tuple[float, float]

@@ -18,6 +18,8 @@ from agent.runs.released import FORMAT, LEARNT_IN, MOST_HEADER, require_sizes
 from logic import House, RequestError
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
+from logic.readers.regular import regular
+from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
 from logic.request.given_plan import SNAP
 from logic.spelling import quoted
@@ -67,14 +69,20 @@ def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) 
     )
 
 
-def read_plan(name: str, record: dict[str, Any]) -> Plan:
-    """A plan of GeoJSON. Raises ``UnknownFileError`` for other GeoJSON."""
+def read_plan(name: str, found: Sketch | dict[str, Any]) -> Plan:
+    """A plan of another program, or of GeoJSON. Raises ``UnknownFileError`` for what is none."""
+    format_ = found.format if isinstance(found, Sketch) else "GeoJSON"
     try:
-        rooms = from_geojson(record, snap=SNAP)[0]
+        rooms = (
+            regular(found, None, SNAP).rooms
+            if isinstance(found, Sketch)
+            else from_geojson(found, snap=SNAP)[0]
+        )
     except RequestError as error:
-        raise UnknownFileError(f"{name}: GeoJSON, but no plan: {error}") from None
+        raise UnknownFileError(f"{name}: {format_}, but no plan: {error}") from None
     size = max(room.box[2] for room in rooms), max(room.box[3] for room in rooms)
-    return Plan(name=name, rooms=len(rooms), types=_counted(room.type or "any" for room in rooms), size=size)
+    types = _counted(room.type or "any" for room in rooms)
+    return Plan(name=name, format=format_, rooms=len(rooms), types=types, size=size)
 
 
 def read_agent(name: str, path: Path) -> Agent:

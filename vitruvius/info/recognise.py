@@ -14,9 +14,11 @@ import msgspec
 from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, PAPER_HOUSE, benchmark_path
 from agent.runs.released import located, released
-from logic import HouseFileError, load
+from logic import HouseFileError, RequestError, load
 from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
+from logic.readers import sketch
+from logic.readers.sketch import Sketch
 from logic.request.geojson import is_geojson
 from logic.spelling import closest, quoted, unknown
 from vitruvius import settings
@@ -119,7 +121,17 @@ def _file(name: str, path: Path) -> Kind:
         )
     if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] == b"{":
         return _json(name, path)
+    if plan := _sketch(name, _unpacked(path), None):
+        return read_plan(name, plan)
     raise _unknown(name)
+
+
+def _sketch(name: str, content: bytes, record: Any) -> Sketch | None:
+    """Another program's plan."""
+    try:
+        return sketch(content, record)
+    except RequestError as error:
+        raise UnknownFileError(f"{name}: {error}") from None
 
 
 def _json(name: str, path: Path) -> Kind:
@@ -142,8 +154,8 @@ def _json(name: str, path: Path) -> Kind:
         return read_games(name, path)
     if format_.startswith("vitruvius-trace-"):
         return read_trace(name, record)
-    if is_geojson(record):
-        return read_plan(name, record)
+    if plan := _sketch(name, content, record) or (is_geojson(record) and record):
+        return read_plan(name, plan)
     if {"bank", "targets"} <= record.keys():
         return read_scores(name, record)
     if {"preset", "algorithm", "config"} <= record.keys():
@@ -155,7 +167,7 @@ def _json(name: str, path: Path) -> Kind:
 
 def _unknown(name: str) -> UnknownFileError:
     return UnknownFileError(
-        f"{name}: nothing that Vitruvius writes or reads: no house file, GeoJSON, checkpoint, run, grammar, "
+        f"{name}: nothing that Vitruvius writes or reads: no house file, plan, checkpoint, run, grammar, "
         "games, scores, trace, settings or weights of Keras"
     )
 

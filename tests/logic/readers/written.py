@@ -99,9 +99,16 @@ def resplan_record(house: House, rng: np.random.Generator, noise: float = NOISE)
         WALL / 2, join_style="mitre"
     )
     factor = 256 / max(walls.bounds[2] - walls.bounds[0], walls.bounds[3] - walls.bounds[1])
-    by_type = defaultdict(list)
+    words, by_type = WORDS["resplan"], defaultdict(list)
     for room, shape in zip(house.rooms, rooms, strict=True):
-        by_type[WORDS["resplan"].get(room.type, "living")].append(shape)
+        if room.type in words and room.type != "living":
+            by_type[words[room.type]].append(shape)
+    # What has no word, such as a hall, is open to the living room.
+    others = [room for room in house.rooms if room.type not in words or room.type == "living"]
+    one = shapely.union_all([shapely.box(*room.box) for room in others])
+    for part in shapely.get_parts(one.buffer(-WALL / 2, join_style="mitre")):
+        corners = np.array(part.exterior.coords[:-1])
+        by_type["living"].append(Polygon(corners + rng.uniform(-noise, noise, corners.shape)))
     windows = [opening(window, rng, noise) for window in house.windows]
     doors = [opening(door, rng, noise) for door in house.doors if not door.is_entrance]
     front = [opening(door, rng, noise) for door in house.doors if door.is_entrance]
