@@ -89,6 +89,7 @@ EXTRAS = {
     "play": ("pygame",),
     "web": ("starlette", "uvicorn", "watchfiles"),
     "film": ("imageio_ffmpeg",),
+    "ifc": ("ifcopenshell",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -214,7 +215,9 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film"} else "agent"
+        extra = (
+            extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film", "ifc"} else "agent"
+        )
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from logic.readers.cubicasa import is_cubicasa, read_cubicasa
 from logic.readers.houseexpo import is_houseexpo, read_houseexpo
+from logic.readers.ifc import is_ifc, read_ifc
 from logic.readers.imdf import is_imdf, read_imdf
 from logic.readers.resplan import is_resplan, read_resplan
 from logic.readers.sketch import Sketch
@@ -22,6 +23,7 @@ READERS = (
     Reader(is_resplan, read_resplan),
     Reader(is_imdf, read_imdf),
     Reader(is_cubicasa, read_cubicasa),
+    Reader(is_ifc, read_ifc),
 )
 
 

@@ -13,6 +13,9 @@ from logic.errors import RequestError
 CHAMFER = 0.15
 """Metres: a slanting wall that is no longer becomes a corner."""
 
+MOST_CORNERS = 200
+"""Of a room, those of steps that are noise among them."""
+
 LEAN = 0.03
 """How far a wall may lean, as a share of its length, beside noise."""
 
@@ -46,6 +49,10 @@ def squared(name: str, shape: Polygon, noise: float) -> Polygon:
 
 def _ring(name: str, corners: Sequence[Point], noise: float) -> list[Point]:
     sides = _along(_sides(name, corners, noise))
+    if len(sides) > MOST_CORNERS:
+        raise RequestError(
+            f"plan: {name} has {len(sides)} corners: at most {MOST_CORNERS} are read: draw it with fewer"
+        )
     jog = max(0.05, 3 * noise)
     while len(sides) > 4:
         # A step as small as noise is none: its walls are one.

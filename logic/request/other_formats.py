@@ -18,7 +18,7 @@ BEGINNINGS = (
     (rb"SQLite format 3\0", "an SQLite file, such as a GeoPackage", GEOJSON),
     (rb"AC10\d\d", "a DWG drawing", GEOJSON),
     (rb"AutoCAD Binary DXF|\s*0\s*[\r\n]+\s*SECTION\b|\s*999[\r\n]", "a DXF drawing", GEOJSON),
-    (rb"\s*ISO-10303-21;", "an IFC or STEP model", GEOJSON),
+    (rb"\s*ISO-10303-21;", "a STEP model that is not IFC", GEOJSON),
     (rb"glTF", "a glTF model", "give the house file that it was made of"),
     (rb"PK\x03\x04", "a zip archive, such as KMZ or XLSX", "unpack it, and convert the plan to GeoJSON"),
     (rb"\x89HDF\r\n", "an HDF5 file", GEOJSON),

@@ -87,7 +87,7 @@ def generate(
     count among the ``rooms``; all else, the main room too, is generated around them. Rooms that share walls
     are kept in a ``plan`` with doors, of the same house.
     ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, a
-    plan of ResPlan, or a file of these, HouseExpo, CubiCasa5K or IMDF (``docs/house-file.md``). Doors,
+    plan of ResPlan, or a file of these, HouseExpo, CubiCasa5K, IMDF or IFC (``docs/house-file.md``). Doors,
     windows and furniture are generated in it, and ``rooms`` may be left out. ``plan_unit`` is the file's:
     ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges within ``snap`` metres of each other are one
     wall, of which is warned (``PlanWarning``).

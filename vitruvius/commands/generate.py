@@ -62,8 +62,8 @@ class Generate:
     others."""
 
     plan: Streamed | None = None
-    """House file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K or IMDF: its rooms have
-    their places, and all else is generated in them."""
+    """House file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC: its rooms
+    have their places, and all else is generated in them."""
 
     plan_unit: str | None = None
     """Of a plan that is no house file: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02; by default

@@ -44,8 +44,8 @@ class Explain:
     """JSON file (docs/briefs.md): what is wanted of rooms, each by its name."""
 
     plan: Streamed | None = None
-    """A house file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K or IMDF, with all rooms
-    in their places."""
+    """A house file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC, with all
+    rooms in their places."""
 
     plan_unit: str | None = None
     """Of a plan that is no house file: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02; by default

@@ -1,6 +1,7 @@
 """Plans of other programs are read to rooms, doors and windows; what is none says where and what would do."""
 
 import json
+import re
 import warnings
 import zipfile
 from collections.abc import Iterator
@@ -68,7 +69,7 @@ def shared(rooms: dict[str, Any]) -> set[frozenset[str]]:
     }
 
 
-@pytest.mark.parametrize("format", ["houseexpo", "cubicasa", "imdf"])
+@pytest.mark.parametrize("format", ["houseexpo", "cubicasa", "imdf", "ifc"])
 def test_a_home_in_another_format_is_the_same_rooms_doors_and_windows(
     format: str, homes: list[House], tmp_path: Path
 ) -> None:
@@ -87,7 +88,7 @@ def test_a_home_in_another_format_is_the_same_rooms_doors_and_windows(
         if format != "houseexpo":
             assert joined == {frozenset(door.between) for door in home.doors}
         assert all(door.length == pytest.approx(0.8) for door in plan.doors if format != "houseexpo")
-        if format == "cubicasa":
+        if format in ("cubicasa", "ifc"):
             assert len(plan.windows) == len(home.windows)
 
 
@@ -256,6 +257,7 @@ def hall(off: float) -> tuple[str, Ring]:
 SHORT: Ring = [(0, 4.1), (2, 4.1), (2, 6), (0, 6)]
 LONG: Ring = [(0, 6.1), (6, 6.1), (6, 8), (0, 8)]
 COURT = svg(ROOM, hall(0), ("Bath", SHORT), ("Bath", [(x + 4, y) for x, y in SHORT]), ("Sauna", LONG))
+COMB: Ring = [(4, 0), *((6 + 0.5 * (k // 2 % 2), 0.1 * ((k + 1) // 2)) for k in range(300)), (4, 15)]
 BATH = '<g class="Space Bath"><polygon points="0,0 9,0 9,9 "/></g>'
 STOREYS = "".join(f'<g id="Floor-{k}" class="Floorplan Floor-{k}">{BATH}</g>' for k in (1, 2))
 
@@ -269,6 +271,7 @@ STOREYS = "".join(f'<g id="Floor-{k}" class="Floorplan Floor-{k}">{BATH}</g>' fo
         (svg(ROOM, hall(-0.6)), r"LivingRoom overlaps Entry by 0\.500 m"),
         (COURT, r"between LivingRoom, Entry, Bath, Bath 2, Sauna are no room's, 1\.900 m wide.*draw what"),
         (svg(("Outdoor", HALL)), "has 0 rooms"),
+        (svg(ROOM, ("Entry", COMB)), r"Entry has \d+ corners: at most 200 are read"),
         (svg(ROOM)[:-9], "that is damaged"),
         (b'<!DOCTYPE s [<!ENTITY a "b">]>' + svg(ROOM), "no entities"),
         (svg(more=STOREYS), r"2 storeys \(Floor-1, Floor-2\): keep the group of one"),
@@ -330,3 +333,23 @@ def test_a_door_beside_the_end_of_a_wall_is_as_wide_as_it_is_drawn(tmp_path: Pat
     [found] = written(tmp_path, svg(("LivingRoom", LIVING), ("HallWay", HALL), more=door)).doors
     assert found.length == pytest.approx(0.8)
     assert found.y == 0
+
+
+def test_ifc_without_rooms_of_one_storey_says_what_would_do(homes: list[House], tmp_path: Path) -> None:
+    content = WRITERS["ifc"](homes[0], np.random.default_rng(0), 0.0)
+    with pytest.raises(RequestError, match="an IfcSpace for each room: it has none"):
+        written(tmp_path, content.replace(b"IFCSPACE(", b"IFCZONE("))
+    storey = re.search(rb"#(\d+)=IFCRELAGGREGATES\((.*?),\$,\$,\$,#(\d+),\((#\d+),(.*)\)\);", content)
+    assert storey is not None
+    _, name, whole, first, others = storey.groups()
+    upper = b"#900000=IFCBUILDINGSTOREY('1xS3BCk291UvhgP2dvNMKI',$,'Attic',$,$,$,$,$,$,$);"
+    parts = b"".join(
+        b"#%d=IFCRELAGGREGATES(%s,$,$,$,#%s,(%s));" % (900001 + k, name, of, some)
+        for k, (of, some) in enumerate([(whole, first), (b"900000", others)])
+    )
+    with pytest.raises(RequestError, match=r"2 storeys with spaces \(Attic, Ground floor\): export one"):
+        written(tmp_path, content.replace(storey[0], upper + parts))
+    with pytest.raises(RequestError, match=r"IfcSpace .* has no solid that can be read"):
+        written(tmp_path, content.replace(b"IFCEXTRUDEDAREASOLID(", b"IFCSURFACECURVESWEPTAREASOLID("))
+    with pytest.raises(RequestError, match="damaged: its end is missing"):
+        written(tmp_path, content[:2000])

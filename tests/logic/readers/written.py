@@ -1,7 +1,7 @@
 """Homes of ours in other formats, after the published schemas, with noise and walls as in real plans.
 
 HouseExpo: its README, "Data Format". ResPlan: ``resplan_utils.py`` and the paper. CubiCasa5K: ``house.py``
-and ``svg_utils.py``. IMDF: OGC 20-094, Unit and Opening.
+and ``svg_utils.py``. IMDF: OGC 20-094, Unit and Opening. IFC: ISO 16739-1, by IfcOpenShell.
 """
 
 import io
@@ -9,9 +9,11 @@ import json
 import zipfile
 from collections import defaultdict
 from collections.abc import Callable
-from math import cos, radians
+from math import cos, radians, sin
 from typing import Any
 
+import ifcopenshell
+import ifcopenshell.guid
 import numpy as np
 import shapely
 from shapely import Polygon, affinity
@@ -199,4 +201,48 @@ def imdf(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
     return content.getvalue()
 
 
-WRITERS: dict[str, Write] = {"houseexpo": houseexpo, "resplan": resplan, "cubicasa": cubicasa, "imdf": imdf}
+def ifc(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
+    """A storey of spaces, doors and windows as extruded solids, in millimetres, turned by -8 degrees."""
+    model = ifcopenshell.file(schema="IFC4")
+    make, turn = model.create_entity, radians(-8)
+
+    def point(*place: float) -> Any:
+        return make("IfcCartesianPoint", [float(each) for each in place])
+
+    def direction(*to: float) -> Any:
+        return make("IfcDirection", [float(each) for each in to])
+
+    origin = make("IfcAxis2Placement3D", point(0, 0, 0))
+    turned = make(
+        "IfcAxis2Placement3D", point(5e5, 2e5, 3000), direction(0, 0, 1), direction(cos(turn), sin(turn), 0)
+    )
+    placed = make("IfcLocalPlacement", None, turned)
+    context = make("IfcGeometricRepresentationContext", None, "Model", 3, 1e-5, origin)
+    unit = make("IfcSIUnit", UnitType="LENGTHUNIT", Prefix="MILLI", Name="METRE")
+    make("IfcProject", ifcopenshell.guid.new(), RepresentationContexts=[context],
+         UnitsInContext=make("IfcUnitAssignment", [unit]))  # fmt: skip
+    storey = make("IfcBuildingStorey", ifcopenshell.guid.new(), Name="Ground floor", ObjectPlacement=placed)
+
+    def product(kind: str, shape: Polygon, height: float, **names: str) -> Any:
+        ring = make("IfcPolyline", [point(1000 * x, -1000 * y) for x, y in shape.exterior.coords])
+        profile = make("IfcArbitraryClosedProfileDef", "AREA", None, ring)
+        solid = make("IfcExtrudedAreaSolid", profile, origin, direction(0, 0, 1), height)
+        body = make("IfcShapeRepresentation", context, "Body", "SweptSolid", [solid])
+        shown = make("IfcProductDefinitionShape", Representations=[body])
+        return make(kind, ifcopenshell.guid.new(), ObjectPlacement=placed, Representation=shown, **names)
+
+    spaces = [
+        product("IfcSpace", shape, 2500.0, Name=room.name, LongName=room.type.title())
+        for room, shape in zip(house.rooms, inner(house, rng, noise), strict=True)
+    ]
+    make("IfcRelAggregates", ifcopenshell.guid.new(), RelatingObject=storey, RelatedObjects=spaces)
+    for door in house.doors:
+        product("IfcDoor", opening(door, rng, noise), 2000.0)
+    for window in house.windows:
+        product("IfcWindow", opening(window, rng, noise), 1200.0)
+    return model.to_string().encode()
+
+
+WRITERS: dict[str, Write] = {
+    "houseexpo": houseexpo, "resplan": resplan, "cubicasa": cubicasa, "imdf": imdf, "ifc": ifc,
+}  # fmt: skip

@@ -85,7 +85,7 @@ PLANS = {
     "DXF": lambda _: b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n",
     "DXF with a comment": lambda _: b"999\nby hand\n0\nSECTION\n",
     "DWG": lambda _: b"AC1032" + bytes(20),
-    "IFC": lambda _: b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n",
+    "STEP": lambda _: b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\n",
     "shapefile": lambda _: struct.pack(">7i", 9994, 0, 0, 0, 0, 0, 50),
     "KML": lambda _: b'<?xml version="1.0"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"></kml>',
 }
