@@ -72,6 +72,26 @@ def least_of_plan(
     return minimal([whole, *others], partial(_may_be_possible, question), question.core)
 
 
+def least_of_brief(
+    question: Question, statements: Sequence[Statement], own: Collection[Reason]
+) -> list[Statement]:
+    """As ``least``: first of a brief's ``own`` lines, while all rules hold, then of the rules beside these
+    lines. So without any of the lines the others have a house by all rules.
+    """
+    rules = [each for each in statements if each.reason not in own]
+    lines = [each for each in statements if each.reason in own]
+
+    def possible(kept: Sequence[Statement], some: Sequence[Statement]) -> bool:
+        return _may_be_possible(question, [*kept, *some])
+
+    def core(kept: Sequence[Statement], some: Sequence[Statement]) -> list[Statement]:
+        found = {id(each) for each in question.core([*kept, *some])}
+        return [each for each in some if id(each) in found]
+
+    lines = minimal(lines, partial(possible, rules), partial(core, rules))
+    return [*minimal(rules, partial(possible, lines), partial(core, lines)), *lines]
+
+
 def _may_be_possible(question: "Question | AnyOf", some: Sequence[Statement]) -> bool:
     """Whether there is a layout, or it is not soon known that there is none."""
     try:

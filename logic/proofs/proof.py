@@ -14,8 +14,14 @@ from logic.generation.question import Question
 from logic.layout.account import PROOF
 from logic.layout.program import Conflict
 from logic.layout.relaxed import Statement, TooMany
-from logic.layout.terms import fixed_requirements, granted, own_requirements, to_furnish
-from logic.proofs.least import AnyOf, least, least_of_plan
+from logic.layout.terms import (
+    brief_requirements,
+    fixed_requirements,
+    granted,
+    own_requirements,
+    to_furnish,
+)
+from logic.proofs.least import AnyOf, least, least_of_brief, least_of_plan
 from logic.request.request import MOST_ROOMS, Request
 
 NEAR = 8
@@ -48,8 +54,8 @@ class Prover:
         for reason, rooms_ in refuted.items():
             nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
             statements.append(relaxed.proved(reason, nogoods))
-        # The user's plan or brief says more than rules from which the same follows: it is left out last.
-        if request.given:
+        # The user's plan says more than rules from which the same follows: it is left out last.
+        if request.plan:
             statements.sort(key=lambda each: each.reason.file is not None)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in found.orders:
@@ -59,10 +65,14 @@ class Prover:
             if request.brief:  # its areas were decided with the lengths that stage 1 had chosen
                 raise LimitReached("no house keeps the brief, but by which of its lines was not found")
             raise VitruviusError(f"{request} was proved infeasible that has walls")
-        own = own_requirements(request.plan).values() if request.plan else ()
-        needed = (
-            least_of_plan(question, statements, [*map(Reason, own)]) if own else least(question, statements)
-        )
+        if request.plan:
+            own = map(Reason, own_requirements(request.plan).values())
+            needed = least_of_plan(question, statements, [*own])
+        elif request.brief:
+            lines = {Reason(line) for line, _ in brief_requirements(request.brief)}
+            needed = least_of_brief(question, statements, lines)
+        else:
+            needed = least(question, statements)
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
         if request.given:
