@@ -184,6 +184,7 @@ onTravel(async () => {
 });
 initRequest(redraw, refuse);
 byId("brief-switch").hidden = !engine.briefs;
+byId("no-briefs").hidden = engine.briefs;
 initBrief(redraw);
 initSheet(ask);
 initAnswer(() => {
