@@ -18,6 +18,9 @@ from logic.house.parts import OUTSIDE, Door, Rect, Room, Window
 from logic.house.promises import PASSAGE, Promises
 from logic.spelling import numbered
 
+COURT = 1.0
+"""Metres: no court between rooms is narrower."""
+
 BEFORE = 0.3
 """Metres: what stands nearer before a window hides it."""
 
@@ -30,7 +33,7 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[Fault]:
             yield Fault(f"{named(one)} overlaps {named(other)} by {figure(depth)} m", (one.name, other.name))
     if (parts := shapely.get_num_geometries(_floor(house))) > 1:
         yield Fault(f"house: its rooms lie in {parts} parts that do not touch")
-    if (gap := gaps(house).area) > 1e-3:
+    if (gap := _filled(house, promises.courts)) > 1e-3:
         yield Fault(f"house: {figure(gap)} m² between its rooms are no room's")
     for room in house.rooms:
         for said in (_area_violations(room, promises), _size_violations(room, promises)):
@@ -65,6 +68,15 @@ def gaps(house: House) -> Any:
     hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
     closed = shapely.union_all(hulls).buffer(PASSAGE / 2, join_style="mitre")
     return closed.buffer(-PASSAGE / 2, join_style="mitre").difference(floor)
+
+
+def _filled(house: House, courts: int) -> float:
+    """Of how many square metres between its rooms a house has none, but for so many courts."""
+    free = gaps(house)
+    half = COURT / 2 - TOLERANCE
+    wide = free.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
+    parts = sorted((part.area for part in shapely.get_parts(wide)), reverse=True)
+    return free.area - sum(parts[:courts])
 
 
 def _floor(house: House) -> Any:

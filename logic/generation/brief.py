@@ -7,7 +7,6 @@ sizes given, a layout is hard to find by picks that are sampled one after the ot
 from collections.abc import Collection
 
 import numpy as np
-from clingo import Symbol
 from msgspec import structs
 
 from logic.errors import LimitReached, RequestError
@@ -18,7 +17,7 @@ from logic.house.house import House
 from logic.language.loaded import LoadedGrammar
 from logic.layout.program import Program
 from logic.layout.programs import Programs
-from logic.layout.terms import brief_facts, granted, room_requirements, wall_facts
+from logic.layout.terms import brief_facts, wall_facts
 from logic.placement.lengths import brief_lengths
 from logic.placement.plan import Pieces, Plan
 from logic.request.brief import Brief
@@ -42,17 +41,17 @@ class BriefMaker(SharedWallsMaker):
             )
         self.brief = brief
         rules = grammar.for_brief()
+        on_request = not grammar.names_contacts
         facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture))
-        facts += [(fact, ()) for fact in brief_facts(brief, on_request=not grammar.names_contacts)]
-        super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts))
         symbols = [fact for fact, _ in facts]
+        symbols += brief_facts(brief, on_request, symbols)
+        facts += [(fact, ()) for fact in brief_facts(brief, on_request)]
+        super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts))
         self._programs = Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)
-        self._one_house: Program | None = None
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house; see ``Maker.made``."""
         self._undecided = 0
-        self._one_house = self._programs.house(request, int(rng.integers(2**31)))
         return super().made(request, rng, inferences)
 
     def stated(self, request: Request) -> Program:
@@ -77,8 +76,5 @@ class BriefMaker(SharedWallsMaker):
             plan.rooms[place] = structs.replace(plan.rooms[place], **as_named)
         return plan, pieces, left
 
-    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
-        """That of one house."""
-        if self._one_house is None:
-            return super()._program(request)
-        return self._one_house, [granted(each) for each in room_requirements(request)], []
+    def _searches_freely(self, request: Request) -> bool:
+        return True

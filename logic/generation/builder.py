@@ -2,6 +2,7 @@
 
 from importlib.metadata import version
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import clingo
 import msgspec
@@ -53,7 +54,7 @@ class Builder:
         feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.house_facts)
         self.maker: Maker = (shared if grammar.shares_walls else StarMaker)(grammar, self.loaded, feasibility)
         self._of_given: tuple[Brief | OwnPlan, Maker] | None = None
-        self._promises: dict[Program, Promises] = {}
+        self._promises = WeakKeyDictionary[Program | Maker, Promises]()
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -120,12 +121,14 @@ class Builder:
 
     def promises(self, request: Request) -> Promises:
         """What the houses of a request promise."""
-        program = self.maker_of(request).stated(request)
-        if program not in self._promises:
+        maker = self.maker_of(request)
+        program = maker.stated(request)
+        key = maker if request.brief else program  # each house of a brief has a program of its own
+        if key not in self._promises:
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture)
-            self._promises[program] = promised(program, *found, self.grammar.shares_walls)
+            self._promises[key] = promised(program, *found, self.grammar.shares_walls)
         labels = {room.label for room in request.brief.rooms if room.label} if request.brief else ()
-        return labelled(self._promises[program], labels) if labels else self._promises[program]
+        return labelled(self._promises[key], labels) if labels else self._promises[key]
 
     def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
         return Provenance(

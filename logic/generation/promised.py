@@ -38,6 +38,7 @@ def promised(
         opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
         entrance=bool(opens.get(OUTSIDE)),
         public=_required(program, "public"),
+        courts=len(_atoms(program, "void", 1)),
         lit=_required(program, "lit"),
         hides=_required(program, "hides"),
         empty=_named(_atoms(program, "empty", 1)),

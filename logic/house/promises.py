@@ -58,6 +58,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Room types that units are entered from: without such rooms, each part of a house that doors join has
     one door to them, and none to the outside.
     """
+    courts: int = 0
+    """Of plans: how many boxes between rooms may be no room's, a metre or more both ways."""
     lit: tuple[str, ...] = ()
     """Room types that have a window."""
     hides: tuple[str, ...] = ()

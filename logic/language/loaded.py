@@ -42,6 +42,9 @@ from logic.spelling import closest
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
 
+VOID = "void"
+"""What a dissection leaves free: its size is stated as that of a room of this type would be."""
+
 
 class LoadedGrammar:
     """What a grammar states, read in the order in which one mistake hides another."""
@@ -146,7 +149,8 @@ class LoadedGrammar:
             found = self.rules.facts.at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
             of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
         self._of_no_room += of_rules.values()
-        for known in (set(self.furniture), pieces):
+        boxes = {VOID} if (VOID, 1) in self.rules.words.derived else set[str]()
+        for known in ({*self.furniture, *boxes}, pieces):
             rows = [each for each in sized if (each[0] == "piece_size") == (known is pieces)]
             rows = [each for each in rows if each[1] not in known]
             # Of one name without a meaning and one without a size, the first is likely to be the other.

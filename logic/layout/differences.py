@@ -23,6 +23,9 @@ DIFFERENCES, HOUSE = RULES / "shared_walls" / "differences.lp", "house"
 STATING = DIFFERENCES, ADJACENT, GUARD, BRIEF
 """All that state some."""
 
+FURNITURE = RULES / "room"
+"""Rules of furniture, which the programs with differences do without: these are of a house's rooms."""
+
 _spent = list[object]()
 """Theories whose controls are gone, or are about to go: freed with the next program."""
 
@@ -85,10 +88,17 @@ class Differences:
 
 @cache
 def core_statements(files: tuple[Path, ...]) -> list[AST]:
-    """What these files of the core state, ready to be added: a process makes a dozen programs of the same."""
+    """What these files of the core state of a house's rooms, ready to be added: a process makes a dozen
+    programs of the same.
+    """
     from clingodl import ClingoDLTheory
 
     found: list[AST] = []
     theory = ClingoDLTheory()
-    parse_files([str(file) for file in files], lambda statement: theory.rewrite_ast(statement, found.append))
+
+    def take(statement: AST) -> None:
+        if FURNITURE not in Path(statement.location.begin.filename).parents:
+            theory.rewrite_ast(statement, found.append)
+
+    parse_files([str(file) for file in files], take)
     return found

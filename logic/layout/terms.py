@@ -1,13 +1,13 @@
 """What enters stage 1 beside the rules, as ASP terms: a request's requirements and a grammar's lengths."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import ceil, floor, log
 from typing import Any
 
 from clingo import Function, Number, Symbol
 
 from logic.layout.program import Part
-from logic.request.brief import LEAST_SIDE, Brief
+from logic.request.brief import LEAST_SIDE, Brief, length_range, tolerance_of
 from logic.request.brief_lines import area_ranges, void_numbers
 from logic.request.brief_lines import requirements as brief_lines
 from logic.request.fixed_rooms import FixedRoom
@@ -16,6 +16,12 @@ from logic.request.request import MOST, Range, Request
 
 STEP = 500
 """Millimetres: how precisely stage 1 knows the depth of a unit."""
+
+Span = tuple[float, float]
+"""From the least to the greatest."""
+
+ANY: Span = (0.0, 1e6)
+"""Millimetres of what may be as long as it likes."""
 
 STAIR = 1.08
 """How much wider the steps of an area are at least than those before them."""
@@ -88,28 +94,66 @@ def brief_requirements(brief: Brief) -> list[tuple[str, list[Symbol]]]:
     return [(line.reason, [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
 
 
-def brief_facts(brief: Brief, on_request: bool) -> list[Symbol]:
+def brief_facts(brief: Brief, on_request: bool, lengths: Iterable[Symbol] = ()) -> list[Symbol]:
     """What stage 1 is told of a brief beside what it requires: voids, and areas as stairs.
 
-    ``on_request``: only of rooms that the brief asks about it is found out whether they share a wall.
+    ``on_request``: only of rooms that the brief asks about it is found out whether they share a wall. Stairs
+    go as far as the sides of boxes may, by the brief and by ``lengths``, facts of ``wall_facts``; without
+    these, as far as any sides may: whatever is left out of a proof.
     """
     found = [_term("void", number) for number in void_numbers(brief)]
     found += [Function("on_request", [])] if on_request else []
+    sides = dict(_sides(brief, lengths))
     for box, (least, most) in area_ranges(brief).items():
         ratio = max(STAIR, (most / least) ** 0.5)
         lower = ceil(log(most / least) / log(ratio) - 1e-9)
-        found.append(_term("drop", box, lower))
-        square, slit = 100 * most, 1e3 * LEAST_SIDE  # square millimetres, millimetres
-        for number, width in enumerate(_stairs(slit, square / slit, ratio)):
+        square = 100 * most  # square millimetres
+        widths = _stairs(*_widths(100 * least, square, *sides.get(box, (ANY, ANY))), ratio, lower)
+        found.append(_term("stairs", box, len(widths) - 1, lower))
+        for number, width in enumerate(widths):
             depth = square / width
             ends = floor(width), ceil(width), floor(depth), ceil(depth)
             found.append(_term("step", box, number, *ends))
     return found
 
 
-def _stairs(least: float, most: float, ratio: float) -> list[float]:
-    """Widths, each so much wider than the one before, until one is as wide as the most."""
-    return [least * ratio**number for number in range(1 + ceil(log(most / least) / log(ratio)))]
+def _sides(brief: Brief, lengths: Iterable[Symbol]) -> Iterator[tuple[int | str, tuple[Span, Span]]]:
+    """How long boxes may be along x and y, millimetres, by what is not left out."""
+    reach = {
+        fact.arguments[0].name: [each.number for each in fact.arguments[1:]]
+        for fact in lengths
+        if fact.name == "reach"
+    }
+    if not reach:
+        return
+    given = (brief.outline.width, brief.outline.depth)
+    outline = tuple(ANY if each is None else length_range(each, 0) for each in given)
+    yield "outline", (outline[0], outline[1])
+    for number, room in enumerate(brief.rooms):
+        kinds = [reach[room.type]] if room.type else reach.values()
+        least, most = min(min(each) for each in kinds), max(max(each) for each in kinds)
+        if room.size:
+            sizes = [length_range(side, tolerance_of(brief, room)) for side in room.size]
+            least, most = max(least, min(map(min, sizes))), min(most, max(map(max, sizes)))
+        yield number, ((least, min(most, outline[0][1])), (least, min(most, outline[1][1])))
+
+
+def _widths(least: float, most: float, across: Span, down: Span) -> Span:
+    """The widths of a box with such an area, square millimetres, whose sides are so long; of any such box
+    where there is none.
+    """
+    slit = 1e3 * LEAST_SIDE
+    low = max(slit, across[0], least / down[1])
+    high = min(across[1], most / max(slit, down[0]))
+    return (low, high) if low < high else (slit, most / slit)
+
+
+def _stairs(least: float, most: float, ratio: float, lower: int) -> list[float]:
+    """Widths, each so much wider than the one before: the first one is less than the least, and so many of
+    them, ``lower``, are greater than the most.
+    """
+    steps = 2 + ceil(log(most / least) / log(ratio)) + lower
+    return [least * ratio ** (number - 1) for number in range(steps)]
 
 
 def _term(name: str, *arguments: str | int) -> Symbol:

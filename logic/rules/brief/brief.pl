@@ -1,4 +1,4 @@
-:- module(brief, [brief_constraints//2, area_items/4, has_area/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3]).
+:- module(brief, [brief_constraints//2, area_items/4, has_area/2, item_range/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3]).
 
 /** <module> What a brief says of lengths and areas, beside the walls of a layout
 
@@ -10,8 +10,8 @@ tangent of W*D = Most and some chords of W*D = Least let in no size that is wron
 solution, it is exact. For a refutation it is the other way round: tangents of W*D = Least and the chord of W*D = Most over the
 widths that stage 1 leaves lose no size that is right. Where neither decides, the widths of a box are halved.
 
-An item is item(W,D,Least-Most,Why,Range): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2). All is in
-metres: a house by a brief lies on no grid.
+An item is item(W,D,Least-Most,Why,Range,Wide): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2), and Wide
+is one around it, of which more shapes are refuted at once. All is in metres: a house by a brief lies on no grid.
 */
 
 :- use_module(library(apply)).
@@ -26,9 +26,8 @@ metres: a house by a brief lies on no grid.
 :- use_module('../shared_walls/lines').
 :- use_module('../shared_walls/openings').
 
-% No side of a box with an area is shorter, in metres; a void is at least so long both ways.
+% No side of a box with an area is shorter, in metres.
 least_side(0.5).
-least_void(1.0).
 
 % - lines that are linear ----------------------------------------------------------------------------------------------
 
@@ -37,7 +36,6 @@ least_void(1.0).
 brief_constraints(Atoms, Boxes) -->
     { findall(Q, ( member(granted(Q), Atoms), is_length(Q) ), Requirements) },
     requirements(Requirements, Atoms, Boxes),
-    voids(Boxes),
     { findall(R/Side/V, member(at_void(R,Side,V), Atoms), Contacts) },
     at_voids(Contacts, Boxes).
 
@@ -76,13 +74,6 @@ between(X, L-M, Why) --> { Low is L/1000, High is M/1000 }, [(Low =< X)-Why, (X 
 along(x, sides(X1,X2,_,_), Edges, X1, X2, Lines) :- ( Edges = edges(W,E,_,_) -> Lines = [W,E] ; Lines = [] ).
 along(y, sides(_,_,Y1,Y2), Edges, Y1, Y2, Lines) :- ( Edges = edges(_,_,N,S) -> Lines = [N,S] ; Lines = [] ).
 
-voids([]) --> [].
-voids([room(_,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Boxes]) --> !,
-    { least_void(Least) },
-    [(X1+Least =< X2)-[West,East], (Y1+Least =< Y2)-[North,South]],
-    voids(Boxes).
-voids([_|Boxes]) --> voids(Boxes).
-
 %   at_voids(+Contacts, +Boxes)//: a room shares a part of a wall with a void.
 
 at_voids([], _) --> [].
@@ -112,35 +103,40 @@ area_items(Atoms, Boxes, Items, Sides) :-
 
 %   area_item(+Atoms, +Boxes, +Area, -Items, -Slits): that of the brief, and of the grammar where this says more.
 
-area_item(Atoms, Boxes, Area, [item(W,D,Least-Most,Why,Range)|Others], [(Slit =< W)-Why,(Slit =< D)-Why]) :-
+area_item(Atoms, Boxes, Area, [item(W,D,Least-Most,Why,Range,Wide)|Others], [(Slit =< W)-Why,(Slit =< D)-Why]) :-
     Area = area(B,L,M), memberchk(room(B,Type,sides(X1,X2,Y1,Y2),Edges), Boxes),
     W = X2-X1, D = Y2-Y1,
     ( Edges = edges(E1,E2,E3,E4) -> Lines = [E1,E2,E3,E4] ; Lines = [] ),
     Least is L/10000, Most is M/10000,
     least_side(Slit),
-    width_range(B, Atoms, Slit, Most, Range),
+    width_range(0, B, Atoms, Slit, Most, Range), width_range(3, B, Atoms, Slit, Most, Wide),
     Why = [granted(Area)|Lines],
     (   B \== outline, grammar:room_area(Type, Least1, Most1),
         \+ ( Least1 =< Least, Most =< Most1 )
-    ->  Others = [item(W,D,Least1-Most1,[room_area(Type),room(B,Type)|Lines],Range)]
+    ->  Others = [item(W,D,Least1-Most1,[room_area(Type),room(B,Type)|Lines],Range,Wide)]
     ;   Others = [] ).
 
-%   width_range(+Box, +Atoms, +Slit, +Most, -Range): between the steps that stage 1 has chosen.
+%   width_range(+Away, +Box, +Atoms, +Slit, +Most, -Range): between the steps that stage 1 has chosen, or those that lie so far Away.
 
-width_range(B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
-    findall(I-(W-V), member(step(B,I,W,V,_,_), Atoms), Steps),
-    findall(I, member(slim(B,I), Atoms), Slim),
-    (   Slim = [_|_]
-    ->  min_list(Slim, First), memberchk(First-(_-V), Steps), High is V/1000, WhyHigh = [slim(B,First)], Before is First - 1
-    ;   High is Most/Slit, WhyHigh = [], Before = none ),
-    ( memberchk(Before-(W-_), Steps) -> Low is W/1000, WhyLow = [not(slim(B,Before))] ; Low = Slit, WhyLow = [] ).
+width_range(Away, B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
+    (   memberchk(slim(B,First), Atoms), between(0, Away, Less), Last is First + Away - Less, memberchk(step(B,Last,_,V,_,_), Atoms)
+    ->  High is V/1000, WhyHigh = [slim(B,Last)]
+    ;   High is Most/Slit, WhyHigh = [] ),
+    (   memberchk(slim(B,First), Atoms), First > 0, Before is max(0, First - 1 - Away), memberchk(step(B,Before,W,_,_,_), Atoms)
+    ->  Low is W/1000, WhyLow = [not(slim(B,Before))]
+    ;   Low = Slit, WhyLow = [] ).
+
+%!  item_range(+Item, -Range) is det.
+
+item_range(item(_,_,_,_,Range,_), Range).
 
 %   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states.
 
-house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],from(Slit,[])-upto(High,[]))) :-
+house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],Range,Range)) :-
     clause(grammar:house_area(_,_), _), grammar:house_area(Least, Most), !,
     memberchk(room(outline,_,sides(X1,X2,Y1,Y2),_), Boxes),
-    least_side(Slit), High is Most/Slit.
+    least_side(Slit), High is Most/Slit,
+    Range = from(Slit,[])-upto(High,[]).
 
 % - whether there are lengths that have the areas ------------------------------------------------------------------------
 
@@ -158,8 +154,10 @@ decided(Left, Left, _, Layout, Items, placed) -->
 decided(Left0, Left, Proof, Layout, Items, Answer) -->
     { Layout = layout(_,_,System), outer_system(System, Items, Outer), middle(Outer, Middle) }, !,
     (   { Middle = impossible(Conflict) }
-    ->  { Left = Left0, areas_bounded(System, Items, Whole),
-          ( middle(Whole, impossible(Stronger)) -> Answer = refuted(Stronger) ; Answer = refuted(Conflict) ) }
+    ->  { Left = Left0,
+          ( member(Scope, [any,wide]), maplist(widened(Scope), Items, Wide), outer_system(System, Wide, Whole), impossible(Whole, Stronger)
+          ->  Answer = refuted(Stronger)
+          ;   Answer = refuted(Conflict) ) }
     ;   { sizes_at(Middle, Items, Sizes), pairs_keys(Sizes, Widths), held(Layout, Held) },
         near_sample(1, Held, Items, Widths)
     ->  { Answer = placed, Left = Left0 }
@@ -179,8 +177,10 @@ both(_, placed, placed) :- !.
 both(refuted(C1), refuted(C2), refuted(C)) :- !, append(C1, C2, C).
 both(_, _, open).
 
-halves(item(W,D,Area,Why,from(W1,Why1)-upto(W2,Why2)), item(W,D,Area,Why,from(W1,Both)-upto(Half,Both)), item(W,D,Area,Why,from(Half,Both)-upto(W2,Both))) :-
-    Half is sqrt(W1*W2), append(Why1, Why2, Both).
+halves(item(W,D,Area,Why,from(W1,Why1)-upto(W2,Why2),_), Lower, Upper) :-
+    Half is sqrt(W1*W2), append(Why1, Why2, Both),
+    Range1 = from(W1,Both)-upto(Half,Both), Lower = item(W,D,Area,Why,Range1,Range1),
+    Range2 = from(Half,Both)-upto(W2,Both), Upper = item(W,D,Area,Why,Range2,Range2).
 
 %   held(+Layout, -Held): the same, or where CLP(R) is wrong, with constraints that are eased by a tenth of a micrometre.
 
@@ -189,7 +189,7 @@ held(layout(Lines,Rooms,System), layout(Lines,Rooms,Held)) :- ( \+ posted(System
 eased((A =< B)-Why, (A =< B + 1.0e-7)-Why).
 eased((A = B)-Why, (A = B)-Why).
 
-chosen_width(item(_,_,_,_,from(W1,_)-upto(W2,_)), W) :- W is sqrt(W1*W2).
+chosen_width(item(_,_,_,_,from(W1,_)-upto(W2,_),_), W) :- W is sqrt(W1*W2).
 
 %   near_sample(+Tries, +Layout, +Items, +Widths)// is semidet: about these shapes, or those that come as near to the areas as these
 %   let them, again and again.
@@ -219,7 +219,7 @@ inner_sample(layout(Lines,Rooms,System), Items, Widths) -->
 %   inner(+Item, +Width, -Constraints): about a shape of this width, what lets in no wrong size. The tangent of the greatest area
 %   leaves the widths between W1 and W2; over these the chords of the least one.
 
-inner(item(W,D,Least-Most,Why,_), Width, [(Steep*W + D =< Sum)-Why|Chords]) :-
+inner(item(W,D,Least-Most,Why,_,_), Width, [(Steep*W + D =< Sum)-Why|Chords]) :-
     Steep is sqrt(Least*Most)/Width**2, Sum is 2*sqrt(Steep*Most),
     Middle is sqrt(Most/Steep), Away is sqrt(max(0, 1 - Least/Most)),
     W1 is Middle*(1 - Away), W2 is Middle*(1 + Away),
@@ -239,7 +239,7 @@ outer_system(System, Items, All) :- maplist(outer, Items, Outer), append([System
 
 %   A little is added for what floats are off: the constraints are looked at in rational arithmetic.
 
-outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2)), [(W1 =< W)-Lower,(W =< W2)-Upper,(Slope*W + D =< Sum)-All|Tangents]) :-
+outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2),_), [(W1 =< W)-Lower,(W =< W2)-Upper,(Slope*W + D =< Sum)-All|Tangents]) :-
     append(Why, Why1, Lower), append(Why, Why2, Upper), append(Lower, Why2, All),
     Slope is Most/(W1*W2), Sum is (Most/W1 + Most/W2)*(1 + 1.0e-9),
     Middle is sqrt(W1*W2),
@@ -251,12 +251,13 @@ outer_tangent(W, D, Area, Why, At, (Sum =< Slope*W + D)-Why) :- Slope is Area/At
 %
 %   All is the System, and what follows from the areas for whatever widths.
 
-areas_bounded(System, Items, All) :- maplist(widened, Items, Wide), outer_system(System, Wide, All).
+areas_bounded(System, Items, All) :- maplist(widened(any), Items, Wide), outer_system(System, Wide, All).
 
-%   widened(+Item, -Wide): with all widths that its area leaves, whatever stage 1 has chosen.
+%   widened(+Scope, +Item, -Wide): with a wide range, or all widths that its area leaves, whatever stage 1 has chosen.
 
-widened(item(W,D,Least-Most,Why,_), item(W,D,Least-Most,Why,from(Slit,[])-upto(High,[]))) :-
-    least_side(Slit), High is Most/Slit.
+widened(wide, item(W,D,Area,Why,_,Wide), item(W,D,Area,Why,Wide,Wide)).
+widened(any, item(W,D,Least-Most,Why,_,_), item(W,D,Least-Most,Why,Range,Range)) :-
+    least_side(Slit), High is Most/Slit, Range = from(Slit,[])-upto(High,[]).
 
 %!  middle(+System, -Middle) is semidet.
 %
@@ -264,9 +265,10 @@ widened(item(W,D,Least-Most,Why,_), item(W,D,Least-Most,Why,from(Slit,[])-upto(H
 %   constraints are loosened by the least amount with which they have a solution: those that bind there are in conflict where
 %   that is more than nothing. It is confirmed in rational arithmetic.
 
+middle(System, impossible(Conflict)) :- impossible(System, Conflict), !.
 middle(System, Middle) :-
     term_variables(System, Xs),
-    findall(T-Values, ( {Loose >= -1}, maplist(loosened(Loose), System), inf(Loose, T, Xs, Values) ), [T-Values]),
+    once(( member(Equations, [kept,loosened]), findall(T-Values, least_loose(Equations, System, Xs, T, Values), [T-Values]) )),
     (   T > 1.0e-9
     ->  copy_term(Xs-System, Values-There),
         binding(There, System, T, Tight),
@@ -274,8 +276,18 @@ middle(System, Middle) :-
         Middle = impossible(Conflict)
     ;   Middle = at(Xs, Values) ).
 
-loosened(T, (A =< B)-_) :- {A - T =< B}.
-loosened(T, (A = B)-_)  :- {A - T =< B, B - T =< A}.
+%   impossible(+System, -Conflict) is semidet: what CLP(R) refutes of it, CLP(Q) refutes too.
+
+impossible(System, Conflict) :- findall(Count, posted(System, Count), [Count]), confirmed_conflict(minimal, System, Count, Conflict).
+
+%   least_loose(+Equations, +System, +Xs, -T, -Values) is semidet. The Equations are `kept` where they have a solution, so that the
+%   others have something to spare.
+
+least_loose(Equations, System, Xs, T, Values) :- {Loose >= -1}, maplist(loosened(Equations, Loose), System), inf(Loose, T, Xs, Values).
+
+loosened(_, T, (A =< B)-_)       :- {A - T =< B}.
+loosened(kept, _, (A = B)-_)     :- {A = B}.
+loosened(loosened, T, (A = B)-_) :- {A - T =< B, B - T =< A}.
 
 %   binding(+There, +System, +T, -Tight): those of the System that bind, as they are There.
 
@@ -285,13 +297,13 @@ binding([C-_|There], [Constraint|System], T, Tight) :-
     binding(There, System, T, More).
 
 binds(T, A =< B) :- A - B > T - 1.0e-7.
-binds(T, A = B)  :- abs(A - B) > T - 1.0e-7.
+binds(_, _ = _).
 
 %   sizes_at(+Middle, +Items, -Sizes): how wide and how deep the boxes of the Items are there.
 
 sizes_at(at(Xs,Values), Items, Sizes) :- copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes).
 
-size_of(item(W,D,_,_,_), Width-Depth) :- Width is W, Depth is D.
+size_of(item(W,D,_,_,_,_), Width-Depth) :- Width is W, Depth is D.
 
 %   widest_miss(+Items, +Sizes, -Item, -Others) is semidet: the item whose size misses its area by most; fails where none does,
 %   or not by more than floats are off.
@@ -302,4 +314,4 @@ widest_miss(Items, Sizes, Item, Others) :-
     max_member(Miss-_, Pairs), Miss > 1.0e-7,
     once(( nth0(Place, Misses, Miss), nth0(Place, Items, Item, Others) )).
 
-missed(item(_,_,Least-Most,_,_), W-D, Miss) :- Area is W*D, Miss is max(Least-Area, Area-Most)/Most.
+missed(item(_,_,Least-Most,_,_,_), W-D, Miss) :- Area is W*D, Miss is max(Least-Area, Area-Most)/Most.

@@ -1,4 +1,4 @@
-:- module(exact, [exactly_posted/1, exact_conflict/3, exact_conflict/4, exactly_sampled//1, solver_verdicts/2]).
+:- module(exact, [exactly_posted/1, exact_conflict/3, exact_conflict/4, confirmed_conflict/4, exactly_sampled//1, solver_verdicts/2]).
 
 /** <module> What CLP(R) refutes, confirmed in CLP(Q)
 
@@ -43,11 +43,18 @@ exact_conflict(Proof, Constraints, Conflict) :-
     exact_conflict(Proof, Constraints, Count, Conflict).
 
 exact_conflict(Proof, Constraints, Count, Conflict) :-
-    (   conflict_at(Proof, Constraints, Count, Conflict0),
-        exactly_posted_not(Conflict0)
+    (   confirmed_conflict(Proof, Constraints, Count, Conflict0)
     ->  Conflict = Conflict0
     ;   exactly_posted_not(Constraints),
         minimal_part(Constraints, Constraints, Conflict) ).
+
+%!  confirmed_conflict(+Proof, +Constraints, +Count, -Conflict) is semidet.
+%
+%   The same, as far as CLP(R) finds it: fails too where it finds none that CLP(Q) confirms.
+
+confirmed_conflict(Proof, Constraints, Count, Conflict) :-
+    conflict_at(Proof, Constraints, Count, Conflict),
+    exactly_posted_not(Conflict).
 
 %   minimal_part(+Left, +All, -Part): each of those Left is left out of All if the others have no solution either.
 

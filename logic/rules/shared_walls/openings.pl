@@ -35,11 +35,12 @@ openings([Opening|Openings], Atoms, Rooms, Door) -->
     opening_constraints(Opening, Atoms, Rooms, Door),
     openings(Openings, Atoms, Rooms, Door).
 
-opening_constraints(door(R,Q,Line), _, Rooms, W) -->
+opening_constraints(door(R,Q,Line), Atoms, Rooms, W) -->
     { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesQ, EdgesQ, B1, B2, WhyQ),
-      append([[door(R,Q,Line),length(door_width),length(door_margin)],WhyR,WhyQ], Why) },
+      door_reasons(door(R,Q,Line), Atoms, EdgesR, EdgesQ, Door),
+      append([[length(door_width),length(door_margin)|Door],WhyR,WhyQ], Why) },
     [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why].
 opening_constraints(entrance(R,Side), Atoms, Rooms, W) -->
     { outer_wall(R, Side, Atoms, Rooms, _, Starts, Ends) },
@@ -52,6 +53,15 @@ opening_constraints(window(R,Side), Atoms, Rooms, _) -->
     ->  []
     ;   { Starts = [A1-WhyA|_], Ends = [A2-_|_], append(Why, WhyA, All) },     % the whole side, so any part of it too
         [(A2 =< A1+Most)-All] ).
+
+%   door_reasons(+Door, +Atoms, +EdgesR, +EdgesQ, -Reasons): with a brief, which way it leads is none of them, so that what refutes a
+%   layout refutes it for both ways.
+
+door_reasons(Door, Atoms, _, _, [Door]) :- \+ memberchk(granted(_), Atoms), !.
+door_reasons(door(R,Q,Line), _, EdgesR, EdgesQ, [linked(First,Second),R1,Q1]) :-
+    First is min(R, Q), Second is max(R, Q),
+    arg(_, EdgesR, R1), R1 = edge(_,_,Line0), Line0 == Line,
+    arg(_, EdgesQ, Q1), Q1 = edge(_,_,Line1), Line1 == Line, !.
 
 %   reaching(+Starts, +Ends, +W, +Why)//: between each of the Starts and each of the Ends is room for W.
 

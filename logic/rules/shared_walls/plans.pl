@@ -133,7 +133,7 @@ conflicting(Atoms, Without, Conflict) :-
     ->  true
     ;   Without == [], unsampled(Atoms, Plan, System), Conflict = System ).
 
-item_resting_on(Without, item(_,_,_,Why,_)) :- resting_on(Without, _-Why).
+item_resting_on(Without, item(_,_,_,Why,_,_)) :- resting_on(Without, _-Why).
 
 resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !.
 

@@ -39,7 +39,7 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 walls_placed(Atoms, _, Proof, Answer) -->
     { of_brief(Atoms), !, brief_system(Atoms, plan(Lines,Rooms), System, Items) },
     items_decided(Proof, Lines, Rooms, System, Items, Found),
-    decided_answer(Found, Atoms, Rooms, System, Answer).
+    decided_answer(Found, Atoms, Rooms, Items, Answer).
 walls_placed(Atoms, Given, Proof, Answer) -->
     { whole_system(Atoms, Given, Plan, System), Plan = plan(_,Rooms) },
     (   plan_sample(real-3, Atoms, Plan, System)
@@ -52,7 +52,7 @@ walls_placed(Atoms, Given, Proof, Answer) -->
 
 decided_answer(placed, Atoms, Rooms, _, Answer)              --> plan_openings(Atoms, Rooms, Answer).
 decided_answer(refuted(Conflict), _, _, _, Answer)           --> { refuted(Conflict, Answer) }.
-decided_answer(open, Atoms, _, System, open(Reasons))        --> { refuted(System, infeasible(Why)), findall(Slim, chosen_step(Atoms, Slim), Steps), append(Steps, Why, Reasons) }.
+decided_answer(open, Atoms, _, Items, open(Reasons))         --> { findall(A, ( member(A, Atoms), A = edge(_,_,_) ; chosen_step(Items, A) ), Reasons) }.
 
 plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
     (   { total_area(Total) }
@@ -78,16 +78,15 @@ of_brief(Atoms) :- memberchk(granted(_), Atoms).
 
 plan_boxes(Atoms, Lines, Rooms, [room(outline,none,sides(West,East,North,South),none)|Boxes]) :-
     maplist(outline_place(Lines), [west,east,north,south], [West,East,North,South]),
-    findall(void-V, member(void(V), Atoms), Voids),
     list_to_assoc(Lines, Places),
-    placed_rooms(Voids, Atoms, Places, Free),
+    placed_voids(Atoms, Places, Free),
     append(Rooms, Free, Boxes).
 
 outline_place(Lines, Side, X) :- memberchk(outline(Side)-X, Lines).
 
-chosen_step(Atoms, Step) :-
-    member(step(B,I,_,_,_,_), Atoms),
-    ( memberchk(slim(B,I), Atoms) -> Step = slim(B,I) ; Step = not(slim(B,I)) ).
+%   chosen_step(+Items, -Step): a reason of the widths that stage 1 has chosen.
+
+chosen_step(Items, Step) :- member(Item, Items), item_range(Item, from(_,Low)-upto(_,High)), ( member(Step, Low) ; member(Step, High) ).
 
 %!  whole_system(+Atoms, +Given, -Plan, -System) is det.
 %
@@ -125,7 +124,8 @@ wall_system(Atoms, Given, plan(Lines,All), System) :-
     findall(unit-B, member(unit(B,_), Atoms), Units0), placed_rooms(Units0, Atoms, Places, Units),
     append(Rooms, Units, All),
     ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
-    phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms) ), Each),
+    placed_voids(Atoms, Places, Voids),
+    phrase(( all_rooms(Rooms, Atoms), all_voids(Voids, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms) ), Each),
     ( memberchk(bounded, Atoms) -> foldl(within(West-East, North-South), Rooms, Each, Within) ; Within = Each ),
     findall(court(L,M), member(court(L,M), Atoms), Courts),
     foldl(court_between(Places), Courts, Within, Inside),
@@ -159,6 +159,8 @@ placed_rooms(Types, Atoms, Places, Rooms) :-
               memberchk(edge(R,north,N), Atoms), memberchk(edge(R,south,S), Atoms) ),
             Found),
     maplist(room_sides(Places), Found, Rooms).
+
+placed_voids(Atoms, Places, Voids) :- findall(void-V, member(void(V), Atoms), Free), placed_rooms(Free, Atoms, Places, Voids).
 
 %   unit_sizes(+Given, +Atoms, +Units, -Constraints): the size of each unit, because of it and its place.
 
@@ -214,6 +216,21 @@ unit_range(Atoms, Axis, Depth, Proof, Answer) :-
 
 all_rooms([], _)             --> [].
 all_rooms([Room|Rooms], Atoms) --> { room_size_constraints(Room, Atoms, Constraints) }, because(Constraints), all_rooms(Rooms, Atoms).
+
+%   all_voids(+Voids, +Atoms)//: a void is at least a metre long both ways, and of a size that the grammar may state as if it were a
+%   room of the type `void`; with a brief, its lines say of which size.
+
+all_voids([], _) --> [].
+all_voids([room(V,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Voids], Atoms) -->
+    { in_unit(1.0, Least) },
+    [(X1+Least =< X2)-[West,East], (Y1+Least =< Y2)-[North,South]],
+    (   { \+ of_brief(Atoms), clause(grammar:room_size(Type,_,_), _), Type == void }
+    ->  { room_system(void, W, D, System), maplist(because_of([void(V),West,East,North,South]), System, Sizes), W = X2-X1, D = Y2-Y1 },
+        because(Sizes)
+    ;   [] ),
+    all_voids(Voids, Atoms).
+
+because_of(Atoms, C-Why, C-All) :- append(Why, Atoms, All).
 
 because([])     --> [].
 because([C|Cs]) --> [C], because(Cs).
