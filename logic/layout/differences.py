@@ -17,8 +17,8 @@ from clingo.ast import AST, ProgramBuilder, parse_files
 from logic.grammar import ADJACENT, BRIEF, GUARD, RULES
 from logic.layout.reading import load, parse
 
-DIFFERENCES, HOUSE = RULES / "shared_walls" / "differences.lp", "house"
-"""The file that states differences, and its part that does so."""
+DIFFERENCES, ROOM = RULES / "shared_walls" / "differences.lp", "room"
+"""The file that states differences, and the part of the rules that has none: that of furniture."""
 
 STATING = DIFFERENCES, ADJACENT, GUARD, BRIEF
 """All that state some."""
@@ -44,8 +44,8 @@ class Differences:
         remarks while it reads. ``files`` are those to be read then: furniture has no differences.
         """
         self._control, self._remark = control, remark
-        walls = any(name == HOUSE for name, _ in parts)
-        self.files = [file for file in files if walls or file not in STATING]
+        furniture = any(name == ROOM for name, _ in parts)
+        self.files = [file for file in files if not (furniture and _of_topology(file))]
         self._theory = None
         if DIFFERENCES in self.files:
             from clingodl import ClingoDLTheory
@@ -84,6 +84,11 @@ class Differences:
         """Know the differences of the ground program."""
         if self._theory is not None:
             self._theory.prepare(self._control)
+
+
+def _of_topology(file: Path) -> bool:
+    """Whether it comes with a topology, of which furniture needs nothing."""
+    return RULES in file.parents and file.parent != RULES
 
 
 @cache

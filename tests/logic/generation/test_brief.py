@@ -1,9 +1,11 @@
 """Houses by a brief keep each of its lines, as geometry says; what cannot be is proved by its lines."""
 
+import gc
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 from typing import Any
+from weakref import ref
 
 import msgspec
 import pytest
@@ -15,6 +17,7 @@ from logic.checking.check import violations
 from logic.grammar import find
 from logic.house.parts import OUTSIDE, Room
 from logic.request.brief import Brief, alone, read_brief
+from logic.request.request import Request
 from tests.logic.workers import in_process
 
 FLAT: dict[str, Any] = {
@@ -242,6 +245,17 @@ def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
     with pytest.raises(RequestError, match=message) as caught:
         next(generate(brief=wanted))
     assert "\n" not in str(caught.value)
+
+
+def test_the_program_of_a_house_by_a_brief_is_freed_with_the_next_one() -> None:
+    builder = in_process._builder(find("plain"), 0.0)
+    request = Request(2, brief=read_brief(brief(2)))
+    programs = list[Any]()
+    for index in range(3):
+        builder.house(request, 0, index, 10**8)
+        programs.append(ref(builder.maker_of(request).stated(request)))
+    gc.collect()
+    assert [program() is None for program in programs] == [True, True, False]
 
 
 def test_a_brief_on_a_grid_is_refused() -> None:
