@@ -36,7 +36,7 @@ class Geometry:
     rooms: np.ndarray
     """(R, 4) float64: the rooms but ``floor``, in a star the secondary rooms."""
     doors: np.ndarray
-    """(D, 4) float64: the doors between rooms, segments."""
+    """(D, 4) float64: the doors between rooms, but openings, segments."""
     floor: np.ndarray
     """(4,) float64: the room where bodies start, in a star the main room's rectangle."""
     overlapping: bool = False
@@ -70,7 +70,7 @@ def geometry(house: House) -> Geometry:
         horizontals=_rows((low, y, high, y) for y, low, high in horizontals),
         pieces=_rows(piece.box for room in house.rooms for piece in room.pieces),
         rooms=_rows(room.box for room in house.rooms if room is not start),
-        doors=_rows(door.box for door in house.doors if not door.is_entrance),
+        doors=_rows(door.box for door in house.doors if not (door.is_entrance or door.opening)),
         floor=_rows([start.box])[0],
         overlapping=house.topology == "original",
     )

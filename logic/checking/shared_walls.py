@@ -103,8 +103,10 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
         ):
             yield Fault(f"{name}: {one} and {other} do not open into each other", names)
+        if promises.opens and door.opening and not promises.are_open(one, other):
+            yield Fault(f"{name}: has no leaf (must have one)", names)
     for one, other in combinations(house.doors, 2):
-        if _meet(one, other):
+        if _meet(one, other) and not (one.opening and other.opening and _apart(one, other)):
             text = f"{_between(house, one)}: meets the {_between(house, other)}"
             yield Fault(text, _joined(one) + _joined(other))
     if promises.entrance and not any(door.is_entrance for door in house.doors):
@@ -158,6 +160,11 @@ def _is_shared(door: Door, one: Room, other: Room) -> bool:
 def _meet(one: Rect, other: Rect) -> bool:
     """Whether two openings in one wall touch or overlap."""
     return distance(one.box, other.box) <= TOLERANCE and _along(one) == _along(other)
+
+
+def _apart(one: Rect, other: Rect) -> bool:
+    """Whether two openings of one wall have no part of it in common: at their end another wall may begin."""
+    return _shared(one.box, other.box) <= TOLERANCE
 
 
 def _not_outer(house: House, opening: Rect, room: Room, name: str) -> Iterator[Fault]:

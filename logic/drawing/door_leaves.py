@@ -31,7 +31,7 @@ class Leaf(NamedTuple):
 
 
 def door_leaves(house: House) -> list[Leaf]:
-    """A leaf for each door, in the order of ``house.doors``.
+    """A leaf for each door that is no opening, in the order of ``house.doors``.
 
     It swings into the room farther from where bodies start, hung on the jamb nearer to a corner; where that
     would sweep over furniture, walls or another door's swing, one of the other three ways, if it is free.
@@ -41,6 +41,8 @@ def door_leaves(house: House) -> list[Leaf]:
     pieces = {room.name: [piece.box for piece in room.pieces] for room in house.rooms}
     leaves: list[Leaf] = []
     for door in house.doors:
+        if door.opening:
+            continue
         ways = sorted(
             _ways(door, house, rooms),
             key=lambda leaf: (-steps.get(leaf.room, 0), _from_corner(leaf, rooms[leaf.room].box)),

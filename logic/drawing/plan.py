@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 
 from logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Strokes, Text, text_width
 from logic.drawing.door_leaves import Leaf
@@ -70,7 +69,7 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     """Draw all of a house but words about it: what is outside of the rooms lies under the floors, walls over
     the furniture.
 
-    ``leaves``: of all doors, or none, as in films, whose bodies and rays pass.
+    ``leaves``: see ``door_leaves``, or none, as in films, whose bodies and rays pass.
     """
     inks, beyond = style.inks, max(BEYOND * frame.scale, 2.0)
     shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.rooms]
@@ -86,7 +85,9 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
                 drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, inks))
             shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
     shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
-    for (name, door), leaf in zip_longest(doors_by_name(house).items(), leaves):
+    left = iter(leaves)
+    for name, door in doors_by_name(house).items():
+        leaf = None if door.opening else next(left, None)
         shapes.append(Part(name, tuple(_door(house, door, leaf, frame, inks))))
     for name, window in windows_by_name(house).items():
         shapes.append(Part(name, tuple(_window(frame.place(opening(house, window)), inks))))

@@ -21,7 +21,9 @@ def write(house: House, path: Path) -> None:
 def to_geojson(house: House) -> dict[str, Any]:
     """A house as a feature collection."""
     features = [_feature(room, "room", name=room.name, type=room.type) for room in house.rooms]
-    features += [_feature(door, "door", between=door.between) for door in house.doors]
+    for door in house.doors:
+        leafless = {"opening": True} if door.opening else {}
+        features.append(_feature(door, "door", between=door.between, **leafless))
     features += [_feature(window, "window", room=window.room) for window in house.windows]
     for room in house.rooms:
         for piece in room.pieces:

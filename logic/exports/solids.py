@@ -101,7 +101,7 @@ def _walls(house: House, thickness: float) -> Iterator[Solid]:
                 box = (at - half, start, at + half, end) if axis == 0 else (start, at - half, end, at + half)
                 yield Solid(kind, kind, box, bottom, top, COLOURS[kind])
     for door in house.doors:
-        if not door.is_entrance:
+        if not (door.is_entrance or door.opening):  # above an opening is no wall
             west, north, east, south = door.box
             by_x, by_y = (half, 0.0) if door.height else (0.0, half)
             box = west - by_x, north - by_y, east + by_x, south + by_y

@@ -42,7 +42,7 @@ class BriefMaker(SharedWallsMaker):
         self.brief = brief
         rules = grammar.for_brief()
         on_request = not grammar.names_contacts
-        facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture))
+        facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
         symbols = [fact for fact, _ in facts]
         symbols += brief_facts(brief, on_request, symbols)
         facts += [(fact, ()) for fact in brief_facts(brief, on_request)]

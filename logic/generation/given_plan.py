@@ -42,7 +42,10 @@ class GivenPlanMaker(SharedWallsMaker):
         """Find what the grammar forbids in the plan."""
         self.plan = plan
         rules = grammar.for_own_plan()
-        facts: HouseFacts = [*_meetings(plan), *plan_faults(loaded.placer, plan, sorted(loaded.furniture))]
+        facts: HouseFacts = [
+            *_meetings(plan),
+            *plan_faults(loaded.placer, plan, sorted(loaded.furniture), loaded.openings),
+        ]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))
         self._failures, self._refuted = 0, list[Refuted]()
         self._too_small: dict[tuple[int, str], list[Refuted]] = {}
@@ -87,6 +90,8 @@ class GivenPlanMaker(SharedWallsMaker):
     ) -> bool:
         """Whether a room's doors could be moved to where it can be furnished; if nowhere, it is refuted."""
         doors = plan.doors_of(place)
+        if any(door.opening for door in doors):  # It may be of another width, too.
+            return False
         room = LooseRoom(given_room(plan, place), [self._span(plan, door) for door in doors])
         furniture: list[Symbol] | None = None
         doors_elsewhere = f"the furniture of {room.room}, its doors elsewhere (clingo and CLP(Q))"
@@ -191,8 +196,9 @@ class GivenPlanMaker(SharedWallsMaker):
         # What the plan has stays in its place.
         kept = {frozenset(door.between): door for door in self.plan.doors}
         plan.doors = [
-            PlanDoor(*sides(kept.get(frozenset(plan.between(door)), door)), door.between)
+            PlanDoor(*sides(drawn), door.between, drawn.opening)
             for door in plan.doors
+            for drawn in [kept.get(frozenset(plan.between(door)), door)]
         ]
         if self.plan.windows:
             numbers = {room.name: room.number for room in rooms}

@@ -36,6 +36,7 @@ def promised(
         room_area={name: (float(least), float(most)) for name, least, most in metres["areas"]},
         house_area=(float(metres["total"][0]), float(metres["total"][1])) if metres["total"] else None,
         opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
+        openings={one: tuple(others) for one, others in sorted(_pairs(program, "opening").items())},
         entrance=bool(opens.get(OUTSIDE)),
         public=_required(program, "public"),
         courts=len(_atoms(program, "void", 1)),

@@ -112,12 +112,14 @@ class Room(Rect, frozen=True, forbid_unknown_fields=True):
         return pieces_of(self.children)
 
 
-class Door(Rect, frozen=True, forbid_unknown_fields=True):
-    """An opening in the wall between two rooms, or between a room and ``outside``: a segment, so its width or
+class Door(Rect, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
+    """A door in the wall between two rooms, or between a room and ``outside``: a segment, so its width or
     its height is zero.
     """
 
     between: tuple[Name, Name]
+    opening: bool = False
+    """Whether it has no leaf, so that it is never shut."""
 
     @property
     def is_entrance(self) -> bool:

@@ -52,6 +52,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Of each room type in other houses: the least of its shorter side, metres."""
     opens: dict[str, tuple[str, ...]] = {}
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
+    openings: dict[str, tuple[str, ...]] = {}
+    """Between rooms of which types, the first and others, a door may be without a leaf."""
     entrance: bool = False
     """Whether a house has a door to the outside."""
     public: tuple[str, ...] = ()
@@ -101,6 +103,10 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
             return True
         tops = self.counts[room]
         return piece in tops or any(piece in self.companions.get(top, {}) for top in tops)
+
+    def are_open(self, one: str, other: str) -> bool:
+        """Whether a door between rooms of these types may be without a leaf."""
+        return other in self.openings.get(one, ()) or one in self.openings.get(other, ())
 
 
 PROMISES = msgspec.json.decode(Path(__file__).with_suffix(".json").read_bytes(), type=dict[str, Promises])

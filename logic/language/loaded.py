@@ -36,6 +36,7 @@ from logic.placement.lengths import (
     wall_lengths,
 )
 from logic.placement.placer import Placer
+from logic.placement.prolog import Term
 from logic.request.request import MOST_ROOMS
 from logic.spelling import closest
 
@@ -66,6 +67,7 @@ class LoadedGrammar:
         self.extremes: dict[str, Any] = {}
         """Of the sizes of rooms and pieces, see ``Placer.lengths``."""
         self.most_rooms = MOST_ROOMS
+        self.openings: list[Term] = []
         """How many rooms a house has at most."""
         self.depths: tuple[float, float] | None = None
         """How deep units are, metres, where a house is one of units: ``logic.generation.units``."""
@@ -182,7 +184,8 @@ class LoadedGrammar:
         lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
         sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
-        clashes = disagreements(self.placer, usable, whole is not probe, MOST_ROOMS)
+        self.openings = [Term("opening", *atom.arguments) for atom in sorted(probe.atoms("opening", 2))]
+        clashes = disagreements(self.placer, usable, self.openings, whole is not probe, MOST_ROOMS)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
         yield from map(Mistake, [*errors, *clashes, *self.rules.facts.absent(absent)])
         if not errors and not absent:
@@ -194,7 +197,7 @@ class LoadedGrammar:
         areas = area_facts(total, rooms)
         if not self.grammar.shares_walls:
             return [*areas, berth_fact(self.extremes["lengths"], rooms)] if total else []
-        walls = wall_facts(*wall_lengths(self.placer, self.furniture))
+        walls = wall_facts(*wall_lengths(self.placer, self.furniture, self.openings))
         depths = depth_steps(*self.depths) if self.depths else []
         return [*walls, *areas, *((step, ()) for step in depths)]
 

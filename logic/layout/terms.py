@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import ceil, floor, log
 from typing import Any
 
-from clingo import Function, Number, Symbol
+from clingo import Function, Number, Symbol, parse_term
 
 from logic.layout.program import Part
 from logic.request.brief import LEAST_SIDE, Brief, length_range, tolerance_of
@@ -195,17 +195,21 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
 def wall_facts(
     doorway: float,
     contact: float,
+    openings: Iterable[tuple[str, str, float, Sequence[str]]],
     extremes: Iterable[Sequence[Any]],
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``differences.lp``), each fact with the clauses it comes from.
 
-    ``extremes``: see ``Placer.wall_lengths``; ``doorway``, ``contact``: metres. Clauses
-    that only stage 2 knows have a fact too.
+    For the arguments see ``logic.placement.lengths.wall_lengths``. Clauses that only stage 2 knows have a
+    fact too.
     """
     door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
     clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))
     share = Function("length", [Function("contact"), Number(floor(1000 * contact))])
     facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses), (share, ())]
+    for one, other, metres, stated in openings:
+        wall = Function("opening_wall", [Function(one), Function(other), Number(floor(1000 * metres))])
+        facts.append((wall, tuple(map(parse_term, stated))))
     only = [Function("house_size")]
     for type_, reach, uppers, lowers in extremes:
         kind = Function(type_)
@@ -213,7 +217,7 @@ def wall_facts(
         facts.append((Function("reach", [kind, *_millimetres(reach)]), clauses))
         for name, bound, pairs in (("upper_bound", ceil, uppers), ("lower_bound", floor, lowers)):
             facts += [
-                (Function(name, [kind, *(Number(bound(1000 * metres)) for metres in pair)]), clauses)
+                (Function(name, [kind, *(Number(bound(1000 * each)) for each in pair)]), clauses)
                 for pair in pairs
             ]
         only.append(Function("window_size", [kind]))

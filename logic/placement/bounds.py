@@ -55,6 +55,14 @@ def main_bounds(
     return placer.ask("main_lengths", outlines, corners, width)
 
 
+def open_lengths(placer: Placer, types: tuple[str, str], wall: float) -> tuple[float, float, list[str]]:
+    """How wide (m) an opening between rooms of these types may be in this part of a wall, by which clauses:
+    ``plan_bounds.pl``.
+    """
+    least, greatest, clauses = placer.ask("open_lengths", *types, float(wall))
+    return least, greatest, clauses
+
+
 def opening_lengths(placer: Placer, type_: str, start: float, end: float) -> dict[str, Any]:
     """Lengths (m) of a door, and of a window of a room of this type, in a wall: ``plan_bounds.pl``."""
     return placer.ask("opening_lengths", type_, float(start), float(end))

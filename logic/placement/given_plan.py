@@ -13,9 +13,11 @@ from logic.request.own_plan import OwnPlan
 
 
 def plan_faults(
-    placer: Placer, plan: OwnPlan, types: Iterable[str]
+    placer: Placer, plan: OwnPlan, types: Iterable[str], openings: Iterable[Term]
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-    """What the lengths forbid in a user's plan: facts of ``own.lp``, each with its clauses."""
+    """What the lengths forbid in a user's plan: facts of ``own.lp``, each with its clauses. ``openings`` are
+    terms ``opening(Type,Other)``.
+    """
     rooms = [
         Term("room", number, float(room.width), float(room.height)) for number, room in enumerate(plan.rooms)
     ]
@@ -26,7 +28,7 @@ def plan_faults(
         if wall := plan.wall_of(door):
             behind = wall.side if wall.behind is None else wall.behind
             doors.append(Term("door", wall.room, behind, float(door.length)))
-    found = placer.ask("own_plan_faults", size, rooms, _walls(plan), doors, types)
+    found = placer.ask("own_plan_faults", size, rooms, _walls(plan), doors, types, openings)
     return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
 
 

@@ -45,15 +45,16 @@ def stated_lengths(
 
 
 def disagreements(
-    placer: Placer, types: Mapping[str, bool], units: bool, most_rooms: int
+    placer: Placer, types: Mapping[str, bool], openings: Iterable[Term], units: bool, most_rooms: int
 ) -> list[GrammarError]:
     """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
 
-    ``types`` have a size, each with whether such rooms have windows; houses are with or without units.
+    ``types`` have a size, each with whether such rooms have windows; ``openings`` are terms
+    ``opening(Type,Other)``; houses are with or without units.
     """
     topology = Term("topology", placer.kind_of_walls, "true" if units else "false", most_rooms)
     rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
-    return _first_at_each_place(placer.ask("grammar_disagreements", topology, rooms))
+    return _first_at_each_place(placer.ask("grammar_disagreements", topology, rooms, openings))
 
 
 def metres(placer: Placer, types: Iterable[str]) -> dict[str, Any]:
@@ -66,16 +67,17 @@ def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
     return [tuple(row) for row in placer.ask("grammar_sized")]
 
 
-def wall_lengths(placer: Placer, types: Iterable[str]) -> list[Any]:
-    """How much wall a door takes, how much rooms share that share one, and the extremes of each room
-    type's size, metres: ``plans.pl``.
+def wall_lengths(placer: Placer, types: Iterable[str], openings: Iterable[Term]) -> list[Any]:
+    """How much wall a door takes, how much rooms share that share one, how much wall each of the openings
+    (terms ``opening(Type,Other)``) takes by which clauses, and the extremes of each room type's size, metres:
+    ``plans.pl``.
     """
-    return placer.ask("plan_lengths", types)
+    return placer.ask("plan_lengths", types, openings)
 
 
-def brief_lengths(placer: Placer, types: Iterable[str]) -> list[Any]:
+def brief_lengths(placer: Placer, types: Iterable[str], openings: Iterable[Term]) -> list[Any]:
     """As ``wall_lengths``, of sizes and areas as they are stated, of which nothing is left out."""
-    return placer.ask("brief_lengths", types)
+    return placer.ask("brief_lengths", types, openings)
 
 
 def area_bounds(placer: Placer, types: Iterable[str]) -> list[Any]:

@@ -26,6 +26,7 @@ class PlanDoor(Rect, frozen=True):
     """A door between rooms by their places, or a room and ``outside``. The second is entered by it."""
 
     between: tuple[int | str, int | str]
+    opening: bool = False
 
 
 class PlanWindow(Rect, frozen=True):
@@ -68,7 +69,7 @@ class Plan(msgspec.Struct):
             Room(*sides(room), self.name(place), room.type, within)
             for place, (room, within) in enumerate(zip(self.rooms, pieces, strict=True))
         ]
-        doors = [Door(*sides(door), self.between(door)) for door in self.doors]
+        doors = [Door(*sides(door), self.between(door), door.opening) for door in self.doors]
         windows = [Window(*sides(window), self.name(window.room)) for window in self.windows]
         return House(tuple(rooms), tuple(doors), tuple(windows), hub=self.hub, topology=topology)
 

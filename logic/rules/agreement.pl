@@ -1,4 +1,4 @@
-:- module(agreement, [grammar_disagreements/3]).
+:- module(agreement, [grammar_disagreements/4]).
 
 /** <module> Whether a grammar's lengths agree with each other, as far as that is known before a house is made
 
@@ -21,14 +21,17 @@ then the text names both.
 :- use_module(language/sizes).
 :- use_module(shared_walls/totals).
 
-%!  grammar_disagreements(+Topology, +Types, -Json) is det.
+%!  grammar_disagreements(+Topology, +Types, +Openings, -Json) is det.
 %
 %   Json lists [File,Line,Column,Text]. Topology is topology(Walls,Units,Rooms): shared or apart, true where houses have units, and how many
 %   rooms they have at most.
-%   Types are room(Type,Lit), Lit is true where such rooms have windows; each has a size.
+%   Types are room(Type,Lit), Lit is true where such rooms have windows; each has a size. Openings are opening(Type,Other).
 
-grammar_disagreements(Topology, Types, Json) :-
-    findall([File,Line,Column,Text], disagreement(Topology, Types, wrong(File,Line,Column,Text)), Found),
+grammar_disagreements(Topology, Types, Openings, Json) :-
+    findall([File,Line,Column,Text],
+            ( disagreement(Topology, Types, wrong(File,Line,Column,Text))
+            ; Topology = topology(shared,_,_), opening_wrong(Types, Openings, wrong(File,Line,Column,Text)) ),
+            Found),
     as_json(Found, Json).
 
 disagreement(topology(Walls,_,_), Types, Wrong) :- narrow_walls(Walls, Types, Wrong).
@@ -135,6 +138,36 @@ window_found(Type, Short-Long, Found) :-
     sizes_found(window_size(Type,Length,Wall), [Length], [Wall], Found).
 
 window_fits(Type, Margin, Long) :- \+ \+ ( grammar:window_size(Type, Length, Wall), {Wall =< Long, Length + 2*Margin =< Wall} ).
+
+% - openings ----------------------------------------------------------------------------------------------------
+
+%   opening_wrong(+Types, +Openings, -Wrong): a clause that is for no opening, or that leaves long walls without one.
+
+opening_wrong(_, Openings, Wrong) :-
+    findall(A-B, ( clause(grammar:opening_size(A,B,_,_), _), atom(A), atom(B) ), Pairs), sort(Pairs, Stated),
+    member(A-B, Stated),
+    \+ ( member(opening(T,U), Openings), memberchk(A-B, [T-U,U-T]) ),
+    clash(opening_size(A,B,_,_), "no opening joins such rooms: state opening(~w,~w) in a .lp file", [A,B], Wrong).
+opening_wrong(Types, Openings, Wrong) :-
+    member(opening(T,U), Openings), memberchk(room(T,_), Types), memberchk(room(U,_), Types),
+    \+ \+ clause(grammar:opening_size(_,_,_,_), _),
+    stated_length(door_width, Width), number(Width),
+    longest_wall(shared, T, LongT), longest_wall(shared, U, LongU), Long is min(LongT, LongU), Long >= Width,
+    once(( member(A-B, [T-U,U-T]), \+ \+ clause(grammar:opening_size(A,B,_,_), _) )),
+    Head = opening_size(A,B,L,Wall),
+    format(string(Above), "~~w >= ~3g (a door)", [Width]), format(string(Below), "~~w =< ~3g (as these rooms share at most)", [Long]),
+    Given = [(Wall >= Width)-said(Above,[4]),(Wall =< Long)-said(Below,[4]),(L =< Wall)-said("~w =< Wall",[3])],
+    judged(opening_found(Head, Width-Long, Found), Found, Given-Head, Report),
+    (   Report = wrong(_,_,_,_)
+    ->  Wrong = Report
+    ;   \+ \+ ( grammar:Head, {Wall = Long, L >= Width, L =< Wall} )
+    ->  fail
+    ;   clash(Head, "a wall of ~w m, as such rooms may share, has no opening of ~w at least",
+              [metres(Long),clause(door_width(_))], Wrong) ).
+
+opening_found(opening_size(A,B,L,Wall), Short-Long, Found) :-
+    { Wall >= Short, Wall =< Long, L =< Wall },
+    sizes_found(opening_size(A,B,L,Wall), [L], [Wall], Found).
 
 % - the house, and its units --------------------------------------------------------------------------------------
 

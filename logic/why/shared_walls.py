@@ -14,7 +14,7 @@ from logic.generation.shared_walls import Making
 from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import OUTSIDE, Door, Provenance, Window
-from logic.placement.bounds import opening_lengths, wall_bounds
+from logic.placement.bounds import open_lengths, opening_lengths, wall_bounds
 from logic.request.own_plan import OwnPlan, Wall
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
@@ -155,7 +155,15 @@ class PlanWitness(Witness):
         found = opening_lengths(self._builder.placer, type_, wall.start, wall.end)
         axis = "y" if wall.side in ("west", "east") else "x"
         place = Reason(f"a wall from {axis} {wall.start:.3f} to {wall.end:.3f} m")
-        if isinstance(opening, Door):
+        if isinstance(opening, Door) and opening.opening:
+            types = [self._house.room(name).type for name in opening.between]
+            wide = wall.end - wall.start
+            least, greatest, clauses = open_lengths(self._builder.placer, (types[0], types[1]), wide)
+            margin, near = 0.0, (place,)
+            no_less = no_more = self._reasons([("clause", each) for each in clauses])
+            if greatest > wide - 1e-6:
+                no_more = near
+        elif isinstance(opening, Door):
             margin, least, greatest = found["margin"], found["door"], found["door"]
             near = (*self._clause("length(door_margin)"), place)
             no_less = no_more = self._clause("length(door_width)")

@@ -145,6 +145,8 @@ def tiles(house: House, cells: Cells) -> np.ndarray:
     corners = (around[:-2:2, 1:-1:2], around[2::2, 1:-1:2], around[1:-1:2, :-2:2], around[1:-1:2, 2::2])
     found[::2, ::2] = np.max(corners, axis=0)
     for door in house.doors:
+        if door.opening:
+            continue
         west, north, east, south = _in_cells(cells, door.box)
         # All along it, but for the corners at its ends, which are the wall's.
         across = slice(2 * west + (west < east), 2 * east + (west == east))

@@ -64,6 +64,13 @@ or several.
 %
 %       window_size(cellar, L, Wall) :- { L >= 0.4, L =< 0.3*Wall, L =< 1.0 }.
 
+%!  opening_size(?Type, ?Other, -Length, +Wall)
+%
+%   how wide an opening between rooms of these types is, in metres, in a part of a wall that they share, as long as Wall: there is
+%   one in every wall from some length on. Without it, all of that part is open.
+%
+%       opening_size(cellar, hall, L, Wall) :- { L >= 1.2, L =< 0.8*Wall }.
+
 %!  piece_size(?Piece, -Length, -Depth, +Wall)
 %
 %   how large such pieces or companions are, in metres: Length along the wall behind them, Depth out from it. Wall is the
@@ -77,7 +84,7 @@ or several.
 
 %!  door_width(-Width)
 %
-%   how wide every door is, in metres.
+%   how wide every door is, in metres, and an opening at least: see opening_size/4.
 %
 %       door_width(0.762).
 
@@ -102,7 +109,7 @@ or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 
-:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
+:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

@@ -1,4 +1,4 @@
-:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, side_axis/2, span/6]).
+:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//6, side_axis/2, span/6]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
@@ -14,6 +14,7 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 :- use_module('../linear/grid').
 :- use_module('../language/lengths').
 :- use_module('../linear/sample').
+:- use_module(opening_sizes).
 
 :- table window_walls/3.
 
@@ -36,12 +37,16 @@ openings([Opening|Openings], Atoms, Rooms, Door) -->
     openings(Openings, Atoms, Rooms, Door).
 
 opening_constraints(door(R,Q,Line), Atoms, Rooms, W) -->
-    { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
+    { memberchk(room(R,T,SidesR,EdgesR), Rooms), memberchk(room(Q,U,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesQ, EdgesQ, B1, B2, WhyQ),
       door_reasons(door(R,Q,Line), Atoms, EdgesR, EdgesQ, Door),
       append([[length(door_width),length(door_margin)|Door],WhyR,WhyQ], Why) },
-    [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why].
+    [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why],
+    (   { memberchk(open_to(R,Q), Atoms) }
+    ->  { opening_wall(T, U, L, Clauses), append([[open_to(R,Q),room(R,T),room(Q,U)|Door],Clauses,WhyR,WhyQ], All) },
+        [(A1+L =< A2)-All, (B1+L =< B2)-All, (A1+L =< B2)-All, (B1+L =< A2)-All]
+    ;   [] ).
 opening_constraints(entrance(R,Side), Atoms, Rooms, W) -->
     { outer_wall(R, Side, Atoms, Rooms, _, Starts, Ends) },
     reaching(Starts, Ends, W, [entrance(R,Side),length(door_width),length(door_margin)]).
@@ -138,36 +143,50 @@ least_wall(_, _, Least, Least).
 
 %!  plan_openings(+Atoms, +Rooms, -Plan)// is det.
 %
-%   Plan is plan(Rooms,Doors,Windows) with room(R,Type,Box), door(Box,R,Q), where Q is a room or `outside`, and window(Box,R).
+%   Plan is plan(Rooms,Doors,Windows) with room(R,Type,Box), door(Box,R,Q), where Q is a room or `outside`, or opening(Box,R,Q),
+%   and window(Box,R).
 %   A Box is box(X,Y,Width,Height); every wall is known.
 
 plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
     { maplist(room_box, Rooms, Boxes),
-      length_of(door_width, Width),
       findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Joins),
       findall(window(R,S), member(window(R,S), Atoms), Panes) },
-    doors_sample(Joins, Atoms, Rooms, Width, Doors),
+    doors_sample(Joins, Atoms, Rooms, Doors),
     windows_sample(Panes, Atoms, Rooms, Windows).
 
 room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X1,Y1,W,H))) :- W is X2-X1, H is Y2-Y1.
 
-doors_sample([], _, _, _, []) --> [].
-doors_sample([Join|Joins], Atoms, Rooms, Width, [Door|Doors]) -->
-    door_sample(Join, Atoms, Rooms, Width, Door),
-    doors_sample(Joins, Atoms, Rooms, Width, Doors).
+doors_sample([], _, _, []) --> [].
+doors_sample([Join|Joins], Atoms, Rooms, [Door|Doors]) -->
+    door_sample(Join, Atoms, Rooms, Door),
+    doors_sample(Joins, Atoms, Rooms, Doors).
 
-door_sample(door(R,Q,Line), _, Rooms, Width, door(Box,R,Q)) -->
-    { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
+door_sample(door(R,Q,Line), Atoms, Rooms, Door) -->
+    { memberchk(room(R,T,SidesR,EdgesR), Rooms), memberchk(room(Q,U,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, _), span(Axis, SidesQ, EdgesQ, B1, B2, _),
-      length_of(door_margin, Margin),
-      Low is max(A1, B1) + Margin, High is min(A2, B2) - Width - Margin,
+      From is max(A1, B1), To is min(A2, B2),
       line_side(Line, EdgesR, Side), side_place(Side, SidesR, At) },
+    joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, Door).
+door_sample(entrance(R,Side), Atoms, Rooms, door(Box,R,outside)) -->
+    { length_of(door_width, Width), length_of(door_margin, Margin), outer_part(R, Side, Atoms, Rooms, _, Start, End) },
+    wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
+
+%!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, -Door)// is det.
+%
+%   The door between two rooms R-Q of these types, or opening(Box,R,Q) where they are open to each other, in the Part From-To of
+%   the Wall Axis-At that they share.
+
+joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, opening(Box,R,Q)) -->
+    { memberchk(open_to(R,Q), Atoms), Wall is To - From, opening_range(T, U, Wall, Low-High), ! },
+    interval_sample(Low, High, 1, Length),
+    { Latest is To - Length },
+    interval_sample(From, Latest, 1, Start),
+    { segment(Axis, At, Start, Length, Box) }.
+joint_sample(R-Q, _, _, Axis-At, From-To, door(Box,R,Q)) -->
+    { length_of(door_width, Width), length_of(door_margin, Margin), Low is From + Margin, High is To - Width - Margin },
     interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Width, Box) }.
-door_sample(entrance(R,Side), Atoms, Rooms, Width, door(Box,R,outside)) -->
-    { length_of(door_margin, Margin), outer_part(R, Side, Atoms, Rooms, _, Start, End) },
-    wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
 
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
     ( Line == W -> Side = west ; Line == E -> Side = east ; Line == N -> Side = north ; Side = south ).

@@ -1,4 +1,4 @@
-:- module(own_plan, [own_plan_faults/6, own_openings/5]).
+:- module(own_plan, [own_plan_faults/7, own_openings/5]).
 
 /** <module> A user's own plan: what the grammar's lengths forbid in it, and its doors and windows
 
@@ -12,19 +12,22 @@ A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a roo
 :- use_module('../language/grammar_files').
 :- use_module('../language/lengths').
 :- use_module('../linear/linear').
+:- use_module('../linear/grid').
+:- use_module(opening_sizes).
 :- use_module(openings).
 :- use_module(plans).
 :- use_module('../linear/sample').
 :- use_module('../language/sizes').
 :- use_module(totals).
 
-%!  own_plan_faults(+Outline, +Rooms, +Walls, +Doors, +Types, -Json) is det.
+%!  own_plan_faults(+Outline, +Rooms, +Walls, +Doors, +Types, +Openings, -Json) is det.
 %
-%   Outline is size(Width,Depth), Rooms are room(R,Width,Depth), Doors are door(R,Q,Length) with a room or side Q. Json lists [Fact,Clauses], facts of own.lp.
+%   Outline is size(Width,Depth), Rooms are room(R,Width,Depth), Doors are door(R,Q,Length) with a room or side Q, Openings are
+%   opening(Type,Other). Json lists [Fact,Clauses], facts of own.lp.
 
-own_plan_faults(Outline, Rooms, Walls, Doors, Types, Json) :-
+own_plan_faults(Outline, Rooms, Walls, Doors, Types, Openings, Json) :-
     findall([Text,Texts],
-            ( ( fault(Outline, Rooms, Walls, Types, Fact, Clauses) ; thin(Doors, Fact, Clauses) ),
+            ( ( fault(Outline, Rooms, Walls, Types, Fact, Clauses) ; closed(Openings, Walls, Fact, Clauses) ; thin(Doors, Fact, Clauses) ),
               term_string(Fact, Text), maplist(term_string, Clauses, Texts) ),
             Faults),
     as_json(Faults, Json).
@@ -52,6 +55,12 @@ fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)
     outer_side(Walls, R, S, A-B), member(T, Types), window_walls(T, Least, Most),
     \+ ( reaches(A-B, Least), ( Most == any -> true ; B - A =< Most + 1.0e-6 ) ).
 
+closed(Openings, Walls, closed(at(R),at(Q),T,U), Clauses) :-
+    member(opening(A,B), Openings), member(T-U, [A-B,B-A]),
+    opening_wall(A, B, Least, Clauses), metres(Least, M),
+    member(wall(R,_,Q,_,Start,End), Walls), Q \== outside,
+    \+ reaches(Start-End, M).
+
 thin(Doors, thin(at(R),Q), [length(door_width)]) :- member(door(R,Q,L), Doors), length_of(door_width, W), L < W - 1.0e-6.
 
 unfit(T, W, D, size(T)) :- room_size_system(T, W, D, System), \+ posted(System), !.
@@ -78,23 +87,23 @@ outer_wall(Walls, R, S, At, A-B) :-
 own_openings(Atoms, Types, Walls, Seed, Json) :-
     findall(A, ( member(A, Atoms), ( A = door(_,_,_) ; A = entrance(_,_) ) ), Joins),
     findall(window(R,S), member(window(R,S), Atoms), Panes),
-    openings_sample(Joins, Types, Walls, Doors, Seed, Seed1),
-    openings_sample(Panes, Types, Walls, Windows, Seed1, _),
+    openings_sample(Joins, Atoms-Types, Walls, Doors, Seed, Seed1),
+    openings_sample(Panes, Atoms-Types, Walls, Windows, Seed1, _),
     answer_record(plan([],Doors,Windows), Record),
     as_json(Record, Json).
 
 openings_sample([], _, _, []) --> [].
-openings_sample([A|As], Types, Walls, [Opening|Openings]) -->
-    opening_sample(A, Types, Walls, Opening),
-    openings_sample(As, Types, Walls, Openings).
+openings_sample([A|As], Known, Walls, [Opening|Openings]) -->
+    opening_sample(A, Known, Walls, Opening),
+    openings_sample(As, Known, Walls, Openings).
 
-opening_sample(door(R,Q,_), _, Walls, door(Box,R,Q)) -->
-    { memberchk(wall(R,Side,Q,At,A,B), Walls), length_of(door_width, Width), length_of(door_margin, Margin) },
-    segment_sample(Side, At, A-B, Width, Margin, Box).
+opening_sample(door(R,Q,_), Atoms-Types, Walls, Door) -->
+    { memberchk(wall(R,Side,Q,At,A,B), Walls), side_axis(Side, Axis), memberchk(R-T, Types), memberchk(Q-U, Types) },
+    joint_sample(R-Q, Atoms, T-U, Axis-At, A-B, Door).
 opening_sample(entrance(R,Side), _, Walls, door(Box,R,outside)) -->
     { once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), length_of(door_margin, Margin) },
     segment_sample(Side, At, Span, Width, Margin, Box).
-opening_sample(window(R,Side), Types, Walls, window(Box,R)) -->
+opening_sample(window(R,Side), _-Types, Walls, window(Box,R)) -->
     { once(outer_wall(Walls, R, Side, At, A-B)), memberchk(R-Type, Types), length_of(window_margin, Margin),
       Most is B - A - 2*Margin,
       window_range(Type, A-B, Most, Low-High) },

@@ -1,4 +1,4 @@
-:- module(plans, [answer_record/2, plan_placed/3, unit_extremes/3, unit_depths/1, plan_lengths/2, brief_lengths/2, plan_conflict/3,
+:- module(plans, [answer_record/2, plan_placed/3, unit_extremes/3, unit_depths/1, plan_lengths/3, brief_lengths/3, plan_conflict/3,
                   plan_system/2]).
 
 /** <module> Plans where rooms share walls: the goals that Python asks
@@ -18,6 +18,7 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module('../linear/grid').
 :- use_module('../linear/linear').
 :- use_module('../language/lengths').
+:- use_module(opening_sizes).
 :- use_module(totals).
 :- use_module(walls).
 
@@ -57,25 +58,30 @@ answer_record(plan(Rooms,Doors,Windows), _{rooms:Rs, doors:Ds, windows:Ws}) :-
 
 room_record(room(R,Type,Box), Record)  :- box_record(Box, Rect), Record = Rect.put(_{number:R, type:Type}).
 door_record(door(Box,R,Q), Record)     :- box_record(Box, Rect), Record = Rect.put(between, [R,Q]).
+door_record(opening(Box,R,Q), Record)  :- door_record(door(Box,R,Q), Door), Record = Door.put(opening, true).
 window_record(window(Box,R), Record)   :- box_record(Box, Rect), Record = Rect.put(room, R).
 
 box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, [X,Y,W,H], [MX,MY,MW,MH]).
 
-%!  plan_lengths(+Types, -Json) is det.
+%!  plan_lengths(+Types, +Openings, -Json) is det.
 %
-%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall,
-%   and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of the type.
+%   Json is [Doorway,Contact,Openings,Extremes]: the wall that a door takes with its margins, what rooms share at least that share
+%   a wall, [Type,Other,Wall,Clauses] of each of the Openings, opening(Type,Other): the wall that it takes, for these clauses; and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of the type.
 %   It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers.
 
-plan_lengths(Types, Json) :- lengths_as_json(type_extremes, Types, Json).
+plan_lengths(Types, Openings, Json) :- lengths_as_json(type_extremes, Types, Openings, Json).
 
-:- meta_predicate lengths_as_json(2, +, -).
+:- meta_predicate lengths_as_json(2, +, +, -).
 
-lengths_as_json(Extremes, Types, Json) :-
+lengths_as_json(Extremes, Types, Openings, Json) :-
     length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
     maplist(Extremes, Types, Records),
+    maplist(opening_record, Openings, Open),
     least_contact(Contact),
-    as_json([Doorway,Contact,Records], Json).
+    as_json([Doorway,Contact,Open,Records], Json).
+
+opening_record(opening(T,U), [T,U,Wall,Texts]) :-
+    opening_wall(T, U, Least, Clauses), metres(Least, Wall), maplist(term_string, Clauses, Texts).
 
 type_extremes(Type, [Type,Reach,Uppers,Lowers]) :-
     room_system(Type, W, D, System),
@@ -92,11 +98,11 @@ within(System, Constraint, X, Range) :- findall(R, ( posted(System), Constraint,
 
 step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-From)/4.
 
-%!  brief_lengths(+Types, -Json) is det.
+%!  brief_lengths(+Types, +Openings, -Json) is det.
 %
-%   As plan_lengths/2, of sizes and areas as they are stated: what loses no size that is right.
+%   As plan_lengths/3, of sizes and areas as they are stated: what loses no size that is right.
 
-brief_lengths(Types, Json) :- lengths_as_json(stated_extremes, Types, Json).
+brief_lengths(Types, Openings, Json) :- lengths_as_json(stated_extremes, Types, Openings, Json).
 
 stated_extremes(Type, [Type,Reach,Uppers,Lowers]) :-
     room_extent(Type, W1-W2, D1-D2),

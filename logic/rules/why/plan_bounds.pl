@@ -1,4 +1,4 @@
-:- module(plan_bounds, [plan_room_lengths/5, opening_lengths/4]).
+:- module(plan_bounds, [plan_room_lengths/5, opening_lengths/4, open_lengths/4]).
 
 /** <module> Why the lengths of a plan are as they are: what else they could have been, and which constraints bind
 
@@ -12,6 +12,7 @@ What bounds.pl says of furniture, for walls that rooms share, and for the doors 
 :- use_module('../brief/brief').
 :- use_module('../linear/grid').
 :- use_module('../language/lengths').
+:- use_module('../shared_walls/opening_sizes').
 :- use_module('../shared_walls/openings').
 :- use_module('../shared_walls/walls').
 
@@ -49,6 +50,17 @@ solved_room(Boxes, room(R,_,sides(X1,X2,Y1,Y2),_)) :-
 
 % Rooms on a line agree on its place but for a rounding error.
 solved(Metres, Place) :- ( var(Place) -> rounded_up(Metres, Place) ; true ).
+
+%!  open_lengths(+Type, +Other, +Wall, -Json) is det.
+%
+%   Json is [Least,Greatest,Clauses]: how wide an opening between rooms of these types may be in this part of a wall, metres.
+
+open_lengths(Type, Other, Metres, Json) :-
+    in_unit(Metres, Wall),
+    opening_wall(Type, Other, _, Clauses),
+    ( opening_range(Type, Other, Wall, Low-High) -> true ; Low = Wall, High = Wall ),
+    maplist(metres, [Low,High], [Least,Greatest]), maplist(term_string, Clauses, Texts),
+    as_json([Least,Greatest,Texts], Json).
 
 %!  opening_lengths(+Type, +Start, +End, -Json) is det.
 %

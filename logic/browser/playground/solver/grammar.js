@@ -94,7 +94,7 @@ export class Grammar {
 
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
-    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["most_rooms", 1]];
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["opening", 2], ["most_rooms", 1]];
     // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
     const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
     const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house"]).atoms(...signatures).map(parseTerm);
@@ -111,6 +111,7 @@ export class Grammar {
       for (const pieces of Object.values(this.furniture))
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
     this.lit = new Set(of("lit").map(([type]) => type.name));
+    this.openings = of("opening").map(([type, other]) => compound("opening", atom(type.name), atom(other.name)));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
   }
 
@@ -175,7 +176,7 @@ export class Grammar {
     }
     const topology = compound("topology", this.sharesWalls ? "shared" : "apart", false, this.bundle.mostRooms);
     const rooms = this.types.map((type) => compound("room", atom(type), this.lit.has(type)));
-    const disagreements = this.prolog.ask("grammar_disagreements", topology, list(rooms));
+    const disagreements = this.prolog.ask("grammar_disagreements", topology, list(rooms), list(this.openings));
     if (disagreements.length) throw wrong(disagreements[0]);
   }
 
@@ -185,9 +186,11 @@ export class Grammar {
 
   /** What stage 1 knows of walls that rooms share: facts of shared_walls/differences.lp, each with its clauses. */
   wallFacts() {
-    const [doorway, contact, extremes] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
+    const types = list(Object.keys(this.furniture).map(atom));
+    const [doorway, contact, openings, extremes] = this.prolog.ask("plan_lengths", types, list(this.openings));
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
     facts.push([`length(contact,${Math.floor(1000 * contact)})`, []]);
+    for (const [type, other, wall, clauses] of openings) facts.push([`opening_wall(${type},${other},${Math.floor(1000 * wall)})`, clauses]);
     const only = ["house_size"];
     for (const [type, reach, uppers, lowers] of extremes) {
       const clauses = [`size(${type})`, `room_area(${type})`];

@@ -64,7 +64,7 @@ function house({ plan: { rooms, doors, windows }, layout }, pieces) {
   const name = (each) => (typeof each === "number" ? `R${each}` : each);
   return {
     rooms: rooms.map((room, number) => ({ ...sides(room), name: name(number), type: room.type, children: pieces[number], storey: 0 })),
-    doors: doors.map((door) => ({ ...sides(door), between: door.between.map(name) })),
+    doors: doors.map((door) => ({ ...sides(door), between: door.between.map(name), ...(door.opening && { opening: true }) })),
     windows: windows.map((window) => ({ ...sides(window), room: name(window.room) })),
     ...(hubs.length === 1 ? { hub: hubs[0] } : {}),
   };

@@ -3,6 +3,23 @@
 from tests.logic.language.mistakes import Mistake
 
 MISTAKES = (
+    # - openings
+    Mistake(
+        "an opening of a misspelt type",
+        "rooms.lp",
+        old="",
+        new="opening(kichen,living).",
+        says="opening(kichen,living): no room type has this name: see type/1",
+        grammar="home",
+    ),
+    Mistake(
+        "an opening where no door is",
+        "rooms.lp",
+        old="",
+        new="opening(wc,kitchen).",
+        says="opening(wc,kitchen): no door joins such rooms: see opens/2, loops/2",
+        grammar="home",
+    ),
     # - words
     Mistake(
         "a predicate that nothing derives",

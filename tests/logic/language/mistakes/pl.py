@@ -595,6 +595,16 @@ door_width(0.762).          % the paper's 2.5 feet
         "window_size(livng, L, _) :- { L = 1.2 }.",
         "window_size: livng is no room type: see type/1. Did you mean living?",
     ),
+    appended(
+        "an opening of a misspelt type",
+        "opening_size(kitchen, livng, L, _) :- { L = 1.2 }.",
+        "opening_size: livng is no room type: see type/1. Did you mean living?",
+    ),
+    appended(
+        "the size of an opening that there is not",
+        "opening_size(kitchen, living, L, _) :- { L = 1.2 }.",
+        "no opening joins such rooms: state opening(kitchen,living) in a .lp file",
+    ),
     window(
         "a window without size",
         "L >= 0.6*Wall, L =< 0.4*Wall",

@@ -1,0 +1,152 @@
+"""Openings between rooms: doors without a leaf, as wide as the grammar says, judged by geometry."""
+
+import shutil
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from logic import Unsatisfiable, check
+from logic.drawing.door_leaves import door_leaves
+from logic.exports.geojson import to_geojson
+from logic.exports.solids import solids
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house.boxes import distance
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door
+from logic.proofs.answer import house_or_proof
+from logic.request.brief import read_brief
+from logic.request.own_plan import OwnPlan
+from logic.request.request import Request
+
+INFERENCES = 10**8
+OPEN = "opening(living,(kitchen;dining)).\n"
+PAIRS = [{"living", "kitchen"}, {"living", "dining"}]
+WIDE = "opening_size(_, _, L, Wall) :- { L >= 1.4, L =< Wall - 0.2 }.\n"
+"""Bounds that are written again below."""
+
+TINY = """
+topology(ring).  type(hall;bath).  empty(hall;bath).  central(hall).
+opens(outside,hall).  opens(hall,bath).  opening(hall,bath).
+#program house.
+:- not room(_,bath).
+"""
+TINY_SIZES = """
+room_size(_, W, D) :- { W >= 1.6, W =< 3.2, D >= 1.6, D =< 3.2 }.
+room_area(bath, 3.0, 4.6).
+opening_size(bath, hall, L, _) :- { L >= 3.1, L =< 3.15 }.
+door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+"""
+
+
+def grammar(folder: Path, sizes: str = "", rules: str = "") -> Path:
+    """A copy of home whose living rooms are open to kitchens and dining rooms."""
+    shutil.copytree(SHIPPED / "home", folder)
+    (folder / "open.lp").write_text(OPEN + rules)
+    (folder / "open.pl").write_text(sizes)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
+    """Of homes with openings of some width in every kitchen. A process has one grammar: the tests that load
+    others come last.
+    """
+    kitchen = "#program house.\n:- room(R,kitchen), room(Q,living), not linked(R,Q).\n"
+    return Builder(find(grammar(tmp_path_factory.mktemp("open") / "wide", WIDE, kitchen)))
+
+
+def shared(house: House, door: Door) -> float:
+    """How much of a wall the rooms of a door share, metres."""
+    one, other = (house.room(name).box for name in door.between)
+    across = int(door.height == 0)
+    return min(one[3 - across], other[3 - across]) - max(one[1 - across], other[1 - across])
+
+
+def types(house: House, door: Door) -> set[str]:
+    return {OUTSIDE if name == OUTSIDE else house.room(name).type for name in door.between}
+
+
+def made(builder: Builder, seeds: range, rooms: tuple[int, ...] = (5, 8)) -> list[House]:
+    return [builder.house(Request(n), seed, 0, INFERENCES) for seed, n in product(seeds, rooms)]
+
+
+def test_doors_between_such_rooms_are_openings_as_wide_as_they_are_to_be(builder: Builder) -> None:
+    for house in made(builder, range(4)):
+        assert check(house) == []
+        opened = [door for door in house.doors if door.opening]
+        assert opened == [door for door in house.doors if types(house, door) in PAIRS]
+        assert any("kitchen" in types(house, door) for door in opened)
+        for door in opened:
+            assert 1.4 - 1e-6 <= door.length <= shared(house, door) - 0.2 + 1e-5
+        for door in house.doors:
+            assert door.opening or door.length == pytest.approx(0.8)
+
+
+def test_a_plan_s_own_doors_stay_as_they_are_drawn(builder: Builder) -> None:
+    (house,) = made(builder, range(1), (5,))
+    kept = OwnPlan(house.rooms, house.doors, house.windows)
+    again = builder.house(Request(5, plan=kept), 1, 0, INFERENCES)
+    assert {door.between: (door.box, door.opening) for door in again.doors} == {
+        door.between: (door.box, door.opening) for door in house.doors
+    }
+    walls = OwnPlan(house.rooms)
+    for seed in range(3):
+        other = builder.house(Request(5, plan=walls), seed, 0, INFERENCES)
+        assert check(other) == []
+        assert all(door.opening == (types(other, door) in PAIRS) for door in other.doors)
+        assert all(door.length >= 1.4 - 1e-6 for door in other.doors if door.opening)
+
+
+def test_what_stands_downstream_knows_that_an_opening_has_no_leaf(builder: Builder) -> None:
+    (house,) = made(builder, range(1), (8,))
+    opened = [door for door in house.doors if door.opening]
+    shut = [door for door in house.doors if not door.opening]
+    assert len(door_leaves(house)) == len(shut)
+    features = [each["properties"] for each in to_geojson(house)["features"]]
+    stated = [each["between"] for each in features if each.get("opening")]
+    assert stated == [door.between for door in opened]
+    walls = [each.box for each in solids(house) if each.kind == "wall"]
+    for door in opened:
+        (west, north, east, south), thick = door.box, 0.06
+        inside = (west + thick, north, east - thick, south)
+        if door.height:
+            inside = (west, north + thick, east, south - thick)
+        assert not [wall for wall in walls if distance(wall, inside) == 0]
+
+
+def test_a_brief_s_doors_are_openings_too(builder: Builder) -> None:
+    rooms = [{"name": name, "type": name} for name in ("living", "kitchen", "bedroom", "bathroom", "hall")]
+    brief = read_brief({"rooms": rooms, "doors": [["living", "kitchen"], ["hall", "living"]]})
+    house = Builder(builder.grammar).house(Request(5, brief=brief), 0, 0, INFERENCES)
+    assert check(house) == []
+    opened = {frozenset(door.between): door.length for door in house.doors if door.opening}
+    assert opened[frozenset({"living", "kitchen"})] >= 1.4 - 1e-6
+    assert frozenset({"hall", "living"}) not in opened
+
+
+def test_on_a_grid_openings_are_whole_cells(builder: Builder) -> None:
+    for house in made(Builder(builder.grammar, cell=0.1), range(2)):
+        for door in house.doors:
+            if door.opening:
+                assert door.length >= 1.4 - 1e-6
+                assert 10 * door.length == pytest.approx(round(10 * door.length))
+
+
+def test_without_a_size_there_is_no_wall_where_rooms_meet(tmp_path: Path) -> None:
+    for house in made(Builder(find(grammar(tmp_path / "mine"))), range(4)):
+        assert check(house) == []
+        for door in house.doors:
+            if door.opening:
+                assert door.length == pytest.approx(shared(house, door))
+
+
+def test_a_proof_names_the_size_of_an_opening_that_the_rooms_are_too_small_for(tmp_path: Path) -> None:
+    """A bath of 4.6 m² is at most 2.9 m long; its opening is to take 3.1 m."""
+    (tmp_path / "rooms.lp").write_text(TINY)
+    (tmp_path / "sizes.pl").write_text(TINY_SIZES)
+    with pytest.raises(Unsatisfiable) as caught:
+        house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
+    reasons = " ".join(reason.text for reason in caught.value.reasons)
+    assert all(each in reasons for each in ("opening_size(bath", "room_area(bath", "opening(hall,bath)"))
