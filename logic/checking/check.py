@@ -15,6 +15,7 @@ from logic.checking.names import named
 from logic.checking.room import (
     blocked_fronts,
     misplaced,
+    no_turning,
     overlapping,
     unfurnished,
     wrong_arrangement,
@@ -90,6 +91,7 @@ IN_A_ROOM = (
     Check("counts", OURS, wrong_counts),
     Check("arrangement", OURS, wrong_arrangement),
     Check("fronts", OURS, blocked_fronts),
+    Check("turning", OURS, no_turning),
 )
 
 CHECKS = (

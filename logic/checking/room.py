@@ -9,6 +9,7 @@ from itertools import combinations
 from logic.checking.doors import near_doors
 from logic.checking.figures import figure, number, percent
 from logic.checking.names import named_pieces
+from logic.checking.walk import free_floor
 from logic.house.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
 from logic.house.house import House
 from logic.house.parts import Piece, Room
@@ -58,6 +59,13 @@ def wrong_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
             if walls and not sides & set(walls):
                 at = " and ".join(WALLS[wall] for wall in walls)
                 yield f"{name} faces {piece.orientation}, not away from its wall ({at})"
+
+
+def no_turning(_: House, room: Room, promises: Promises) -> Iterator[str]:
+    """A room in which no square is free that is to be."""
+    side = promises.turning.get(room.type, 0.0)
+    if side and free_floor(room).buffer(TOLERANCE - side / 2, join_style="mitre").is_empty:
+        yield f"has no free square of {number(side)} m"
 
 
 def wrong_sizes(_: House, room: Room, promises: Promises) -> Iterator[str]:

@@ -41,6 +41,7 @@ def promised(
         public=_required(program, "public"),
         courts=len(_atoms(program, "void", 1)),
         lit=_required(program, "lit"),
+        turning={name: float(side) for name, side in metres["turning"]},
         hides=_required(program, "hides"),
         empty=_named(_atoms(program, "empty", 1)),
         piece_size=_piece_sizes(extremes["pieces"]),

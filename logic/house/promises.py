@@ -64,6 +64,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Of plans: how many boxes between rooms may be no room's, a metre or more both ways."""
     lit: tuple[str, ...] = ()
     """Room types that have a window."""
+    turning: dict[str, float] = {}
+    """Of each room type: how wide a square is free in it, metres."""
     hides: tuple[str, ...] = ()
     """Piece types that do not stand before a window."""
     empty: tuple[str, ...] = ()

@@ -181,7 +181,8 @@ class LoadedGrammar:
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
         self.extremes, errors, absent = stated_lengths(self.placer, self.furniture, turned)
-        lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
+        windowed = [*probe.atoms("lit", 1), *probe.atoms("may_be_lit", 1)]
+        lit = {str(symbol.arguments[0]) for symbol in windowed}
         sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
         self.openings = [Term("opening", *atom.arguments) for atom in sorted(probe.atoms("opening", 2))]

@@ -186,6 +186,9 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
         kind = Function(type_)
         reach = Function("reach", [kind, *_millimetres(extremes)])
         facts[type_] = [*named, (reach, Function("size", [kind]))]
+        if side := lengths["turning"].get(type_):
+            square = Function("turning", [Number(floor(1000 * side))])
+            facts[type_].append((square, Function("turning", [kind])))
         for piece, each in lengths["pieces"][type_].items():
             extent = Function("extent", [Function(piece), *_millimetres(each)])
             facts[type_].append((extent, Function("size", [kind, Function(piece)])))

@@ -16,8 +16,8 @@ def stated_lengths(
 ) -> tuple[dict[str, Any], list[GrammarError], list[Symbol]]:
     """The named lengths, and the extremes of each room type and its pieces, in metres.
 
-    ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}}``, where
-    extremes are ``[least width, greatest width, least depth, greatest depth]``; an error for each clause
+    ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}, "turning":
+    {type: m}}``, where extremes are ``[least width, greatest width, least depth, greatest depth]``; an error for each clause
     that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that may be
     ``turned`` need no wall as long as they are.
     """
@@ -41,7 +41,8 @@ def stated_lengths(
     for type_, room, each in report["types"]:
         rooms[type_] = used("size", [type_], room)
         extents[type_] = {piece: used("size", [type_, piece], extent) for piece, extent in each}
-    return {"lengths": named, "rooms": rooms, "pieces": extents}, _first_at_each_place(wrong), absent
+    found = {"lengths": named, "rooms": rooms, "pieces": extents, "turning": dict(report["turning"])}
+    return found, _first_at_each_place(wrong), absent
 
 
 def disagreements(

@@ -37,6 +37,7 @@ grammar_disagreements(Topology, Types, Openings, Json) :-
 disagreement(topology(Walls,_,_), Types, Wrong) :- narrow_walls(Walls, Types, Wrong).
 disagreement(topology(Walls,Units,Most), Types, Wrong) :- stated(house_area(_,_)), total_wrong(Walls-Units, Most, Types, Wrong).
 disagreement(_, Types, Wrong) :- idle_piece(Types, Wrong).
+disagreement(_, Types, Wrong) :- member(room(Type,_), Types), stated_for(turning(Type,_)), turning_wrong(Type, Wrong).
 disagreement(topology(shared,Units,_), Types, Wrong) :-
     (   member(Name, [door_margin,window_margin]), length_report(Name, Wrong), Wrong = wrong(_,_,_,_)
     ;   stated_length(room_gap, Gap), number(Gap), Gap > 0,
@@ -138,6 +139,23 @@ window_found(Type, Short-Long, Found) :-
     sizes_found(window_size(Type,Length,Wall), [Length], [Wall], Found).
 
 window_fits(Type, Margin, Long) :- \+ \+ ( grammar:window_size(Type, Length, Wall), {Wall =< Long, Length + 2*Margin =< Wall} ).
+
+% - a free square -----------------------------------------------------------------------------------------------
+
+turning_wrong(Type, Wrong) :-
+    judged(turning_found(Type, Found), Found, []-turning(Type,_), Report),
+    (   number(Report)
+    ->  room_range(Type, _-W, _-D), Most is min(W, D), Report > Most + 1.0e-9,
+        clash(turning(Type,_), "no room by ~w is so large: ~w m at most one way", [clause(room_size(Type,_,_)),metres(Most)], Wrong)
+    ;   Wrong = Report ).
+
+turning_found(Type, Found) :-
+    findnsols(2, M, grammar:turning(Type, M), Stated), !,
+    (   Stated = [] -> Found = fault(empty)
+    ;   Stated = [_,_] -> Found = fault(several)
+    ;   Stated = [M], number(M), M >= 0
+    ->  ( M < 1 000 000 000 -> Found = M ; Found = fault(too_large) )
+    ;   Found = fault(not_metres) ).
 
 % - openings ----------------------------------------------------------------------------------------------------
 

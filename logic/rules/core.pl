@@ -97,14 +97,17 @@ grammar_problems(Files, Walls, Cell, Json) :-
 
 %!  grammar_lengths(+Furniture, +Names, -Json) is det.
 %
-%   Furniture is a list of furniture(Type,Pieces), with piece(Type,Turns): whether it may stand turned. Json gives the named lengths, and for each type the extremes of
+%   Furniture is a list of furniture(Type,Pieces), with piece(Type,Turns): whether it may stand turned. Json gives the named lengths, with the window's margin if it is stated and rooms share walls, [Type,Metres] of free squares, and for each type the extremes of
 %   the room and of each of its pieces: a list of numbers; null where the grammar has no clause; or
 %   {"wrong": [File,Line,Column,Text]} where the clause cannot be used.
 
 grammar_lengths(Furniture, Names, Json) :-
-    maplist(name_report, Names, Lengths),
+    maplist(name_report, Names, Named),
+    findall([window_margin,M], ( nb_getval(grammar_walls, shared), clause(grammar:window_margin(_), _), stated_length(window_margin, M), number(M) ), Margin),
+    append(Named, Margin, Lengths),
     maplist(type_report, Furniture, Types),
-    as_json(_{lengths:Lengths, types:Types}, Json),
+    findall([T,M], ( member(furniture(T,_), Furniture), catch(once(turning_side(T, M)), _, fail), number(M) ), Turning),
+    as_json(_{lengths:Lengths, types:Types, turning:Turning}, Json),
     forall(( member([Type,Room,_], Types), is_list(Room) ), ignore(catch(warm_up(Type), _, true))).
 
 %   What SWI-Prolog loads at first use counts as inferences: an empty room keeps them out of the first house's.

@@ -171,6 +171,7 @@ size(Clause, Live, X, Words) :-
 arguments(room_size,   ["Type","Width","Depth"]).
 arguments(piece_size,  ["Type","Length","Depth","Wall"]).
 arguments(window_size, ["Type","Length","Wall"]).
+arguments(turning,     ["Type","Side"]).
 arguments(opening_size, ["Type","Other","Length","Wall"]).
 arguments(house_size,  ["Width","Depth"]).
 arguments(unit_depth,  ["Depth"]).

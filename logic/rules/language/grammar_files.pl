@@ -100,6 +100,13 @@ or several.
 %
 %       passage(0.42).
 
+%!  turning(?Type, -Side)
+%
+%   how large a square is, in metres, in which nothing stands in rooms of this Type, so that a wheelchair turns there: nothing stands
+%   in the middle of such rooms.
+%
+%       turning(cellar, 1.5).
+
 %!  room_gap(-Distance)
 %
 %   how far apart neighbouring rooms stand at least, in metres.
@@ -108,6 +115,7 @@ or several.
 
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
+:- dynamic grammar:turning/2.
 
 :- dynamic grammar:room_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1.
 

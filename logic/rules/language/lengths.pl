@@ -1,4 +1,4 @@
-:- module(lengths, [stated_length/2, length_of/2, stated_for/1, sized/1, piece_sized/4, given_walls/3, room_range/3, always_longer/1, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+:- module(lengths, [stated_length/2, length_of/2, stated_for/1, sized/1, turning_side/2, piece_sized/4, given_walls/3, room_range/3, always_longer/1, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
 
 /** <module> A grammar's lengths and the extremes of its sizes
 
@@ -52,6 +52,12 @@ stated_for(Head) :-
 sized(Head) :-
     call_with_inference_limit(grammar:Head, 300 000, Result),
     ( Result == inference_limit_exceeded -> throw(endless(Head)) ; true ), !.
+
+%!  turning_side(+Type, -Side) is semidet.
+%
+%   A square as wide as Side is free in rooms of this type, metres. Fails where the grammar does not say so.
+
+turning_side(Type, Side) :- clause(grammar:turning(_,_), _), sized(turning(Type, Side)).
 
 %!  room_range(+Type, -Width, -Depth) is semidet.
 %

@@ -38,6 +38,7 @@ size_head(room_size,   room_size(Name,_,_),    Name).
 size_head(piece_size,  piece_size(Name,_,_,_), Name).
 size_head(room_area,   room_area(Name,_,_),    Name).
 size_head(window_size, window_size(Name,_,_),  Name).
+size_head(turning,     turning(Name,_),        Name).
 size_head(opening_size, opening_size(Name,_,_,_), Name).
 size_head(opening_size, opening_size(_,Name,_,_), Name).
 
@@ -56,6 +57,7 @@ clause_head(size(_,Piece), piece_size(Piece,_,_,_)).
 clause_head(room_area(Type),   room_area(Type,_,_)).
 clause_head(window_size(Type), window_size(Type,_,_)).
 clause_head(opening_size(T,U), opening_size(T,U,_,_)).
+clause_head(turning(Type),     turning(Type,_)).
 clause_head(house_size,        house_size(_,_)).
 clause_head(house_area,        house_area(_,_)).
 clause_head(unit_depth,        unit_depth(_)).

@@ -15,6 +15,7 @@ stretch.pl) and in its middle (island.pl).
 :- use_module('../linear/chain').
 :- use_module(island).
 :- use_module('../language/lengths').
+:- use_module('../linear/grid').
 :- use_module(links).
 :- use_module(reasons).
 :- use_module(record_access).
@@ -119,8 +120,16 @@ core_constraints(Room) -->
       walls_with_doors(Doors, Walls) },
     all_doors_in_order(Walls, Room),
     [(X1+P =< X2)-[length(passage)], (Y1+P =< Y2)-[length(passage)]],
+    turning_constraints(Room),
     all_doors_free(Walls, Room, P-C),
     [(0 =< X1)-[], (X2 =< W)-[], (0 =< Y1)-[], (Y2 =< D)-[]].
+
+%   turning_constraints(+Room)//: a square that is free is in the core. No islands stand there (capacity.lp).
+
+turning_constraints(Room) -->
+    { room_type(Room, Type), turning_side(Type, M), !, rounded_up(M, Side), room_core(Room, core(X1,X2,Y1,Y2)) },
+    [(X1+Side =< X2)-[turning(Type)], (Y1+Side =< Y2)-[turning(Type)]].
+turning_constraints(_) --> [].
 
 all_doors_in_order([], _) --> [].
 all_doors_in_order([Wall-Doors|Walls], Room) -->

@@ -94,7 +94,7 @@ export class Grammar {
 
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
-    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["opening", 2], ["most_rooms", 1]];
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["opening", 2], ["most_rooms", 1]];
     // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
     const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
     const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house"]).atoms(...signatures).map(parseTerm);
@@ -110,7 +110,7 @@ export class Grammar {
     for (const [piece, companion] of [...of("beside"), ...of("around")])
       for (const pieces of Object.values(this.furniture))
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
-    this.lit = new Set(of("lit").map(([type]) => type.name));
+    this.lit = new Set([...of("lit"), ...of("may_be_lit")].map(([type]) => type.name));
     this.openings = of("opening").map(([type, other]) => compound("opening", atom(type.name), atom(other.name)));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
   }
@@ -169,6 +169,8 @@ export class Grammar {
     for (const [type, extremes, pieces] of report.types) {
       const reach = [type, ...millimetres(used(`room_size/3 for ${type}`, extremes, `type(${type})`))];
       this.lengths[type] = [...lengths, [`reach(${reach})`, `size(${type})`]];
+      for (const [of, side] of report.turning)
+        if (of === type) this.lengths[type].push([`turning(${Math.floor(1000 * side)})`, `turning(${type})`]);
       for (const [piece, extent] of pieces) {
         const fact = [piece, ...millimetres(used(`piece_size/4 for ${piece}`, extent, `may(${type},${piece})`))];
         this.lengths[type].push([`extent(${fact})`, `size(${type},${piece})`]);

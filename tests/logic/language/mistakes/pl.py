@@ -596,6 +596,21 @@ door_width(0.762).          % the paper's 2.5 feet
         "window_size: livng is no room type: see type/1. Did you mean living?",
     ),
     appended(
+        "a free square of a misspelt type",
+        "turning(bathrom, 1.5).",
+        "turning: bathrom is no room type: see type/1. Did you mean bathroom?",
+    ),
+    appended(
+        "a free square that is no length",
+        "turning(bathroom, large).",
+        "turning(bathroom,large) is not a number of metres, 0 or more",
+    ),
+    appended(
+        "a free square that is larger than its rooms",
+        "turning(bathroom, 3.5).",
+        "no room by room_size(bathroom",
+    ),
+    appended(
         "an opening of a misspelt type",
         "opening_size(kitchen, livng, L, _) :- { L = 1.2 }.",
         "opening_size: livng is no room type: see type/1. Did you mean living?",

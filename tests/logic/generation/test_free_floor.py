@@ -1,0 +1,107 @@
+"""Free squares for wheelchairs, and windows of rooms that need none: what grammars say of them is so."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from msgspec import structs
+
+from logic import Unsatisfiable, check
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house.house import House
+from logic.house.parts import Piece, Room
+from logic.proofs.answer import house_or_proof
+from logic.request.request import Request
+
+INFERENCES = 10**8
+SEEDS = range(6)
+TINY = """
+topology(ring).  type(hall;bath).  empty(hall).  central(hall).
+may(bath,tub,1,1).  stands(tub,(left;back;right)).
+opens(outside,hall).  opens(hall,bath).
+#program house.
+:- not room(_,bath).
+"""
+TINY_SIZES = """
+room_size(_, W, D) :- {{ W >= 1.6, W =< 3.2, D >= 1.6, D =< 3.2 }}.
+piece_size(tub, L, D, _) :- {{ L = 1.6, D = 0.7 }}.
+turning(bath, {}).
+door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+"""
+
+
+def builder(folder: Path, rules: str = "", lengths: str = "", grammar: str = "home") -> Builder:
+    """Of a copy of a shipped grammar with these rules and lengths more."""
+    shutil.copytree(SHIPPED / grammar, folder)
+    (folder / "more.lp").write_text(rules)
+    (folder / "more.pl").write_text(lengths)
+    return Builder(find(folder))
+
+
+def houses(of: Builder, rooms: int = 6) -> list[House]:
+    return [of.house(Request(rooms), seed, 0, INFERENCES) for seed in SEEDS]
+
+
+def has_free_square(room: Room, side: float) -> bool:
+    """Whether a square touches no piece somewhere: if any, one whose corner is at edges of others."""
+    west, north, east, south = room.box
+    boxes = np.array([piece.box for piece in room.pieces]).reshape(-1, 4)
+    for x in (west, *boxes[:, 2]):
+        for y in (north, *boxes[:, 3]):
+            if x + side > east + 1e-6 or y + side > south + 1e-6:
+                continue
+            apart = (boxes[:, 2] <= x + 1e-6) | (boxes[:, 0] >= x + side - 1e-6)
+            apart |= (boxes[:, 3] <= y + 1e-6) | (boxes[:, 1] >= y + side - 1e-6)
+            if apart.all():
+                return True
+    return False
+
+
+def test_a_wheelchair_turns_in_the_rooms_that_are_to_have_a_free_square(tmp_path: Path) -> None:
+    made = houses(builder(tmp_path / "mine", lengths="turning(bathroom, 1.5).\nturning(bedroom, 1.4).\n"))
+    wanted = {"bathroom": 1.5, "bedroom": 1.4}
+    for house in made:
+        assert check(house) == []
+        for room in house.rooms:
+            assert has_free_square(room, wanted.get(room.type, 0.0))
+    plain = [room for house in houses(Builder(find("home"))) for room in house.rooms if room.type in wanted]
+    assert not all(has_free_square(room, wanted[room.type]) for room in plain), "homes have them anyway"
+
+
+def test_check_finds_the_room_in_which_none_turns(tmp_path: Path) -> None:
+    house = houses(builder(tmp_path / "mine", lengths="turning(bathroom, 1.5).\n"))[0]
+    room = next(room for room in house.rooms if room.type == "bathroom")
+    west, north, east, south = room.box
+    middle = Piece((west + east) / 2 - 0.1, (north + south) / 2 - 0.1, 0.2, 0.2, "sink")
+    filled = structs.replace(room, children=(middle, *room.children))
+    rooms = tuple(filled if each is room else each for each in house.rooms)
+    faults = check(structs.replace(house, rooms=rooms))
+    assert any("has no free square of 1.5 m" in fault for fault in faults)
+
+
+def test_a_square_that_the_furniture_leaves_in_no_such_room_is_proved(tmp_path: Path) -> None:
+    """A bath of at most 3.2 m by 3.2 m with a tub of 0.7 m has a free square of 2.5 m, and none of 2.6 m."""
+    (tmp_path / "rooms.lp").write_text(TINY)
+    sizes = tmp_path / "sizes.pl"
+    sizes.write_text(TINY_SIZES.format(2.45))
+    house = Builder(find(tmp_path)).house(Request(2), 0, 0, INFERENCES)
+    assert all(has_free_square(room, 2.45) for room in house.rooms if room.type == "bath")
+    sizes.write_text(TINY_SIZES.format(2.6))
+    with pytest.raises(Unsatisfiable) as caught:
+        house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
+    reasons = " ".join(reason.text for reason in caught.value.reasons)
+    assert all(each in reasons for each in ("turning(bath", "piece_size(tub", "room_size(_"))
+
+
+def test_rooms_that_may_be_lit_have_windows_now_and_then(tmp_path: Path) -> None:
+    made = houses(builder(tmp_path / "mine", "may_be_lit(bathroom; corridor).\n"))
+    having = {"bathroom": set[bool](), "corridor": set[bool](), "wc": set[bool]()}
+    for house in made:
+        assert check(house) == []
+        for room in house.rooms:
+            if room.type in having:
+                having[room.type].add(any(window.room == room.name for window in house.windows))
+    assert having["bathroom"] == {True, False}
+    assert having["wc"] <= {False}
