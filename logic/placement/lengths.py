@@ -17,9 +17,9 @@ def stated_lengths(
     """The named lengths, and the extremes of each room type and its pieces, in metres.
 
     ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}, "turning":
-    {type: m}}``, where extremes are ``[least width, greatest width, least depth, greatest depth]``; an error for each clause
-    that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that may be
-    ``turned`` need no wall as long as they are.
+    {type: m}}``, where extremes are ``[least width, greatest width, least depth, greatest depth]``; an error
+    for each clause that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that
+    may be ``turned`` need no wall as long as they are.
     """
     wanted = [
         Term("furniture", type_, [Term("piece", p, "true" if p in turned else "false") for p in pieces])
