@@ -9,7 +9,7 @@ from multiprocessing.process import BaseProcess
 import torch
 from torch.distributed import TCPStore  # pyright: ignore[reportPrivateImportUsage]
 
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 SERVER = get_context("forkserver")
 SERVER.set_forkserver_preload(

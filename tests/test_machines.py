@@ -15,7 +15,7 @@ from agent.banks import TEST
 from logic import RequestError, generate, load, save
 from logic.grammar import SHIPPED
 from logic.request.request import Request, whole
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE, finished
 
 STEP = """
 import numpy as np, sim
@@ -37,14 +37,7 @@ HOMES = {
 def test_the_simulator_runs_without_a_home_that_can_be_written(name: str, tmp_path: Path) -> None:
     plain = {key: value for key, value in os.environ.items() if key not in {"HOME", "XDG_CACHE_HOME"}}
     environment = plain | {"TMPDIR": str(tmp_path)} | HOMES[name]
-    made = subprocess.run(
-        [sys.executable, "-c", STEP],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    made = finished([sys.executable, "-c", STEP], env=environment)
     assert (made.returncode, made.stdout) == (0, "(2, 40, 2) True\n"), made.stderr
     assert any(tmp_path.rglob("*.lock")) or any(tmp_path.rglob("ticache"))
 
@@ -62,28 +55,14 @@ def test_the_simulator_runs_where_no_file_can_be_written(name: str, tmp_path: Pa
     own, keeps = NOTHING_WRITTEN[name]
     environment = os.environ | {"HOME": str(tmp_path)} | own
     environment.pop("XDG_CACHE_HOME", None)
-    made = subprocess.run(
-        ["bash", "-c", 'ulimit -f 0; exec "$0" -c "$1"', sys.executable, STEP],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    made = finished(["bash", "-c", 'ulimit -f 0; exec "$0" -c "$1"', sys.executable, STEP], env=environment)
     assert (made.returncode, made.stdout) == (0, f"(2, 40, 2) {keeps}\n"), made.stderr
 
 
 def command(words: str, streams: str, folder: Path) -> tuple[int, str]:
     """Run a command with streams as a shell has them: its exit code, and what it says on stderr."""
     line = f'exec "$0" -m vitruvius.cli {words} {streams}'
-    made = subprocess.run(
-        ["bash", "-c", line, sys.executable],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    made = finished(["bash", "-c", line, sys.executable], cwd=folder)
     return made.returncode, made.stderr
 
 
@@ -146,14 +125,10 @@ SCARCE = {
 def test_what_a_shell_lacks_is_said_and_no_rule_is_blamed(name: str, folder: Path) -> None:
     shell, code, reason = SCARCE[name]
     line = f'{shell}; exec "$0" -m vitruvius.cli generate --rooms 1'
-    made = subprocess.run(
+    made = finished(
         ["bash", "-c", line, sys.executable],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
     )
     assert (made.returncode, made.stderr.count("\n")) == (code, 1), made.stderr
     assert made.stderr.startswith(f"error: {reason}")
@@ -161,14 +136,7 @@ def test_what_a_shell_lacks_is_said_and_no_rule_is_blamed(name: str, folder: Pat
 
 def test_too_little_memory_is_no_fault_of_ours(folder: Path) -> None:
     line = 'ulimit -v 1500000; exec "$0" -m vitruvius.cli evaluate pqn'
-    made = subprocess.run(
-        ["bash", "-c", line, sys.executable],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    made = finished(["bash", "-c", line, sys.executable], cwd=folder)
     assert made.returncode == 4
     assert made.stderr.startswith("error: too little memory on this machine, or by ulimit -v: ")
     assert made.stderr.count("\n") == 1

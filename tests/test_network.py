@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 WATCH = """
 import json, os, sys

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE, finished
 
 ROOT = Path(__file__).parents[1]
 TOOLS = "bash cat chmod cksum cp dirname env flock grep id ln mkdir mv readlink rm sed sh sleep true xargs"
@@ -95,13 +95,10 @@ def test_a_link_to_it_runs_in_the_checkout_that_it_leads_to(
     first, second = machine.stubs / "vitruvius", tmp_path / "elsewhere"
     first.symlink_to(Path("..") / machine.checkout.name / "run" if relative else machine.checkout / "run")
     second.symlink_to(Path(machine.stubs.name) / first.name if relative else first)
-    made = subprocess.run(
+    made = finished(
         [second, "check"],
         env=os.environ | dict.fromkeys(("PATH", "HOME", "STUBS"), str(machine.stubs)),
         cwd=machine.stubs,
-        capture_output=True,
-        text=True,
-        check=False,
     )
     assert (made.returncode, made.stdout) == (3, f"vitruvius check in {machine.stubs}\n"), made.stderr
     assert (machine.checkout / ".venv").is_dir()

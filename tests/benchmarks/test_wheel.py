@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.patience import PATIENCE
+from tests.programs import finished
 
 ROOT = Path(__file__).parents[2]
 
@@ -30,15 +30,7 @@ def in_wheel(installed: Path, folder: Path, *command: str) -> subprocess.Complet
     # Nothing is measured by a pytest that takes itself for one of several.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     environment["PYTHONPATH"] = str(installed)
-    return subprocess.run(
-        [sys.executable, *command],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    return finished([sys.executable, *command], cwd=folder, env=environment)
 
 
 def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """The documentation as a site: built without a warning, it needs no network, and its search no server."""
 
-import subprocess
 import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
@@ -14,6 +13,7 @@ from docs.builder.build import Copy
 from logic.errors import RequestError
 from tests.browsing import cut_on_paper, findings, too_wide
 from tests.docs.reader import ROOT
+from tests.programs import finished
 
 BUILD = [sys.executable, "-m", "docs.builder.build"]
 
@@ -22,7 +22,7 @@ BUILD = [sys.executable, "-m", "docs.builder.build"]
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site, built as ``./run docs`` does."""
     folder = tmp_path_factory.mktemp("docs") / "site"
-    built = subprocess.run([*BUILD, "--out", str(folder)], capture_output=True, text=True, check=False)
+    built = finished([*BUILD, "--out", str(folder)])
     assert (built.returncode, built.stdout) == (0, ""), built.stderr
     assert built.stderr == f"{folder / 'index.html'}: open it in a browser\n"
     return folder
@@ -125,7 +125,7 @@ def test_a_link_that_leads_nowhere_stops_the_build(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_no_site_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "mine").touch()
-    ended = subprocess.run([*BUILD, "--out", str(tmp_path)], capture_output=True, text=True, check=False)
+    ended = finished([*BUILD, "--out", str(tmp_path)])
     assert ended.returncode == 2
     assert "no site that could be replaced" in ended.stderr
     assert (tmp_path / "mine").exists()

@@ -3,7 +3,6 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 
 import os
-import subprocess
 import sys
 import time
 from typing import NamedTuple
@@ -11,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
-from tests.patience import PATIENCE
+from tests.programs import finished
 
 
 def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(tmp_path):
@@ -52,13 +51,7 @@ print(sorted(found), all(np.array_equal(found[k], alone[k % 2]) for k in found))
 
 
 def test_first_environments_made_and_stepped_in_four_threads_at_once_do_as_those_of_one_thread():
-    made = subprocess.run(
-        [sys.executable, "-c", FIRST_IN_THREADS],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    made = finished([sys.executable, "-c", FIRST_IN_THREADS])
     assert (made.stdout.strip(), made.returncode) == ("[0, 1, 2, 3] True", 0), made.stderr
 
 

@@ -19,7 +19,7 @@ import pytest
 from agent.algorithms.table import PRESETS
 from benchmarks import STUDIES
 from logic import House, Rect, Star, load, save
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE, finished
 from tests.sample_houses import changed_star
 from vitruvius.cli import COMMANDS, EXTRAS, main, parse
 from vitruvius.commands.houses import Check, Draw
@@ -193,7 +193,7 @@ def test_the_installed_command_imports_nothing_from_the_current_folder(tmp_path:
     for name in ("agent", "clingo", "json", "logic", "queue", "sim", "token", "types"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('from the current folder')\n")
     command = [Path(sys.executable).with_name("vitruvius"), "generate", "--rooms", "1"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = finished(command, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -201,7 +201,7 @@ def test_a_missing_prolog_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SWI_HOME_DIR", "/nowhere")
     monkeypatch.setenv("LIBSWIPL_PATH", "/nowhere/libswipl.so")
     command = [sys.executable, "-m", "vitruvius.cli", "generate", "--rooms", "1"]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    ended = finished(command)
     assert ended.returncode == 69
     assert "SWI-Prolog" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
@@ -309,7 +309,7 @@ def on_the_base(*arguments: object) -> subprocess.CompletedProcess[str]:
     """A command where none of the extras is installed."""
     absent = " ".join(module for modules in EXTRAS.values() for module in modules)
     command = [sys.executable, "-c", BASE_ALONE, absent, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    return finished(command)
 
 
 def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:

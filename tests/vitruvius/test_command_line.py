@@ -24,7 +24,7 @@ from agent.progress import progress as agent_progress
 from benchmarks import STUDIES
 from logic import generate, save
 from logic.terminal import progress
-from tests.patience import PATIENCE
+from tests.programs import finished
 from vitruvius import page
 from vitruvius.answers.agents import ANSWERS
 from vitruvius.cli import COMMANDS, GROUPS, STUDY_GROUPS, command_help, main
@@ -242,15 +242,7 @@ def completed(shell: str, code: str, script: str, cwd: Path) -> list[list[str]]:
     """What a shell that has the script completes, line by line; code is in the shell's language."""
     lines = "\n".join(COMPLETED)
     known = {"SCRIPT": script, "LINES_TO_COMPLETE": lines, "HOME": str(cwd), "PATH": os.environ["PATH"]}
-    done = subprocess.run(
-        [shell, *code.split("\0")],
-        cwd=cwd,
-        env=known,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    done = finished([shell, *code.split("\0")], cwd=cwd, env=known)
     assert done.stderr == ""
     return [sorted(line.split()) for line in done.stdout.splitlines()]
 

@@ -1,7 +1,6 @@
 """Several processes that learn as one give what one process with all their environments gives."""
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from agent.runs import checkpoint
 from agent.runs.runs import run
 from logic import RequestError, save
 from tests import processes
-from tests.patience import PATIENCE
+from tests.programs import finished
 from tests.ranks import main as learn
 from tests.sample_houses import random_house
 
@@ -61,14 +60,7 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     out = tmp_path / "run"
     train = ["train", str(tmp_path / "houses.jsonl"), "--out", str(out)]
     train += ["--num-envs", "8", "--num-steps", "16"]
-    ended = subprocess.run(
-        [*TORCHRUN, "-m", "vitruvius.cli", *train, "--steps", "500"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    ended = finished([*TORCHRUN, "-m", "vitruvius.cli", *train, "--steps", "500"], cwd=ROOT)
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert ended.stderr.count("vitruvius evaluate") == 1  # one of them reports
     assert json.loads((out / "config.json").read_text())["ranks"] == 2

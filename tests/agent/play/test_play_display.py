@@ -15,7 +15,7 @@ from agent.play.game import replayed
 from agent.play.results import load
 from logic import House, save
 from sim.film import SHARP, plan
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE, finished
 
 HEAD, SIZE = 64, 656
 """Pixels above a plan, and of its longer side on a display 800 pixels high: ``agent.play.window``."""
@@ -40,9 +40,7 @@ def comes(condition: Callable[[], bool], seconds: float = 60) -> bool:
 def shows(display: Display, house: House) -> bool:
     """Whether the window shows the plan of a house: all but the body, its rays and the target."""
     search = ["xdotool", "search", "--onlyvisible", "--class", ".", "getwindowgeometry", "--shell"]
-    said = subprocess.run(
-        search, env=display, capture_output=True, text=True, timeout=PATIENCE, check=False
-    ).stdout
+    said = finished(search, env=display).stdout
     at = {name: int(value) for name, value in (line.split("=") for line in said.split())}
     expected = np.asarray(plan(house, SIZE).reduce(SHARP).convert("RGB"), int)
     height, width = expected.shape[:2]

@@ -31,7 +31,7 @@ from logic.errors import RequestError
 from logic.stopping import Terminated
 from sim.environment.arguments import BANK
 from tests import processes
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 from tests.sample_houses import random_house
 from vitruvius.cli import parse
 
@@ -40,7 +40,14 @@ CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
 COMPLETION = CompletionConfig(targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4))
 SEARCH = SearchConfig(
-    targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4), buffer_size=16, batch_size=2
+    targets="secondary",
+    num_envs=4,
+    num_steps=16,
+    steps=384,
+    channels=(4, 4),
+    buffer_size=16,
+    batch_size=2,
+    passes=2.0,
 )
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 

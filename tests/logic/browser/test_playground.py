@@ -19,7 +19,7 @@ from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.grammar import SHIPPED
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from tests.logic.browser.answers import answered
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 WHOLE = 1000 * PATIENCE
 """Milliseconds for an answer."""

@@ -31,7 +31,7 @@ from logic.grammar import SHIPPED
 from logic.request.request import Request
 from logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE, finished
 from vitruvius.cli import main
 
 expect.set_options(timeout=1000 * PATIENCE)
@@ -556,7 +556,7 @@ def test_a_port_in_use_is_named(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_without_its_packages_it_names_the_extra() -> None:
     code = "import sys; sys.modules['starlette'] = None; from vitruvius.cli import main; main(['watch'])"
-    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    ended = finished([sys.executable, "-c", code])
     assert ended.returncode == 69
     assert ended.stderr == "error: vitruvius watch needs starlette: pip install vitruvius[web]\n"
 

@@ -16,7 +16,7 @@ from logic.errors import Unsatisfiable
 from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import MISTAKES, linted
 from tests.logic.workers import in_process
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 LP, PL = '#include "{}".', ":- include('{}')."
 

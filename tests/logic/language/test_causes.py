@@ -9,7 +9,7 @@ import pytest
 from logic import GrammarError
 from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import linted
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 MISSPELT = [
     ("rooms.lp", "type(hall;", "tpye(hall;", "did you mean type/1?"),

@@ -20,7 +20,7 @@ from logic.layout.program import CORE
 from logic.placement import prolog
 from tests.logic.language import mistakes
 from tests.logic.language.mistakes import Mistake
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 SECONDS = 2.0
 """CPU time in which a mistake is found."""

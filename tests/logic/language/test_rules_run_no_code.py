@@ -10,7 +10,7 @@ import pytest
 from logic.errors import VitruviusError
 from logic.grammar import SHIPPED, find
 from logic.request.request import Request
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 # Whole texts at the end of sizes.pl. RUN leaves a file behind wherever it is run.
 REFUSED = {

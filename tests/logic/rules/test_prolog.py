@@ -1,24 +1,17 @@
 """The rules' own tests, in Prolog: one case a file of ``tests/logic/rules``."""
 
-import subprocess
 from pathlib import Path
 
 import pytest
 
-from tests.patience import PATIENCE
+from tests.programs import finished
 
 FILES = sorted(Path(__file__).parent.glob("*.plt"))
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_prolog(file: Path) -> None:
-    done = subprocess.run(
-        ["swipl", "-g", "run_tests", "-t", "halt", file],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    done = finished(["swipl", "-g", "run_tests", "-t", "halt", file])
     # Choice points show as warnings: a relation of the rules that leaves one makes every house slower.
     assert done.returncode == 0, done.stderr
     assert "choicepoint" not in done.stderr

@@ -29,7 +29,7 @@ from logic.workers.idle import MOST_IDLE
 from logic.workers.messages import Open
 from logic.workers.solver import Solver
 from tests.logic.workers import in_process
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE, finished
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "family-4-rooms.json"
 Edit = Callable[[str, str, str], Path]
@@ -276,7 +276,7 @@ def children(process: int) -> list[int]:
     if Path("/proc/self/stat").exists():  # a minimal Linux has no ps
         listed = Path(f"/proc/{process}/task").glob("*/children")
         return [int(pid) for children in listed for pid in children.read_text().split()]
-    found = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False)
+    found = finished(["pgrep", "-P", str(process)])
     return [int(pid) for pid in found.stdout.split()]
 
 
@@ -376,9 +376,7 @@ def test_a_user_s_module_that_hides_one_of_ours_is_named(tmp_path: Path, theirs:
     file.parent.mkdir(exist_ok=True)
     file.touch()
     (tmp_path / "script.py").write_text(f"import {ours}\n")
-    ended = subprocess.run(
-        [sys.executable, tmp_path / "script.py"], capture_output=True, text=True, check=False
-    )
+    ended = finished([sys.executable, tmp_path / "script.py"])
     hidden = Path(theirs).parts[0].removesuffix(".py")
     assert ended.stderr.endswith(
         f"ImportError: {file}: hides the package {hidden} of Vitruvius: give it another name\n"

@@ -1,7 +1,6 @@
 """What must hold whatever the house: mirrored and turned houses, walls at any speed, checked memory."""
 
 import os
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from sim import DEFAULT, HouseVectorEnv
 from sim.actions import FORWARD, LEFT, RIGHT
 from tests import sample_houses
 from tests.logic.house.handmade import turned_house
+from tests.programs import finished
 from tests.reference import Boxes, sides
 
 SEEING = replace(DEFAULT, sees_kind=True)
@@ -211,13 +211,7 @@ def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
     program = tmp_path / "checked.py"
     program.write_text(CHECKED)
     root = str(Path(__file__).parents[3])
-    done = subprocess.run(
-        [sys.executable, program],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": root},
-        check=False,
-    )
+    done = finished([sys.executable, program], env=os.environ | {"PYTHONPATH": root})
     assert done.returncode == 0, done.stderr
     assert 4 * "no fault\n" + "a fault" in done.stdout, done.stdout + done.stderr
     assert "bound" in done.stdout

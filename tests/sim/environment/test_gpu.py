@@ -1,6 +1,5 @@
 """A GPU does what the CPU does. What can be held without one is held everywhere."""
 
-import subprocess
 import sys
 from types import SimpleNamespace
 
@@ -11,6 +10,7 @@ from agent.runs.checkpoint import load
 from benchmarks.simulator.gpu import compared
 from sim import runtime
 from sim.runtime import Array, has_cuda, impl, start, ti
+from tests.programs import finished
 
 needs_gpu = pytest.mark.skipif(not has_cuda(), reason="no GPU here")
 
@@ -67,5 +67,5 @@ def test_a_gpus_memory_is_not_looked_into(monkeypatch):
 
 def python(*arguments: str) -> None:
     """Run a Python of its own: Taichi runs on one device a process."""
-    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
+    done = finished([sys.executable, *arguments])
     assert done.returncode == 0, done.stderr

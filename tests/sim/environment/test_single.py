@@ -21,7 +21,7 @@ from msgspec.structs import replace
 from logic import House, save
 from sim import Config, HouseVectorEnv
 from tests import sample_houses
-from tests.patience import PATIENCE
+from tests.programs import finished
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 COUNT = 5
@@ -471,6 +471,6 @@ os._exit(7)
 
 def test_in_a_fork_of_a_process_that_ran_environments_all_is_one_clear_error():
     command = [sys.executable, "-c", FORKED]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=PATIENCE)
+    done = finished(command)
     assert done.returncode == 7, done.stderr
     assert done.stdout.count("start processes by 'spawn'") == 2

@@ -2,7 +2,6 @@
 
 import copy
 import pickle
-import subprocess
 import sys
 
 import gymnasium
@@ -14,7 +13,7 @@ from gymnasium.wrappers import vector
 
 from sim import HouseVectorEnv
 from tests import sample_houses
-from tests.patience import PATIENCE
+from tests.programs import finished
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
 NAME = "sim:Vitruvius/House-v0"
@@ -149,13 +148,7 @@ if __name__ == "__main__":
 def test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing(tmp_path) -> None:
     """What cannot be had is said in the parent: a GPU, and a fork of a process in which Taichi runs."""
     (tmp_path / "processes.py").write_text(PROCESSES)
-    made = subprocess.run(
-        [sys.executable, tmp_path / "processes.py"],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    made = finished([sys.executable, tmp_path / "processes.py"])
     assert made.returncode == 0, made.stderr
     gpu, fork, count = made.stdout.splitlines()
     assert gpu.startswith("device 'cuda' cannot be had: no GPU with a CUDA driver was found here")

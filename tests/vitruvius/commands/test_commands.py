@@ -1,11 +1,10 @@
 """The commands about houses need only what makes houses."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
-from tests.patience import PATIENCE
+from tests.programs import finished
 
 GENERATE = """
 import sys
@@ -22,13 +21,6 @@ def test_making_a_house_imports_nothing_of_the_simulator_or_the_agent(tmp_path: 
         (tmp_path / f"{library}.py").write_text(f"raise SystemExit('{library} is imported')")
     path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
     command = [sys.executable, "-c", GENERATE]
-    made = subprocess.run(
-        command,
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    made = finished(command, env=os.environ | {"PYTHONPATH": path})
     assert made.returncode == 0, made.stderr
     assert made.stdout.startswith('{"format"')
