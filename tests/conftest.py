@@ -52,6 +52,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave the tests of the second part out that stand in files of the first."""
+    if config.getoption("--all"):
+        return
 
     def is_of_second_part(item: pytest.Item) -> bool:
         name = item.nodeid[item.nodeid.index("::") :]
