@@ -75,8 +75,8 @@ def least_of_plan(
 def least_of_brief(
     question: Question, statements: Sequence[Statement], own: Collection[Reason]
 ) -> list[Statement]:
-    """As ``least``: first of a brief's ``own`` lines, while all rules hold, then of the rules beside these
-    lines. So without any of the lines the others have a house by all rules.
+    """As ``least`` for a brief alone, whose rules are those of any plan: first of its ``own`` lines, while
+    all rules hold, then of the rules. So without any one of the lines the others have a house.
     """
     rules = [each for each in statements if each.reason not in own]
     lines = [each for each in statements if each.reason in own]

@@ -54,8 +54,8 @@ class Prover:
         for reason, rooms_ in refuted.items():
             nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
             statements.append(relaxed.proved(reason, nogoods))
-        # The user's plan says more than rules from which the same follows: it is left out last.
-        if request.plan:
+        # The user's plan or brief says more than rules from which the same follows: it is left out last.
+        if request.given:
             statements.sort(key=lambda each: each.reason.file is not None)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in found.orders:
@@ -68,7 +68,7 @@ class Prover:
         if request.plan:
             own = map(Reason, own_requirements(request.plan).values())
             needed = least_of_plan(question, statements, [*own])
-        elif request.brief:
+        elif request.brief and request.brief.is_alone:
             lines = {Reason(line) for line, _ in brief_requirements(request.brief)}
             needed = least_of_brief(question, statements, lines)
         else:

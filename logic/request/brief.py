@@ -119,6 +119,11 @@ class Brief(Part, frozen=True):
         """Of its rooms, in their order."""
         return [room.name for room in self.rooms]
 
+    @property
+    def is_alone(self) -> bool:
+        """Whether it says by itself what the house is: see ``alone``."""
+        return all(room.label for room in self.rooms)
+
 
 def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
     """A brief, from its JSON form or a file of it. Raises ``RequestError`` for what cannot be meant."""
