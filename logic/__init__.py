@@ -21,6 +21,7 @@ from logic.why.answer import Why
 from logic.workers.explain import explain_house
 from logic.workers.generate import count_layouts, generate, lint
 from logic.workers.nearest import Broken, Nearest, nearest
+from logic.workers.nearest_plan import NearestPlan, nearest_plan
 from logic.workers.standards import check
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "LimitReached",
     "MissingProgram",
     "Nearest",
+    "NearestPlan",
     "Piece",
     "PlanWarning",
     "Rect",
@@ -53,6 +55,7 @@ __all__ = [
     "lint",
     "load",
     "nearest",
+    "nearest_plan",
     "save",
 ]
 

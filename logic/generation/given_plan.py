@@ -42,16 +42,17 @@ class GivenPlanMaker(SharedWallsMaker):
         """Find what the grammar forbids in the plan."""
         self.plan = plan
         rules = grammar.for_own_plan()
-        facts: HouseFacts = [
-            *_meetings(plan),
-            *plan_faults(loaded.placer, plan, sorted(loaded.furniture), loaded.openings),
-        ]
+        facts: HouseFacts = [*_meetings(plan), *self._faults(plan, loaded)]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))
         self._failures, self._refuted = 0, list[Refuted]()
         self._too_small: dict[tuple[int, str], list[Refuted]] = {}
         meetings = [fact for fact, _ in facts]
         account = loaded.placer.account
         self._programs = Programs(rules, loaded.furniture, loaded.lengths, account, meetings)
+
+    def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
+        """What the grammar's lengths forbid in the plan."""
+        return plan_faults(loaded.placer, plan, sorted(loaded.furniture), loaded.openings)
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house in the plan; see ``Maker.made``."""

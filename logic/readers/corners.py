@@ -11,7 +11,7 @@ from shapely import Polygon
 from logic.errors import RequestError
 
 CHAMFER = 0.15
-"""Metres: a slanting wall that is no longer becomes a corner."""
+"""Metres: a diagonal wall that is no longer becomes a corner."""
 
 MOST_CORNERS = 200
 """Of a room, those of steps that are noise among them."""
@@ -33,7 +33,7 @@ class Side(NamedTuple):
 def squared(name: str, shape: Polygon, noise: float) -> Polygon:
     """A polygon of walls along the axes. Corners may be ``noise`` metres beside their places.
 
-    Raises ``RequestError`` for a wall that slants and for an arc, by the room's name and where it is.
+    Raises ``RequestError`` for a diagonal wall and for an arc, by the room's name and where it is.
     """
     rings = [shape.exterior, *(each for each in shape.interiors if Polygon(each).area > (4 * noise) ** 2)]
     plain = [shapely.simplify(ring, 2 * noise) for ring in rings]
@@ -74,8 +74,8 @@ def _reach(sides: Sequence[Side], at: int) -> float:
 
 
 def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
-    """The walls between corners; a short one that slants is two."""
-    found, slanting = list[Side](), list[tuple[Point, Point]]()
+    """The walls between corners; a short diagonal one is two."""
+    found, diagonals = list[Side](), list[tuple[Point, Point]]()
     for one, other in pairwise([*corners, corners[0]]):
         x, y = abs(other[0] - one[0]), abs(other[1] - one[1])
         if min(x, y) <= 2.5 * noise + LEAN * max(x, y):
@@ -84,20 +84,20 @@ def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
         elif hypot(x, y) <= CHAMFER:
             found += [Side(0, one[0], y), Side(1, other[1], x)]
         else:
-            slanting.append((one, other))
-    if slanting:
+            diagonals.append((one, other))
+    if diagonals:
         raise RequestError(
-            f"plan: {name} has {_slant(slanting)}: draw it in steps along the axes, or as a box"
+            f"plan: {name} has {_diagonal(diagonals)}: draw it in steps along the axes, or as a box"
         )
     return found
 
 
-def _slant(slanting: Sequence[tuple[Point, Point]]) -> str:
-    (x, y), end = slanting[0]
-    arc = len(slanting) > 3 and all(one[1] == other[0] for one, other in pairwise(slanting[:4]))
+def _diagonal(diagonals: Sequence[tuple[Point, Point]]) -> str:
+    (x, y), end = diagonals[0]
+    arc = len(diagonals) > 3 and all(one[1] == other[0] for one, other in pairwise(diagonals[:4]))
     if arc:
-        end = slanting[-1][1]
-    what = "an arc" if arc else "a slanting wall"
+        end = diagonals[-1][1]
+    what = "an arc" if arc else "a diagonal wall"
     return f"{what} from x {x:.2f}, y {y:.2f} to x {end[0]:.2f}, y {end[1]:.2f} m"
 
 

@@ -48,7 +48,7 @@ HINT_OF_WALLS = (
 
 
 def read_plan(
-    source: str | Path | House | Mapping[str, Any], unit: str | None = None, snap: float = SNAP
+    source: str | Path | House | OwnPlan | Mapping[str, Any], unit: str | None = None, snap: float = SNAP
 ) -> OwnPlan:
     """A plan from a house, from GeoJSON or one of ResPlan's plans, or from a file, known by its content.
 
@@ -58,6 +58,9 @@ def read_plan(
     """
     if not 0 <= snap <= MOST_SNAP:
         raise RequestError(f"snap must be 0 to {MOST_SNAP:g} m, not {snap!r}")
+    if isinstance(source, OwnPlan):
+        _require_plan(source, HINT)
+        return source
     found, drawn = _read(source), None
     if isinstance(found, House):
         rooms = [msgspec.structs.replace(room, children=()) for room in found.rooms]

@@ -41,7 +41,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
         plans.pl           what Python asks for them
         walls.pl           where the walls are; areas.pl, totals.pl; openings.pl: doors and windows in them; contacts.pl
         lines.pl           a random solution of them
-        own_plan.pl        doors and windows in rooms that a user gives
+        own_plan.pl        doors and windows in rooms that a user gives; moved.pl: the least change of these
     why/bounds.pl      why a solution is as it is: what else it could be, and which constraints bind
     why/plan_bounds.pl the same of walls that rooms share
     agreement.pl       whether all lengths together can be used
@@ -72,6 +72,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(language/origins).
 :- use_module(room/plan).
 :- reexport(language/promised).
+:- reexport(shared_walls/moved).
 :- reexport(shared_walls/own_plan).
 :- reexport(shared_walls/plans).
 :- reexport(why/plan_bounds).

@@ -63,7 +63,7 @@ def generate(
     types: Mapping[str, Count] | None = None,
     furniture: Mapping[str, Count] | None = None,
     cell: float = 0.0,
-    plan: str | Path | House | Mapping[str, Any] | None = None,
+    plan: str | Path | House | OwnPlan | Mapping[str, Any] | None = None,
     plan_unit: str | None = None,
     snap: float = SNAP,
     keep: House | None = None,

@@ -46,6 +46,13 @@ class MakeHouse(Question, frozen=True, tag=True):
     inferences: int
 
 
+class MovePlan(Question, frozen=True, tag=True):
+    """The least change of a request's plan with which it keeps the grammar's lengths: ``Moved``."""
+
+    request: dict[str, Any]
+    seed: int
+
+
 class CountLayouts(Question, frozen=True, tag=True):
     """The layouts of a request: ``Counted`` again and again in ``share`` seconds, then ``Done``."""
 
@@ -110,6 +117,12 @@ class Made(msgspec.Struct, frozen=True, tag=True):
     house: dict[str, Any]
 
 
+class Moved(msgspec.Struct, frozen=True, tag=True):
+    """A plan, as ``Request.to_dict`` has it; None where walls can be nowhere."""
+
+    plan: dict[str, Any] | None
+
+
 class Counted(msgspec.Struct, frozen=True, tag=True):
     """How many layouts there are so far; ``exact`` is known at the end of a count."""
 
@@ -164,6 +177,6 @@ class Late(msgspec.Struct, frozen=True, tag=True):
     account: str
 
 
-Asked = Prepare | Open | MakeHouse | CountLayouts | Explain | Ease | Promise | Lint | Warn
-Answer = Prepared | Loaded | Judged | Made | Counted | Explained | Eased | Promised | Done
+Asked = Prepare | Open | MakeHouse | MovePlan | CountLayouts | Explain | Ease | Promise | Lint | Warn
+Answer = Prepared | Loaded | Judged | Made | Moved | Counted | Explained | Eased | Promised | Done
 Said = Answer | Failed | Trying | Working | Late

@@ -37,6 +37,8 @@ from logic.workers.messages import (
     Loaded,
     Made,
     MakeHouse,
+    Moved,
+    MovePlan,
     Open,
     Prepare,
     Prepared,
@@ -160,6 +162,7 @@ class Worker:
         from logic.language.linter import all_warnings, warnings
         from logic.proofs.answer import house_or_proof
         from logic.proofs.easing import easing
+        from logic.proofs.moved_plan import moved_plan
         from logic.request.request import Request
 
         builder = self._builder
@@ -168,6 +171,10 @@ class Worker:
                 wanted = Request.read(question.request)
                 made = house_or_proof(builder, wanted, question.seed, question.index, question.inferences)
                 yield Made(made.to_dict())
+            case MovePlan():
+                plan = moved_plan(builder, Request.read(question.request), question.seed)
+                yield Moved(msgspec.to_builtins(plan) if plan else None)
+                yield Done()
             case CountLayouts():
                 wanted = Request.read(question.request)
                 builder.require_known(wanted)

@@ -91,7 +91,9 @@ class Generated(msgspec.Struct, frozen=True):
     start: int
     houses: list[dict[str, Any]] = []
     broken: list[str] = []
-    """With ``--nearest``, the lines of the brief that the houses break, and what they keep in their place."""
+    """With ``--nearest``, the lines of the brief that the houses break, and what they keep in their place; or
+    how rooms of the plan differ.
+    """
     counted: list[Layouts] = []
     """With ``--count-layouts``, in place of houses."""
 

@@ -22,6 +22,7 @@ from vitruvius.options import Streamed
 if TYPE_CHECKING:
     from logic import Broken
     from logic.request.brief import Brief
+    from logic.request.own_plan import OwnPlan
 
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
@@ -58,8 +59,8 @@ class Generate:
     --grammar, the brief alone says what the house is."""
 
     nearest: bool = False
-    """Of a brief that no house keeps, break the fewest lines: say which, and make houses that keep the
-    others."""
+    """Of a brief that no house keeps, break the fewest lines; of a plan, move walls by as little as can be:
+    say which, and make houses so."""
 
     plan: Streamed | None = None
     """House file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC: its rooms
@@ -130,14 +131,15 @@ class Generate:
         _require_writable(out, self.count)
         houses: list[House] = []
         began = time.monotonic()
-        brief, broken = self._nearest() if self.nearest else (self.brief, ())
+        brief, broken = self._nearest() if self.nearest and self.plan is None else (self.brief, ())
+        plan, changes = self._nearest_plan() if self.nearest and self.plan else (self.plan, ())
         request = generate(
             rooms=self.rooms,
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             cell=self.cell,
             brief=brief,
-            plan=self.plan or self._plan_kept(),
+            plan=plan or self._plan_kept(),
             plan_unit=self.plan_unit,
             snap=self.snap,
             keep=self._kept(),
@@ -167,7 +169,7 @@ class Generate:
             say(f"{out}: {len(houses)} made. Next: vitruvius draw {quoted(out)}")
         if self.json:
             shown = [] if out else [house.to_dict() for house in houses]
-            said = [str(each) for each in broken]
+            said = [*map(str, broken), *changes]
             self._answer(time.monotonic() - began, made=len(houses), houses=shown, broken=said)
         return 0
 
@@ -176,7 +178,7 @@ class Generate:
         from logic import nearest
 
         if self.brief is None:
-            raise RequestError("--nearest is of a brief: give it by --brief FILE")
+            raise RequestError("--nearest is of a brief or a plan: give it by --brief FILE or --plan FILE")
         found = nearest(
             self.brief,
             types=counts("--type", self.type),
@@ -194,6 +196,32 @@ class Generate:
         for each in found.broken:
             say(f"  {each}")
         return found.brief, found.broken
+
+    def _nearest_plan(self) -> "tuple[OwnPlan, tuple[str, ...]]":
+        """A plan that has houses, and how its rooms differ from the user's, which is said."""
+        from logic import nearest_plan
+
+        assert self.plan
+        found = nearest_plan(
+            self.plan,
+            plan_unit=self.plan_unit,
+            snap=self.snap,
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            grammar=self.grammar or "family",
+            seed=self.seed,
+            index=self.start,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
+        if found.proof:
+            say(str(found.proof))
+            say("walls move by as little as can be:")
+            for each in found.changes:
+                say(f"  {each}")
+        else:
+            say("houses keep the whole plan")
+        return found.plan, found.changes
 
     def _answer(self, seconds: float, made: int = 0, **found: Any) -> None:
         """Print what was made or counted as JSON."""

@@ -265,7 +265,7 @@ STOREYS = "".join(f'<g id="Floor-{k}" class="Floorplan Floor-{k}">{BATH}</g>' fo
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (svg(ROOM, ("Entry", [(4, 0), (6, 0), (7, 4), (4, 4)])), "Entry has a slanting wall from x"),
+        (svg(ROOM, ("Entry", [(4, 0), (6, 0), (7, 4), (4, 4)])), "Entry has a diagonal wall from x"),
         (svg(ROOM, ("Entry", ARC)), "Entry has an arc from x .* to x .*: draw it in steps"),
         (svg(ROOM, hall(0.6)), r"Entry shares no wall .*0\.700 m off"),
         (svg(ROOM, hall(-0.6)), r"LivingRoom overlaps Entry by 0\.500 m"),

@@ -1,0 +1,98 @@
+"""The least change of a user's plan with which it keeps the grammar's lengths: its lines move."""
+
+import numpy as np
+from clingo import Symbol
+from msgspec.structs import replace
+
+from logic.generation.builder import Builder
+from logic.generation.evidence import NoLayout
+from logic.generation.feasibility import HouseFacts
+from logic.generation.given_plan import GivenPlanMaker
+from logic.house.boxes import WALLS, Box
+from logic.house.parts import OUTSIDE, Door, Window
+from logic.language.loaded import LoadedGrammar
+from logic.placement.prolog import Term
+from logic.proofs.answer import unsatisfiable
+from logic.request.own_plan import OwnPlan, Wall
+from logic.request.request import Request
+
+LAYOUTS = 12
+"""So many choices of types, doors and windows are looked at where the plan does not say all of them."""
+
+
+class LoosePlanMaker(GivenPlanMaker):
+    """Layouts in a plan whose rooms may have any size."""
+
+    def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
+        return []
+
+    def moved(self, request: Request, rng: np.random.Generator) -> OwnPlan | None:
+        """The plan with its lines where they move by the least sum, of some layouts. Raises ``NoLayout``."""
+        best, least = None, float("inf")
+        lines = _lines(self.plan)
+        for _ in range(LAYOUTS):
+            if places := self._places(self._layout(request, rng, (), ()), lines):
+                *found, _ = places
+                off = sum(np.abs(np.subtract(a, b)).sum() for a, b in zip(found, lines, strict=True))
+                if off < least - 1e-6:
+                    best, least = places, off
+        return best and _on_lines(self.plan, best[:2], best[2])
+
+    def _places(
+        self, layout: list[Symbol], lines: tuple[list[float], list[float]]
+    ) -> tuple[list[float], list[float], float] | None:
+        """Where the lines of x and of y are for a layout, metres, and how wide its doors are."""
+        of_rooms = [[at[side][1] for side in ("west", "east", "north", "south")] for at in self.plan.lines]
+        rooms = [Term("room", number, *some) for number, some in enumerate(of_rooms)]
+        walls = []
+        for wall in self.plan.walls:
+            along = lines[1 - WALLS.index(wall.side) % 2]
+            ends = [int(np.argmin(np.abs(np.array(along) - end))) for end in (wall.start, wall.end)]
+            behind = OUTSIDE if wall.behind is None else wall.behind
+            walls.append(Term("wall", wall.room, wall.side, behind, *ends))
+        return self._placer.ask("own_plan_moved", layout, Term("lines", *lines), rooms, walls)
+
+
+def moved_plan(builder: Builder, request: Request, seed: int) -> OwnPlan | None:
+    """See ``LoosePlanMaker.moved``; raises ``Unsatisfiable`` for what no lengths can mend."""
+    builder.maker_of(request)  # refuses what is no plan of this grammar
+    assert request.plan
+    maker = LoosePlanMaker(builder.grammar, builder.loaded, request.plan)
+    try:
+        return maker.moved(request, np.random.default_rng(seed))
+    except NoLayout as found:
+        raise unsatisfiable(found) from None
+
+
+def _lines(plan: OwnPlan) -> tuple[list[float], list[float]]:
+    """Where the lines of x and of y are, metres, by their numbers."""
+    found: tuple[dict[int, float], dict[int, float]] = {}, {}
+    for room, lines in zip(plan.rooms, plan.lines, strict=True):
+        for k, side in enumerate(WALLS):
+            found[k % 2][lines[side][1]] = room.box[k]
+    return [found[0][at] for at in sorted(found[0])], [found[1][at] for at in sorted(found[1])]
+
+
+def _on_lines(plan: OwnPlan, lines: tuple[list[float], list[float]], least: float) -> OwnPlan:
+    """The plan on other lines. Doors and windows go with their walls; doors are at least so wide, metres."""
+    rooms = []
+    for room, at in zip(plan.rooms, plan.lines, strict=True):
+        west, north, east, south = (round(lines[k % 2][at[side][1]], 12) for k, side in enumerate(WALLS))
+        rooms.append(replace(room, x=west, y=north, width=east - west, height=south - north))
+    empty = OwnPlan(tuple(rooms))
+    doors = [Door(*_in_wall(empty, plan.wall_of(door), door, least), door.between) for door in plan.doors]
+    windows = [Window(*_in_wall(empty, plan.wall_of(window), window), window.room) for window in plan.windows]
+    return replace(plan, rooms=empty.rooms, doors=tuple(doors), windows=tuple(windows))
+
+
+def _in_wall(plan: OwnPlan, old: Wall | None, opening: Door | Window, least: float = 0.0) -> Box:
+    """x, y, width and height of an opening in the wall that it was in."""
+    assert old
+    k = WALLS.index(old.side) % 2
+    same = [
+        wall for wall in plan.walls if (wall.room, wall.side, wall.behind) == (old.room, old.side, old.behind)
+    ]
+    wall = max(same, key=lambda each: min(each.end, old.end) - max(each.start, old.start))
+    length = min(max(opening.length, least), wall.end - wall.start)
+    start = max(wall.start, min(opening.box[1 - k], wall.end - length))
+    return (start, wall.place, length, 0.0) if k else (wall.place, start, 0.0, length)

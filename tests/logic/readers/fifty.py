@@ -1,0 +1,44 @@
+"""Fifty homes of four to eight rooms in other programs' formats, read, and furnished or moved or refuted:
+``./run python -m tests.logic.readers.fifty``. It takes about three minutes.
+"""
+
+import tempfile
+import warnings
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from logic import Unsatisfiable, check, generate, nearest_plan
+from tests.logic.readers.written import WRITERS
+
+
+def main() -> None:
+    """Print what became of each plan, and how many of each there are."""
+    warnings.simplefilter("ignore")
+    homes = [home for rooms in range(4, 9) for home in generate(rooms, grammar="home", seed=rooms, count=10)]
+    counts = Counter[str]()
+    with tempfile.TemporaryDirectory() as folder:
+        for number, home in enumerate(homes):
+            format_ = list(WRITERS)[number % len(WRITERS)]
+            file = Path(folder) / "plan"
+            file.write_bytes(WRITERS[format_](home, np.random.default_rng(number), 0.01))
+            outcome, said = outcome_of(file)
+            counts[outcome] += 1
+            print(number, format_, outcome, said, flush=True)
+    print(dict(counts))
+
+
+def outcome_of(file: Path) -> tuple[str, str]:
+    """Whether a plan is furnished as it is, after its walls moved, or proved impossible; and what is said."""
+    try:
+        found = nearest_plan(file, grammar="home")
+        house = next(generate(plan=found.plan, grammar="home"))
+    except Unsatisfiable as proof:
+        return "refuted", str(proof)
+    assert check(house) == []
+    return ("moved", "; ".join(found.changes)) if found.proof else ("furnished", "")
+
+
+if __name__ == "__main__":
+    main()
