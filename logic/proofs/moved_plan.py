@@ -1,5 +1,7 @@
 """The least change of a user's plan with which it keeps the grammar's lengths: its lines move."""
 
+from typing import TypeVar
+
 import numpy as np
 from clingo import Symbol
 from msgspec.structs import replace
@@ -8,13 +10,15 @@ from logic.generation.builder import Builder
 from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import HouseFacts
 from logic.generation.given_plan import GivenPlanMaker
-from logic.house.boxes import WALLS, Box
+from logic.house.boxes import WALLS
 from logic.house.parts import OUTSIDE, Door, Window
 from logic.language.loaded import LoadedGrammar
 from logic.placement.prolog import Term
 from logic.proofs.answer import unsatisfiable
 from logic.request.own_plan import OwnPlan, Wall
 from logic.request.request import Request
+
+R = TypeVar("R", Door, Window)
 
 LAYOUTS = 12
 """So many choices of types, doors and windows are looked at where the plan does not say all of them."""
@@ -80,13 +84,13 @@ def _on_lines(plan: OwnPlan, lines: tuple[list[float], list[float]], least: floa
         west, north, east, south = (round(lines[k % 2][at[side][1]], 12) for k, side in enumerate(WALLS))
         rooms.append(replace(room, x=west, y=north, width=east - west, height=south - north))
     empty = OwnPlan(tuple(rooms))
-    doors = [Door(*_in_wall(empty, plan.wall_of(door), door, least), door.between) for door in plan.doors]
-    windows = [Window(*_in_wall(empty, plan.wall_of(window), window), window.room) for window in plan.windows]
+    doors = [_in_wall(empty, plan.wall_of(door), door, least) for door in plan.doors]
+    windows = [_in_wall(empty, plan.wall_of(window), window) for window in plan.windows]
     return replace(plan, rooms=empty.rooms, doors=tuple(doors), windows=tuple(windows))
 
 
-def _in_wall(plan: OwnPlan, old: Wall | None, opening: Door | Window, least: float = 0.0) -> Box:
-    """x, y, width and height of an opening in the wall that it was in."""
+def _in_wall(plan: OwnPlan, old: Wall | None, opening: R, least: float = 0.0) -> R:
+    """A door or window in the wall that it was in."""
     assert old
     k = WALLS.index(old.side) % 2
     same = [
@@ -95,4 +99,5 @@ def _in_wall(plan: OwnPlan, old: Wall | None, opening: Door | Window, least: flo
     wall = max(same, key=lambda each: min(each.end, old.end) - max(each.start, old.start))
     length = min(max(opening.length, least), wall.end - wall.start)
     start = max(wall.start, min(opening.box[1 - k], wall.end - length))
-    return (start, wall.place, length, 0.0) if k else (wall.place, start, 0.0, length)
+    x, y, width, height = (start, wall.place, length, 0.0) if k else (wall.place, start, 0.0, length)
+    return replace(opening, x=x, y=y, width=width, height=height)
