@@ -385,9 +385,16 @@ def test_a_run_learns_what_views_are_worth():
     envs = make_envs(HOUSES, 4, "secondary")
     config = replace(SMALL, steps=2500, guided=0.5, passes=5.0, learning_rate=1e-2)
     learner = cast(Any, learner_of(config, envs))
-    losses = [now.loss for now in learner.train() if now.loss]  # in each turn with anything to learn from
-    assert np.mean(losses[-8:]) < 0.9 * np.mean(losses[:4])
+    losses = [now.loss for now in learner.train()]
+    assert any(losses)
     assert learner.made > 60
+    choices = ViewMaps(*(field[:40] for field in learner.buffer))
+    with torch.no_grad():  # on the same choices: those of a run's beginning and end differ
+        learnt, new = (
+            float(value_loss(network(choices), choices.worth.float(), focus=0.0))
+            for network in (learner.network, cast(Any, network_of(config)))
+        )
+    assert learnt < 0.95 * new
     assert learner.buffer.worth[: learner.made].float().amax((1, 2, 3)).min() > 0
     # What it is told of unseen ground is as it was.
     told, released = learner.network.completion.state_dict(), foreseeing().state_dict()
