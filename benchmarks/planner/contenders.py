@@ -60,7 +60,8 @@ def contender(name: str) -> Contender:
     """The agent of a name: a baseline, a prior, ``truth``, ``module:function``, a released agent or a
     checkpoint.
 
-    ``function`` takes environments and gives a policy. Raises ``RequestError`` and ``CheckpointError``.
+    ``function`` takes environments and gives a policy; its attribute ``config``, if it has one, is that of a
+    training run. Raises ``RequestError`` and ``CheckpointError``.
     """
     if name in PRIORS:
         return Contender(lambda envs: informed(envs, PRIORS[name]), _key(name, inspect.getsource(prior)))
@@ -70,7 +71,8 @@ def contender(name: str) -> Contender:
         return Contender(lambda envs: BASELINES[name](envs, 0), _key(name))
     if ":" in name:
         make = imported(name)
-        return Contender(make, _key(name, inspect.getsource(inspect.getmodule(make) or make)))
+        key = _key(name, inspect.getsource(inspect.getmodule(make) or make))
+        return Contender(make, key, getattr(make, "config", None))
     path = located(name)
     kept = checkpoint.load(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()

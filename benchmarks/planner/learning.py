@@ -77,7 +77,7 @@ class Learning:
     steps: int = DEFAULT.steps
     """Of an episode that are played."""
 
-    world: Literal["default", "noisy"] = "default"
+    world: Literal["default", "noisy", "doors"] = "default"
     """The simulator that agents play in. The oracle plays in the default one."""
 
     shuffled: bool = False
@@ -122,9 +122,9 @@ class Learning:
     @property
     def title(self) -> str:
         """What the tables are of."""
-        noisy = ", noisy" if self.world == "noisy" else ""
+        world = "" if self.world == "default" else f", {self.world}"
         houses, episodes = len(self.bank_houses), self.episodes
-        return f"{self.bank}, {self.targets}{noisy}, {houses} houses of {episodes} episodes"
+        return f"{self.bank}, {self.targets}{world}, {houses} houses of {episodes} episodes"
 
     @property
     def ends(self) -> bool:

@@ -6,8 +6,9 @@ import torch
 from torch import Tensor
 
 from agent.algorithms.search.chooser import ViewChooser, best
-from agent.algorithms.search.network import ViewMaps, ViewNetwork, views
+from agent.algorithms.search.network import ViewNetwork
 from agent.algorithms.search.values import TrueValues
+from agent.algorithms.search.windows import ViewMaps, views
 from agent.learning.environments import shield
 from agent.planner import Planner
 from agent.policies.policies import Explorer

@@ -22,10 +22,12 @@ from agent.algorithms.build import policy_of
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import LearnedSearch
-from agent.algorithms.search.network import LEVELS, ViewMaps, ViewNetwork, views
+from agent.algorithms.search.network import CONSTANT, ViewNetwork, in_view, unforeseen
+from agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps, views
 from agent.algorithms.table import PRESETS
 from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs
+from agent.learning.environments import make_envs, shield
+from agent.planner import TUNED
 from agent.policies.policies import Explorer
 from agent.runs import checkpoint
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
@@ -62,6 +64,18 @@ def _at_once(maps: ViewMaps) -> ViewMaps:
     return maps._replace(blocks=occupied + LEVELS * seen + LEVELS**2 * seen)
 
 
+def _half(maps: ViewMaps) -> ViewMaps:
+    """Windows of half as many places a side about the body."""
+    inner = torch.zeros(PLACES, PLACES, dtype=torch.bool)
+    inner[PLACES // 4 : -PLACES // 4, PLACES // 4 : -PLACES // 4] = True
+    blocks = inner.repeat_interleave(2, 0).repeat_interleave(2, 1)
+    return maps._replace(
+        ways=torch.where(inner, maps.ways, FAR),
+        blocks=maps.blocks * blocks, ages=maps.ages * blocks, foreseen=maps.foreseen * blocks,
+        finds=maps.finds * inner, taken=maps.taken * inner,
+    )  # fmt: skip
+
+
 INPUTS: dict[str, Change] = {
     "memory": _zero("taken"),
     "finds": _zero("finds"),
@@ -69,19 +83,36 @@ INPUTS: dict[str, Change] = {
     "since": _at_once,
     "start": lambda maps: maps._replace(start=torch.full_like(maps.start, ELSEWHERE)),
     "scalars": _zero("scalars"),
+    "window": _half,
 }
 """Maps without one thing that the network reads: which views were goals, where targets were found, how long
-ago what was seen, whether since the last pick-up, where the episode began, and time and number of finds."""
+ago what was seen, whether since the last pick-up, where the episode began, time and number of finds, and what
+lies in the outer half of the window's sides."""
+
+
+def _shown(maps: ViewMaps) -> ViewMaps:
+    """Labels of who knows the map alone: what views would show for what they cost."""
+    turns = ViewNetwork((1, 1)).turns[maps.heading]
+    cost = maps.ways.clamp(min=0)[:, None].float() + CONSTANT + turns
+    return maps._replace(worth=(SCALE * in_view(maps.shown.float()) / cost * views(maps)).half())
+
+
+LABELS: dict[str, Change] = {"truth": _shown}
+"""Labels without one thing: what the house tells and the map does not."""
 
 CONFIGS: dict[str, dict[str, Any]] = {
-    "rays": {"rays": 0},
+    "looks": {"looks": False},
     "foresight": {"foresight": False},
-    "rays-foresight": {"rays": 0, "foresight": False},
+    "looks-foresight": {"looks": False, "foresight": False},
     "lowest": {"channels": (16, 32, 64)},
+    "scales": {"channels": (16, 32)},
     "width": {"channels": (8, 16, 32, 48)},
     "focus": {"focus": 0.0},
 }
-"""Configs without one thing: the scale of the lowest level, half of the channels, the weights of the loss."""
+"""Configs without one thing: what views show, what is foreseen, both, the lowest scale, the two lowest, half
+of the channels, the weights of the loss."""
+
+PARTS = (*CONFIGS, *INPUTS, *LABELS)
 
 WHOLE = "as it is"
 
@@ -90,7 +121,7 @@ WHOLE = "as it is"
 class Views:
     """Train networks that value views with and without each part, from the same choices."""
 
-    without: tuple[str, ...] = (*CONFIGS, *INPUTS)
+    without: tuple[str, ...] = PARTS
     """Parts that are left out, one at a time."""
 
     houses: int = 20
@@ -102,6 +133,9 @@ class Views:
     updates: int = 500
     """Of each network."""
 
+    seeds: int = 3
+    """Networks of which nothing is left out, that begin with other weights and learn in another order."""
+
     out: Path = Path("runs/views")
     """Folder for houses and views.md."""
 
@@ -110,32 +144,43 @@ class Views:
 
     def run(self) -> None:
         """Collect choices, train, and print the table."""
-        if self.houses < 2 or min(self.choices // 6, self.updates) < 1:
-            raise RequestError("--houses must be 2 or more, --choices 6 or more, --updates 1 or more")
+        if self.houses < 2 or min(self.choices // 6, self.updates, self.seeds) < 1:
+            raise RequestError(
+                "--houses must be 2 or more, --choices 6 or more, --updates and --seeds 1 or more"
+            )
         for part in self.without:
-            if part not in {**CONFIGS, **INPUTS}:
-                raise RequestError(f"--without: {unknown('part', part, [*CONFIGS, *INPUTS])}")
+            if part not in PARTS:
+                raise RequestError(f"--without: {unknown('part', part, PARTS)}")
         torch.set_num_threads(1)
         config = cast(SearchConfig, PRESETS[AGENT])
         known, asked = (
             kept_houses(self.out / f"{what}-{count}.jsonl", lambda n=count, s=seed: by_rooms(ROOMS, n, s))
             for what, count, seed in (("learn", self.houses, 100), ("ask", self.houses // 2, SEED))
         )
-        learnt, _ = collected(known, replace(config, buffer_size=self.choices))
-        held, house = collected(asked, replace(config, buffer_size=self.choices // 6, seed=1))
+        learnt, blind, _ = collected(known, replace(config, buffer_size=self.choices))
+        held, held_blind, house = collected(asked, replace(config, buffer_size=self.choices // 6, seed=1))
         rows, whole = [], np.zeros(0)
-        for part in (WHOLE, *self.without):
-            change = INPUTS.get(part, lambda maps: maps)
-            variant = replace(config, **CONFIGS.get(part, {}))
-            network = fitted(variant, known[:1], change(learnt), self.updates)
-            share = shares(network, change(held))
+        for seed, part in [
+            *((seed, WHOLE) for seed in range(self.seeds)),
+            *((0, part) for part in self.without),
+        ]:
+            change, label = (changes.get(part, lambda maps: maps) for changes in (INPUTS, LABELS))
+            variant = replace(config, seed=seed, **CONFIGS.get(part, {}))
+            given, asked_about = (
+                change(maps if variant.foresight else maps._replace(shown=shown))
+                for maps, shown in ((learnt, blind), (held, held_blind))
+            )
+            network = fitted(variant, known[:1], label(given), self.updates)
+            share = shares(network, asked_about)
             whole = whole if len(whole) else share
-            name = part if part == WHOLE else f"without {part}"
+            name = f"{part}, seed {seed}" if part == WHOLE else f"without {part}"
             rows.append((
                 name, f"{sum(each.numel() for each in network.parameters() if each.requires_grad):,}",
-                f"{share.mean():.3f}", clustered(share - whole, house) if part != WHOLE else "",
+                f"{share.mean():.3f}", clustered(share - whole, house) if rows else "",
             ))  # fmt: skip
             say(f"{name}: {share.mean():.3f}")
+        untrained = shares(ViewNetwork(config.channels, config.foresight, config.looks), held)
+        rows.append(("untrained", "", f"{untrained.mean():.3f}", clustered(untrained - whole, house)))
         title = (
             f"Worth of the chosen view, of the best one's; {self.choices:,} choices, {self.updates} updates"
         )
@@ -154,6 +199,7 @@ class Collector(LearnedSearch):
         valid = ~torch.from_numpy(self.truth.known(environments)) & (worth.flatten(1).amax(1) > 0)
         self.note(maps._replace(worth=worth.half()), valid.clone())
         at = (before + np.arange(self.made - before)) % self.config.buffer_size
+        self.blind[at] = self.reader.looks(maps._replace(foreseen=unforeseen(maps)))[valid]
         self.house[at] = self.envs.unwrapped.world.describe()[2][environments[valid.numpy()]]
         noise = -torch.from_numpy(self.random.exponential(size=worth.shape)).float().log()
         drawn = POWER * worth.clamp(min=1e-6).log() + noise
@@ -166,18 +212,19 @@ class Collector(LearnedSearch):
     def collect(self) -> None:
         """Play until the buffer is full."""
         self.house = np.zeros(self.config.buffer_size, int)
+        self.blind = torch.zeros_like(self.buffer.shown)
         while self.made < self.config.buffer_size:
             self.iterate()
 
 
-def collected(houses: list[House], config: SearchConfig) -> tuple[ViewMaps, np.ndarray]:
-    """Choices, as many as the buffer has, with what views are worth; and the houses (n,) int that they were
-    made in.
+def collected(houses: list[House], config: SearchConfig) -> tuple[ViewMaps, Tensor, np.ndarray]:
+    """Choices, as many as the buffer has, with what views are worth; what views would show (n, 8, G, G) to
+    who foresees nothing; and the houses (n,) int that choices were made in.
     """
-    small = replace(config, channels=(1, 1), rays=0, foresight=False)
+    small = replace(config, channels=(1, 1))
     collector = Collector(small, make_envs(houses, config.num_envs, config.targets))
     collector.collect()
-    return collector.buffer, collector.house
+    return collector.buffer, collector.blind, collector.house
 
 
 def fitted(config: SearchConfig, houses: list[House], choices: ViewMaps, updates: int) -> ViewNetwork:
@@ -220,10 +267,29 @@ without_memory, without_finds, without_ages = _without("memory"), _without("find
 without_since, without_start, without_scalars = _without("since"), _without("start"), _without("scalars")
 
 
-def without_rays(envs: HouseVectorEnv) -> Explorer:
-    """The released agent, whose learnt rays show nothing."""
-    policy, _, network = _released(envs)
-    network.sight.register_forward_hook(lambda *each: torch.zeros_like(each[-1]))
+def again_after(steps: int) -> Maker:
+    """The released agent, which chooses again after some steps though it is not there, in place of 32."""
+
+    def make(envs: HouseVectorEnv) -> Explorer:
+        chooser = ViewChooser(checkpoint.load(AGENT).network, envs.config)
+        return Explorer(shield(envs), envs.config, replace(TUNED, replan_interval=steps), chooser=chooser)
+
+    return make
+
+
+often, seldom = again_after(12), again_after(128)
+
+
+def without_looks(envs: HouseVectorEnv) -> Explorer:
+    """The released agent, whom no view shows anything."""
+    policy, chooser, _ = _released(envs)
+    look = chooser.look
+
+    def blind(environments: np.ndarray, maps: ViewMaps) -> ViewMaps:
+        seen = look(environments, maps)
+        return seen._replace(shown=torch.zeros_like(seen.shown))
+
+    chooser.look = blind
     return policy
 
 

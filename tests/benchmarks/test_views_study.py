@@ -8,27 +8,35 @@ import numpy as np
 import pytest
 import torch
 
+from agent.algorithms.map_completion.network import PIECES
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import LearnedSearch
-from agent.algorithms.search.network import HEADINGS, LEVELS, PLACES, ViewMaps, empty
+from agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps, empty
 from agent.algorithms.table import PRESETS
+from agent.evaluation.episodes import reset
+from agent.learning.environments import make_envs
+from agent.learning.simulator import sensor
+from agent.policies.episodes import moments
+from benchmarks.planner import taught
 from benchmarks.planner.views import AGENT, INPUTS, WHOLE, Views, collected, fitted, shares
 from logic import generate
 from logic.errors import RequestError
 
 HOUSES = list(generate(3, seed=31, count=4))
-CONFIG = replace(cast(SearchConfig, PRESETS[AGENT]), num_envs=4, buffer_size=160, foresight=False, rays=0)
+PLAIN = replace(cast(SearchConfig, PRESETS[AGENT]), foresight=False, looks=False)
+CONFIG = replace(PLAIN, num_envs=4, buffer_size=160, restarts=0.1)
 
 
 @pytest.fixture(scope="module")
 def choices() -> tuple[ViewMaps, np.ndarray]:
-    return collected(HOUSES, CONFIG)
+    maps, _, house = collected(HOUSES, CONFIG)
+    return maps, house
 
 
 FIELDS = {"memory": "taken", "finds": "finds", "ages": "ages", "start": "start", "scalars": "scalars"}
 
 
-@pytest.mark.parametrize("part", INPUTS)
+@pytest.mark.parametrize("part", [*FIELDS, "since"])
 def test_maps_without_an_input_say_nothing_of_it_and_all_else(part: str) -> None:
     maps, other = empty(2), empty(2)
     for field in (*maps, *other):
@@ -94,12 +102,27 @@ def test_a_network_learns_by_so_many_updates_ever_slower(
 def test_the_table_has_a_row_of_each_part_less_the_whole(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
-    Views(("finds",), houses=2, choices=140, updates=2, out=tmp_path / "out").run()
+    Views(("finds",), houses=2, choices=140, updates=2, seeds=2, out=tmp_path / "out").run()
     rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
-    assert [row[0] for row in rows[-2:]] == [f"| {WHOLE}", "| without finds"]
-    assert "±" in rows[-1][-1]
+    names = [f"| {WHOLE}, seed 0", f"| {WHOLE}, seed 1", "| without finds", "| untrained"]
+    assert [row[0] for row in rows[-4:]] == names
+    assert all("±" in row[-1] for row in rows[-3:])
 
 
 def test_a_part_that_there_is_not_is_named(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="no part memoir: did you mean memory"):
         Views(("memoir",), out=tmp_path).run()
+
+
+@pytest.mark.parametrize("maker", [taught.any_task, taught.habit])
+def test_the_released_network_plays_a_task_that_it_was_not_taught(maker: Any) -> None:
+    """With its own foresight, and with that of the task, which reads kinds of pieces on the map."""
+    config = getattr(maker, "config", None)
+    envs = make_envs(HOUSES, len(HOUSES), "habit", preset=sensor(config) if config else "default")
+    policy = maker(envs)
+    for _ in moments(envs, policy, reset(envs, 0, np.arange(len(HOUSES))), 100):
+        pass
+    planner, marks = policy.tracker.planner, getattr(policy.tracker.chooser, "marks", None)
+    assert (planner.seen > 100).all()
+    assert (marks is not None) == (config is not None)
+    assert marks is None or (marks.blocks[:, PIECES] > 0).sum() > 20

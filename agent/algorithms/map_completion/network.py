@@ -75,13 +75,13 @@ class CompletionNetwork(nn.Module):
         self.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
 
     def forward(self, windows: Tensor, marks: Tensor, starts: Tensor) -> Prediction:
-        """Predict from windows (n, W, W) uint8, as ``Windows.read`` gives them, their marks (n, 2, W, W)
-        uint8, as ``Marks.read`` does, and where the episodes began in them, ``starts`` (n, 2) float32, blocks
-        south and east of the first.
+        """Predict from windows (n, W, W) uint8, as ``Windows.read`` gives them, or parts of them, a multiple
+        of 16 blocks a side; their marks (n, 2, W, W) uint8, as ``Marks.read`` does; and where the episodes
+        began in them, ``starts`` (n, 2) float32, blocks south and east of the first.
         """
         occupied, seen = (windows & 7).float() / 4, (windows >> 3 & 7).float() / 4
-        axis = torch.arange(windows.shape[-1], device=windows.device)
-        south, east = ((axis - starts[:, k, None]).square() for k in range(2))
+        sides = (torch.arange(size, device=windows.device) for size in windows.shape[1:])
+        south, east = ((side - starts[:, k, None]).square() for k, side in enumerate(sides))
         near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE)
         found = (marks[:, FINDS].float() / MOST_FINDS).clamp(max=1.0)
         # Planes are joined one after the other, and then turned so that channels lie last: twice as fast.

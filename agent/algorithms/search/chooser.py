@@ -1,13 +1,15 @@
 """The body's next view: the best one by the network, never one twice between two pick-ups."""
 
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from agent.algorithms.search.maps import MapReader
-from agent.algorithms.search.network import HEADINGS, ViewMaps, ViewNetwork
+from agent.algorithms.search.network import ViewNetwork
+from agent.algorithms.search.windows import HEADINGS, ViewMaps
 from agent.planner import Planner
 from sim.config import Config
 
@@ -41,18 +43,34 @@ class ViewChooser:
         reader.note()
         lost = np.flatnonzero(planner.lost.numpy())
         if len(lost):
-            maps = reader.read(lost)
+            # In batches of maps of about one size: a batch takes as long as the largest.
+            lost = lost[planner.seen.numpy()[lost].argsort(kind="stable")]
+            maps = self.look(lost, reader.read(lost))
             reader.lead(lost, self.picks(lost, maps).numpy(), maps.ways.numpy())
+
+    def look(self, environments: np.ndarray, maps: ViewMaps) -> ViewMaps:
+        """Maps of environments (n,) int that were read last, with what is foreseen, and what views would
+        show.
+        """
+        if not self.network.looks and self.network.completion is None:
+            return maps
+        maps = maps._replace(foreseen=by_parts(lambda part: self.network.foresee(part).foreseen, maps))
+        return maps._replace(shown=cast(MapReader, self.reader).looks(maps)) if self.network.looks else maps
 
     def greedy(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
         """The best views by the network."""
         return best(self.values(maps), maps)
 
-    @torch.inference_mode()
     def values(self, maps: ViewMaps) -> Tensor:
         """What the network says of the views (n, 8, G, G)."""
-        parts = zip(*(field.split(AT_ONCE) for field in maps), strict=True)
-        return torch.cat([self.network(ViewMaps(*part)) for part in parts])
+        return by_parts(self.network, maps)
+
+
+@torch.inference_mode()
+def by_parts(read: Callable[[ViewMaps], Tensor], maps: ViewMaps) -> Tensor:
+    """What is read of maps (n, ...), some at a time."""
+    parts = zip(*(field.split(AT_ONCE) for field in maps), strict=True)
+    return torch.cat([read(ViewMaps(*part)) for part in parts])
 
 
 def best(values: Tensor, maps: ViewMaps) -> Tensor:

@@ -16,23 +16,23 @@ class SearchConfig(TrainConfig):
     channels: tuple[int, ...] = (16, 32, 64, 96)
     """Of the network's levels, each at half the resolution of the one before."""
 
-    rays: int = 8
-    """Channels of learnt rays towards each side; 0 for none."""
-
     foresight: bool = True
     """Whether what the released network of map completion predicts is an input."""
+
+    looks: bool = True
+    """Whether what each view would show, by rays over the map and over what is foreseen, is an input."""
 
     num_steps: int = 32
     """Steps of every environment from one report to the next."""
 
-    restarts: float = 0.04
+    restarts: float = 0.015
     """Share of the environments that begin another episode each time."""
 
-    guided: float = 0.15
+    guided: float = 0.0
     """Share of the run over which the true best view is taken in place of the network's, less and less
     often."""
 
-    buffer_size: int = 4096
+    buffer_size: int = 2048
     """Choices that are kept to learn from."""
 
     passes: float = 4.0
@@ -61,8 +61,6 @@ class SearchConfig(TrainConfig):
         super().__post_init__()
         if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
             raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
-        if self.rays < 0:
-            raise RequestError(f"rays must be 0 or more, not {self.rays}")
         if self.focus < 0:
             raise RequestError(f"focus must be 0 or more, not {self.focus}")
         if self.device != "cpu":

@@ -8,14 +8,19 @@ from torch import Tensor
 
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.network import ViewMaps, ViewNetwork, empty, turned, views
+from agent.algorithms.search.crop import by_size
+from agent.algorithms.search.network import ViewNetwork
 from agent.algorithms.search.values import TrueValues
+from agent.algorithms.search.windows import ViewMaps, empty, turned, views
 from agent.learning.environments import require_own_maps, shield
 from agent.learning.map_learner import MapLearner
 from agent.policies.network import seeded
 from agent.policies.policies import Explorer
 from logic.errors import RequestError
 from sim import HouseVectorEnv
+
+TOGETHER = 4
+"""Updates whose choices are drawn together."""
 
 LEAST = 0.02
 """What views count at least in the loss."""
@@ -36,7 +41,7 @@ class LearnedSearch(MapLearner):
     def network_of(config: SearchConfig) -> ViewNetwork:
         """See ``Learner``."""
         with seeded(config.seed):
-            return ViewNetwork(config.channels, config.rays, config.foresight)
+            return ViewNetwork(config.channels, config.foresight, config.looks)
 
     @staticmethod
     def policy_of(
@@ -56,6 +61,7 @@ class LearnedSearch(MapLearner):
         # At its full size from the start: a state that grew would not be read again.
         self.buffer = empty(config.buffer_size)
         self.made, self.due = 0, 0.0
+        self.rows = torch.zeros(0, config.batch_size, dtype=torch.int64)
         self.reset_envs()
 
     def explorer_of(self) -> Explorer:
@@ -88,17 +94,19 @@ class LearnedSearch(MapLearner):
         number, size = int(valid.sum()), self.config.buffer_size
         at = (self.made + torch.arange(number)) % size
         for kept, field in zip(self.buffer, maps, strict=True):
-            kept[at] = field[valid]
+            if field.shape[1:] == kept.shape[1:]:  # what the network does not read is not there
+                kept[at] = field[valid]
         self.made += number
         self.due += self.config.passes * number / self.config.batch_size
 
     def learn(self) -> float:
         """Learn from random choices, as often as is due; the mean loss."""
         config, losses = self.config, []
+        self.rows = self.rows[:0]  # what was drawn before a state was kept is not drawn again
         self.anneal(config.final_lr_fraction)
         held = min(self.made, config.buffer_size)
         while self.due >= 1 and held >= 4 * config.batch_size:
-            rows = torch.from_numpy(self.random.integers(0, held, config.batch_size))
+            rows = self.drawn(held)
             batch = turned(
                 ViewMaps(*(field[rows] for field in self.buffer)),
                 int(self.random.integers(4)),
@@ -110,6 +118,18 @@ class LearnedSearch(MapLearner):
             losses.append(self.descend(loss, config.max_grad_norm))
             self.due -= 1
         return float(torch.stack(losses).mean()) if losses else 0.0
+
+    def drawn(self, held: int) -> Tensor:
+        """Random choices of the first ``held`` ones for an update. Some updates' choices are drawn together,
+        and each takes those of about one size: a batch takes as long as the largest.
+        """
+        if not len(self.rows):
+            rows = torch.from_numpy(self.random.integers(0, held, TOGETHER * self.config.batch_size))
+            order = by_size(self.buffer._replace(blocks=self.buffer.blocks[rows]))
+            parts = rows[order].view(TOGETHER, -1)
+            self.rows = parts[torch.from_numpy(self.random.permutation(TOGETHER))]
+        first, self.rows = self.rows[0], self.rows[1:]
+        return first
 
     def own_state(self) -> dict[str, Any]:
         """See ``MapLearner``; with the posteriors and the choices."""

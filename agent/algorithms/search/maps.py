@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.algorithms.search.network import HEADINGS, LEVELS, PLACES, ViewMaps
+from agent.algorithms.search.looks import UNREACHED, Looks
+from agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps
 from agent.planner import Planner
 from agent.planner.arrays import PlannerArrays
 from agent.planner.body import BodyModel
@@ -26,9 +27,6 @@ from sim.config import Config
 from sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, start, ti
 
 BLOCKS = 2 * PLACES
-
-UNREACHED = (1 << 16) - 1
-"""``FAR`` in 16 bits."""
 
 
 class MapReader:
@@ -53,6 +51,7 @@ class MapReader:
         }
         self.arrays = planner.arrays | own
         self._read = Launch(_kernel(start(), planner.config, planner.body), self.arrays)
+        self.looks = Looks(self.arrays, planner.config, planner.body, count)
 
     def note(self) -> None:
         """Note pick-ups after a step; forget the finds of episodes that ended."""
@@ -97,7 +96,7 @@ class MapReader:
             torch.from_numpy(-rows).float(),
             torch.stack([time / self.world.steps, ago, (found / 10).clamp(max=2)], 1).float(),
             heading.long(),
-            torch.zeros(count, 0),
+            *(torch.zeros(count, 0) for _ in ("worth", "foreseen", "shown")),
         )
 
     def corners(self, environments: np.ndarray) -> np.ndarray:

@@ -3,7 +3,6 @@
 import json
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import safetensors
 import torch
@@ -12,21 +11,21 @@ from torch import Tensor, nn
 
 from agent.algorithms.map_completion.network import FINDS, CompletionNetwork, pointwise
 from agent.algorithms.map_completion.network import OWN as COMPLETED
-from agent.algorithms.search.sight import SIDES, Sight
+from agent.algorithms.search.crop import box, cropped
+from agent.algorithms.search.windows import FAR, FORESEEN, HEADINGS, LEVELS, PLACES, SCALE, ViewMaps, views
 
-PLACES = 48
-"""Places along each side of a window, G: 27.5 m at the default body, which is at the one in the middle."""
+PLANES, OWN = 4, 5 + HEADINGS
+"""What is read of each block, and of each place besides."""
 
-HEADINGS = 8
+FLOOR, PASSES, TARGETS, ODDS = range(FORESEEN)
+"""What is foreseen of a block: floor, whether sight passes, how dense targets are where it was not looked
+since the last pick-up, and the logarithm of how dense they are."""
 
-FAR = -1
-"""Of a place to which no path is known."""
+WHOLE, PART = 255.0, 63.0
+"""What a probability of 1, and what a density of 1, is in 8 bits."""
 
-LEVELS = 5
-"""A block has 0 to 4 cells that are so."""
-
-PLANES, FORESEEN, OWN = 4, 4, 5 + HEADINGS
-"""What is read of each block, what is foreseen of it, and what is read of each place besides."""
+HARDLY = 1e-3
+"""Added to what a view shows before its logarithm is taken."""
 
 FORESIGHT = Path(__file__).parents[2] / "runs" / "released" / "map-completion.safetensors"
 """The released network of map completion, whose predictions can be inputs."""
@@ -37,9 +36,6 @@ FADE = 4.0
 CONSTANT = 4.0
 """Steps added to a path's length: what a choice of a view costs beside the way there."""
 
-SCALE = 100.0
-"""Values are in targets per so many steps."""
-
 FIRST = -3.0
 """The logarithm of what a view is first thought to show of all places where the target may be."""
 
@@ -48,114 +44,73 @@ DENSE = 300.0
 """Blocks in which a target may lie, about: its probability in one, times these, is about 1."""
 
 
-class ViewMaps(NamedTuple):
-    """Windows of n maps, G places a side and 2 G blocks; what is known beside them; and the label."""
-
-    blocks: Tensor
-    """(n, 2G, 2G) uint8: how many of a block's four cells are occupied, ``LEVELS`` times how many were seen,
-    and ``LEVELS`` squared times how many of these since the last pick-up."""
-
-    ages: Tensor
-    """(n, 2G, 2G) uint8: 0 for never seen, else 1 + 16 times the binary logarithm of the steps since, and
-    1."""
-
-    ways: Tensor
-    """(n, G, G) int16: nodes of the path to each place, ``FAR`` where none is known."""
-
-    finds: Tensor
-    """(n, G, G) uint8: targets picked up at each place."""
-
-    taken: Tensor
-    """(n, G, G) uint8, a bit a heading: the goals since the last pick-up."""
-
-    start: Tensor
-    """(n, 2) float32: where the episode began, places south and east of the first."""
-
-    scalars: Tensor
-    """(n, 3) float32: the share of the episode that is over, how long ago the last pick-up was, and how
-    many."""
-
-    heading: Tensor
-    """(n,) int64: the body's."""
-
-    worth: Tensor
-    """(n, 8, G, G) float16: what each view is worth in the true house, targets per ``SCALE`` steps; or
-    empty."""
-
-
-def empty(number: int) -> ViewMaps:
-    """Room for so many maps with labels."""
-    blocks, places = (number, 2 * PLACES, 2 * PLACES), (number, PLACES, PLACES)
-    return ViewMaps(
-        blocks=torch.zeros(blocks, dtype=torch.uint8),
-        ages=torch.zeros(blocks, dtype=torch.uint8),
-        ways=torch.zeros(places, dtype=torch.int16),
-        finds=torch.zeros(places, dtype=torch.uint8),
-        taken=torch.zeros(places, dtype=torch.uint8),
-        start=torch.zeros(number, 2),
-        scalars=torch.zeros(number, 3),
-        heading=torch.zeros(number, dtype=torch.int64),
-        worth=torch.zeros(number, HEADINGS, PLACES, PLACES, dtype=torch.float16),
-    )
-
-
 class ViewNetwork(nn.Module):
-    """A U-Net of ``channels`` on the places, and rays over what it makes of them: about 145,000 weights.
+    """A U-Net of ``channels`` on the places: about 146,000 weights.
 
-    It gives the logarithm of what each view is expected to show; a view's value is that for its cost, the
-    steps of the known path and the turns, to a power that is learnt.
+    It gives the logarithm of what each view is expected to show, with ``looks`` as a correction of what rays
+    over the map show; a view's value is that for its cost, the steps of the known path and the turns.
     """
 
     turns: Tensor
-    bearings: Tensor
+    shares: Tensor
 
     def __init__(
-        self, channels: tuple[int, ...] = (16, 32, 64, 96), rays: int = 0, foresight: bool = False
+        self, channels: tuple[int, ...] = (16, 32, 64, 96), foresight: bool = False, looks: bool = False
     ) -> None:
-        """Draw first weights from torch's generator. So many channels of ``rays`` towards each side, see
-        ``Sight``; ``foresight``: what map completion predicts is an input.
+        """Draw first weights from torch's generator. ``foresight``: what map completion predicts is an
+        input; ``looks``: what each view would show is one.
         """
         super().__init__()
         self.channels, first, last = channels, channels[0], channels[-1]
+        self.looks, own = looks, OWN + HEADINGS * looks
         self.completion = foreseeing() if foresight else None
         self.first = nn.Conv2d(PLANES + FORESEEN * foresight, first, 4, 2, 1)
-        self.fuse = nn.Conv2d(first + OWN, first, 3, padding=1)
+        self.fuse = nn.Conv2d(first + own, first, 3, padding=1)
         self.down = nn.ModuleList(nn.Conv2d(i, o, 3, padding=1) for i, o in pairwise(channels))
         self.whole = nn.Linear(3 + HEADINGS, last)
         # What comes from below is narrowed before it is enlarged: three quarters of the work are saved.
         self.narrow = nn.ModuleList(nn.Conv2d(o, i, 1) for i, o in pairwise(channels))
         self.up = nn.ModuleList(nn.Conv2d(i, i, 3, padding=1) for i in channels[:-1])
-        self.sight = Sight(first, rays) if rays else None
-        self.hidden = nn.Conv2d(first + SIDES * rays + OWN + HEADINGS, 2 * first, 1)
+        self.hidden = nn.Conv2d(first + own + HEADINGS, 2 * first, 1)
         self.out = nn.Conv2d(2 * first, HEADINGS, 1)
-        self.price = nn.Parameter(torch.tensor(1.0))
         with torch.no_grad():
             self.out.weight.mul_(0.1)
-            self.out.bias.fill_(FIRST) if self.out.bias is not None else None
+            self.out.bias.fill_(0.0 if looks else FIRST) if self.out.bias is not None else None
         self.register_buffer("turns", _turns(), persistent=False)
+        self.register_buffer("shares", _shares(), persistent=False)
         self.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
+
+    @torch.no_grad()
+    def foresee(self, maps: ViewMaps) -> ViewMaps:
+        """The same maps with what is foreseen of them, nothing far from all that was seen."""
+        part = box(maps)
+        near = cropped(maps, part)
+        planes = unforeseen(near) if self.completion is None else foreseen(self.completion, near)
+        return maps._replace(foreseen=part.whole(planes, 0))
 
     def forward(self, maps: ViewMaps) -> Tensor:
         """The logarithms (n, 8, G, G) of the views' values, targets per ``SCALE`` steps; minus infinity where
         no path is known, and for the view that the body has.
         """
-        counts = maps.blocks.int()
-        planes = [counts % LEVELS, counts // LEVELS % LEVELS, counts // LEVELS**2]
-        planes = torch.stack([*(each.float() / 4 for each in planes), maps.ages.float() / 128], 1)
+        part = box(maps)
+        return part.whole(self.near(cropped(maps, part), part.cut(self.turns[maps.heading])), -torch.inf)
+
+    def near(self, maps: ViewMaps, turns: Tensor) -> Tensor:
+        """The same of parts of windows; the ``turns`` to each view (n, 8, high, wide)."""
+        there, way = (maps.ways != FAR).float(), maps.ways.float().clamp(min=0)
+        planes = [F.embedding(maps.blocks.int(), self.shares), maps.ages[..., None].float() / 128]
         if self.completion is not None:
-            planes = torch.cat([planes, foreseen(self.completion, maps)], 1)
-        there = (maps.ways != FAR).float()
-        way = maps.ways.float().clamp(min=0)
-        axis = torch.arange(PLACES, device=way.device)
-        south, east = ((axis - maps.start[:, k, None]).square() for k in range(2))
+            planes.append(maps.foreseen.permute(0, 2, 3, 1) / SIZES)
+        south, east = ((torch.arange(way.shape[1 + k]) - maps.start[:, k, None]).square() for k in range(2))
         near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE)
-        bits = torch.arange(HEADINGS, device=way.device)[:, None, None]
+        bits = torch.arange(HEADINGS)[:, None, None]
         taken = (maps.taken[:, None].int() >> bits & 1).float()
         log_way = ((way + CONSTANT).log() - 3) * there
         own = torch.stack([there, there * way / 50, log_way, near, maps.finds.float() / 2], 1)
-        own = torch.cat([own, taken], 1).contiguous(memory_format=torch.channels_last)
+        shown = [(maps.shown.float() + HARDLY).log() / 3 + 1] if self.looks else []
+        own = torch.cat([own, taken, *shown], 1).contiguous(memory_format=torch.channels_last)
         head = F.one_hot(maps.heading, HEADINGS).float()
-        x = F.relu(self.first(planes.contiguous(memory_format=torch.channels_last)))
+        x = F.relu(self.first(torch.cat(planes, 3).permute(0, 3, 1, 2)))
         x = F.relu(self.fuse(torch.cat([x, own], 1)))
         passed = []
         for down in self.down:
@@ -164,11 +119,12 @@ class ViewNetwork(nn.Module):
         x = x + self.whole(torch.cat([maps.scalars, head], 1))[:, :, None, None]
         for narrow, up in zip(reversed(self.narrow), reversed(self.up), strict=True):
             x = F.relu(up(F.interpolate(pointwise(narrow, x), scale_factor=2.0) + passed.pop()))
-        heads = head[:, :, None, None].expand(-1, -1, PLACES, PLACES)
-        sight = [] if self.sight is None else [self.sight(x)]
-        shown = pointwise(self.out, F.relu(pointwise(self.hidden, torch.cat([x, *sight, own, heads], 1))))
-        cost = (way[:, None] + CONSTANT + self.turns[maps.heading]).log()
-        values = shown - self.price * cost + torch.log(torch.tensor(SCALE))
+        heads = head[:, :, None, None].expand(-1, -1, *way.shape[1:])
+        values = pointwise(self.out, F.relu(pointwise(self.hidden, torch.cat([x, own, heads], 1))))
+        values = values.contiguous()  # as what is added
+        if self.looks:
+            values = values + (in_view(maps.shown.float()) + HARDLY).log()
+        values = values + (SCALE / (way[:, None] + CONSTANT + turns)).log()
         return values.masked_fill(~views(maps), -torch.inf)
 
 
@@ -183,23 +139,54 @@ def foreseeing() -> CompletionNetwork:
     return network.requires_grad_(False)
 
 
+SIZES = torch.tensor([WHOLE, WHOLE, PART, PART])
+"""What 1 is in the planes of what is foreseen."""
+
+
 @torch.no_grad()
-def foreseen(completion: CompletionNetwork, maps: ViewMaps) -> Tensor:
-    """What is predicted of blocks (n, ``FORESEEN``, 2G, 2G) float32: floor, whether sight passes, how dense
-    targets are where it was not looked since the last pick-up, and the logarithm of how dense they are.
+def foreseen(completion: CompletionNetwork, maps: ViewMaps, marks: Tensor | None = None) -> Tensor:
+    """What is predicted of blocks (n, ``FORESEEN``, 2G, 2G) uint8, times ``SIZES``; by ``marks`` on the map
+    (n, 2, 2G, 2G), if there are others than the finds.
     """
     occupied, seen, since = (maps.blocks // k % LEVELS for k in (1, LEVELS, LEVELS**2))
-    marks = maps.blocks.new_zeros(len(maps.blocks), 2, 2 * PLACES, 2 * PLACES)
-    marks[:, FINDS, ::2, ::2] = maps.finds
+    if marks is None:
+        marks = maps.blocks.new_zeros(len(maps.blocks), 2, *maps.blocks.shape[1:])
+        marks[:, FINDS, ::2, ::2] = maps.finds
     floor, sight, target, _ = completion(occupied | seen << 3, marks, 2 * maps.start)
     dense = (DENSE * target.exp() * (since < LEVELS - 2)).clamp(max=4)
-    return torch.stack([floor.sigmoid(), sight.sigmoid(), dense, ((target + 10) / 3).clamp(min=0)], 1)
+    odds = ((target + 10) / 3).clamp(min=0, max=4)
+    planes = torch.stack([floor.sigmoid(), sight.sigmoid(), dense, odds], 1)
+    return (planes * SIZES[:, None, None]).round().to(torch.uint8)
 
 
-def views(maps: ViewMaps) -> Tensor:
-    """Which views (n, 8, G, G) bool there is a path to, but for the one that the body has."""
-    here = (maps.ways == 0)[:, None] & F.one_hot(maps.heading, HEADINGS).bool()[:, :, None, None]
-    return (maps.ways != FAR)[:, None] & ~here
+def unforeseen(maps: ViewMaps) -> Tensor:
+    """The same of who foresees nothing: targets lie on all ground that is not known to be occupied, as
+    likely, and sight passes what is unseen.
+    """
+    occupied, since = maps.blocks % LEVELS, maps.blocks // LEVELS**2
+    planes = torch.ones(len(occupied), FORESEEN, *occupied.shape[1:])
+    planes[:, TARGETS] = ((occupied == 0) & (since < LEVELS - 2)).float()
+    return (planes * SIZES[:, None, None]).round().to(torch.uint8)
+
+
+def expected(maps: ViewMaps) -> tuple[Tensor, Tensor]:
+    """How dense targets are in blocks that were not looked at, and the probability that sight passes a block
+    that was never seen, (n, 2G, 2G) float32 each, by what is foreseen.
+    """
+    return maps.foreseen[:, TARGETS] / PART, maps.foreseen[:, PASSES] / WHOLE
+
+
+def in_view(octants: Tensor) -> Tensor:
+    """Sums of the three octants (n, 8, G, G) that each view has."""
+    return octants + octants.roll(1, 1) + octants.roll(-1, 1)
+
+
+def _shares() -> Tensor:
+    """What numbers of blocks (125, 3) float32 say: the shares of cells that are occupied, that were seen, and
+    that were seen since the last pick-up.
+    """
+    number = torch.arange(LEVELS**3)
+    return torch.stack([number // k % LEVELS for k in (1, LEVELS, LEVELS**2)], 1) / (LEVELS - 1)
 
 
 def _turns() -> Tensor:
@@ -220,45 +207,3 @@ def _turns() -> Tensor:
     middle = PLACES // 2
     turns[:, :, middle, middle] = between(headings[:, None], headings[None])
     return turns.float()
-
-
-def turned(maps: ViewMaps, quarters: int, mirrored: bool) -> ViewMaps:
-    """The same maps, turned by quarters counter-clockwise about the body, and then mirrored from east to
-    west. Where nothing of them comes to lie, nothing is known.
-    """
-    order = (torch.arange(HEADINGS) - 2 * quarters) & 7  # of a new heading, the one that it was
-    if mirrored:
-        order = order[(4 - torch.arange(HEADINGS)) & 7]
-
-    def turn(field: Tensor, nothing: int = 0) -> Tensor:
-        for _ in range(quarters):
-            field = _flipped(field.transpose(-2, -1), -2, nothing)
-        return _flipped(field, -1, nothing) if mirrored else field.contiguous()
-
-    heading = (maps.heading + 2 * quarters) & 7
-    south, east = maps.start.unbind(1)
-    for _ in range(quarters):
-        south, east = PLACES - east, south
-    if mirrored:
-        heading, east = (4 - heading) & 7, PLACES - east
-    bits = torch.arange(HEADINGS)[:, None, None]
-    was = maps.taken[:, None].int() >> order[:, None, None] & 1
-    return ViewMaps(
-        turn(maps.blocks),
-        turn(maps.ages),
-        turn(maps.ways, FAR),
-        turn(maps.finds),
-        turn((was << bits).sum(1).to(torch.uint8)),
-        torch.stack([south, east], 1),
-        maps.scalars,
-        heading,
-        turn(maps.worth)[:, order] if maps.worth.dim() == 4 else maps.worth,
-    )
-
-
-def _flipped(field: Tensor, axis: int, nothing: int) -> Tensor:
-    """A field (..., G, G) or (..., 2G, 2G) flipped about the place in the middle, G / 2."""
-    place = field.shape[axis] // PLACES
-    field = field.flip(axis).roll(place, axis)
-    field.narrow(axis, 0, place).fill_(nothing)
-    return field

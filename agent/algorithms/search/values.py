@@ -5,7 +5,7 @@ import torch
 from torch import Tensor
 
 from agent.algorithms.search.maps import MapReader
-from agent.algorithms.search.network import PLACES, SCALE
+from agent.algorithms.search.windows import PLACES, SCALE
 from agent.planner import Planner
 from agent.planner.frame import AXES, quarters
 from sim import HouseVectorEnv

@@ -11,25 +11,23 @@ from agent.algorithms.build import learner_of, network_of, policy_of
 from agent.algorithms.map_completion.windows import Windows
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
+from agent.algorithms.search.crop import box, by_size, cropped
 from agent.algorithms.search.learner import value_loss
 from agent.algorithms.search.maps import MapReader
 from agent.algorithms.search.network import (
-    FAR,
-    HEADINGS,
-    LEVELS,
-    PLACES,
-    ViewMaps,
+    CONSTANT,
+    SIZES,
     ViewNetwork,
+    expected,
     foreseeing,
     foreseen,
-    turned,
-    views,
+    in_view,
 )
-from agent.algorithms.search.sight import SIDES, Sight
+from agent.algorithms.search.windows import FAR, HEADINGS, LEVELS, PLACES, ViewMaps, turned, views
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED
 from agent.planner.frame import AXES
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
+from agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID
 from agent.planner.viewpoints.choice import Viewpoints
 from agent.policies.policies import Explorer
 from agent.runs import checkpoint
@@ -59,6 +57,12 @@ def played(policy, envs, steps, look=lambda: None):
     return found
 
 
+def without_cost(network, inputs, values):
+    """Values of views to which far ways cost nothing."""
+    (maps,) = inputs
+    return values + (maps.ways.clamp(min=0)[:, None] + CONSTANT + network.turns[maps.heading]).log()
+
+
 class Noted(ViewChooser):
     """A chooser that keeps what it read, where it went, and the maps as they were then."""
 
@@ -68,9 +72,12 @@ class Noted(ViewChooser):
         for e, path in self.waiting:
             self.choices[path]["path"] = int(planner.read("path")[e])
 
+    def look(self, environments, maps):
+        self.asked = environments
+        return super().look(environments, maps)
+
     def values(self, maps):
-        values, reader = super().values(maps), cast(MapReader, self.reader)
-        lost = np.flatnonzero(reader.planner.lost.numpy())
+        values, reader, lost = super().values(maps), cast(MapReader, self.reader), self.asked
         for n, (e, corner) in enumerate(zip(lost, reader.corners(lost), strict=True)):
             self.waiting.append((e, len(self.choices)))
             names = ("since", "time", "x", "y", "heading")
@@ -87,8 +94,8 @@ class Noted(ViewChooser):
 def choices():
     """The choices of a new network, to which far views cost nothing, in some steps."""
     torch.manual_seed(0)
-    envs, network = make_envs(HOUSES, len(HOUSES), "secondary"), ViewNetwork((4, 4))
-    network.price.data.zero_()
+    envs, network = make_envs(HOUSES, len(HOUSES), "secondary"), ViewNetwork((4, 4), looks=True)
+    network.register_forward_hook(without_cost)
     chooser = Noted(network, envs.config)
     played(Explorer(shield(envs), envs.config, chooser=chooser), envs, 250)
     assert len(chooser.choices) > 20
@@ -258,7 +265,7 @@ def random_maps(count=3):
     blocks[:, ::2, ::2] = blocks[:, 1::2, ::2] = blocks[:, ::2, 1::2] = blocks[:, 1::2, 1::2]
     return ViewMaps(
         blocks, blocks, ways, taken, taken, torch.full((count, 2), 3.0), torch.rand(count, 3),
-        draw(8, kind=torch.int64), worth,
+        draw(8, kind=torch.int64), worth, blocks[:, None].expand(-1, 4, -1, -1), worth / 8,
     )  # fmt: skip
 
 
@@ -269,6 +276,8 @@ def test_turned_maps_are_of_the_same_views():
             other = turned(maps, quarters, mirrored)
             bits = torch.arange(HEADINGS)[:, None, None]
             assert torch.equal((other.taken[:, None].int() >> bits & 1).half(), other.worth)
+            assert torch.equal(other.shown, other.worth / 8)
+            assert torch.equal(other.foreseen[:, 3], other.blocks)
             assert (other.ways[:, MIDDLE, MIDDLE] == 0).all()
             assert torch.equal(other.finds, other.taken) or quarters or mirrored
     once = turned(turned(maps, 1, False), 3, False)
@@ -290,7 +299,7 @@ def test_turned_maps_are_of_the_same_views():
 
 def test_a_network_values_the_views_that_a_path_leads_to():
     torch.manual_seed(0)
-    network, maps = ViewNetwork((4, 4)), random_maps()
+    network, maps = ViewNetwork((4, 4), foresight=True, looks=True), random_maps()
     values = network(maps)
     assert values.shape == (3, HEADINGS, PLACES, PLACES)
     assert torch.equal(torch.isfinite(values), views(maps))
@@ -299,7 +308,7 @@ def test_a_network_values_the_views_that_a_path_leads_to():
     near = maps._replace(ways=torch.full_like(maps.ways, 10))
     far = maps._replace(ways=torch.full_like(maps.ways, 100))
     assert network(near).mean() > network(far).mean() + 1
-    for name in ("blocks", "ages", "finds", "taken", "start", "scalars", "heading"):
+    for name in ("blocks", "ages", "finds", "taken", "start", "scalars", "heading", "foreseen", "shown"):
         field = getattr(maps, name)
         changed = field + 1 if field.is_floating_point() else (field + 1) % 8
         other = network(maps._replace(**{name: changed}))
@@ -307,30 +316,70 @@ def test_a_network_values_the_views_that_a_path_leads_to():
         assert not torch.equal(other[both], values[both]), name
 
 
-def test_rays_show_what_lies_ahead_as_far_as_nothing_stands_in_the_way():
-    sight = Sight(2, 1).requires_grad_(False)
-    sight.given.weight[:] = torch.tensor([[1.0, 0], [0, -40]])[:, :, None, None]
-    cast(torch.Tensor, sight.given.bias)[:] = torch.tensor([0.0, 20])
-    sight.fan[:] = torch.tensor([0.0, 1, 0])
-    given = torch.zeros(1, 2, PLACES, PLACES)
-    given[0, 0, 10, 20] = 1  # a target, and a wall four places south of it
-    given[0, 1, 14, 20] = 1
-    north, *others = sight(given)[0]
-    assert (north[11:15, 20] > 0.99).all()  # the wall itself is in sight of it
-    assert north.sum() == pytest.approx(4, abs=1e-3)
-    assert len(others) == SIDES - 1
-    reach = [float(each.sum()) for each in others]
-    assert sorted(reach) == pytest.approx([10, 20, PLACES - 21], abs=1e-3)  # to the window's edges
+def test_what_a_view_would_show_is_what_rays_over_the_map_meet(choices):
+    """By another way: ray by ray, in Python."""
+    turns, random, some = (
+        np.pi / 4 * (np.arange(8)[:, None] + (np.arange(5) - 2) / 5),
+        np.random.default_rng(0),
+        0,
+    )
+    for choice in choices[::8]:
+        maps, corner, cells = choice["maps"], choice["corner"], choice["cells"]
+        dense, passes = (field[0].numpy() for field in expected(maps))
+        there = np.argwhere(maps.ways[0].numpy() > 0)
+        for i, j in random.permutation(there)[:12]:
+            octant, shown = int(random.integers(8)), 0.0
+            for angle in turns[octant]:
+                reaches = 1.0
+                for k in range(1, 28):
+                    y, x = 4 * i - np.rint(2 * k * np.sin(angle)), 4 * j + np.rint(2 * k * np.cos(angle))
+                    cell = int(cells[int(corner[0] + y) % 256, int(corner[1] + x) % 256])
+                    at = int(y + 2) // 2, int(x + 2) // 2
+                    if (
+                        cell & (OCCUPIED | SOLID)
+                        or not 0 <= min(at) <= max(at) < 2 * PLACES
+                        or reaches < 0.02
+                    ):
+                        break
+                    shown += reaches * k * dense[at] * np.pi / 20
+                    reaches *= 1 if cell >= 1 << FLAGS else passes[at]
+            assert float(maps.shown[0, octant, i, j]) == pytest.approx(
+                shown / dense.sum(), rel=0.02, abs=1e-4
+            )
+            some += shown > 0
+        far = maps.ways[0] == FAR
+        assert (maps.shown[0, :, far] == 0).all()
+    assert some > 20
 
 
-def test_rays_turn_with_the_map():
+def test_an_untrained_network_goes_by_what_views_show_for_what_they_cost(choices):
     torch.manual_seed(0)
-    sight, given = Sight(3, 4), torch.rand(2, 3, PLACES, PLACES)
-    sides = sight(given).chunk(SIDES, 1)
-    turned_sides = sight(torch.rot90(given, 1, (2, 3))).chunk(SIDES, 1)
-    for side in range(SIDES):
-        other = torch.rot90(sides[(side + 1) % SIDES], 1, (2, 3))
-        assert torch.allclose(turned_sides[side], other, atol=1e-5)
+    network = ViewNetwork((4, 4), looks=True)
+    for choice in choices[::8]:
+        values = network(choice["maps"])
+        shows = in_view(choice["maps"].shown.float())
+        few, many = (values[torch.isfinite(values) & part] for part in (shows < 0.01, shows > 0.05))
+        if len(few) and len(many):
+            assert many.mean() > few.mean() + 0.5
+
+
+def test_a_part_of_a_window_has_all_that_was_seen_and_some_ground_about_it(choices):
+    maps = ViewMaps(*(torch.cat(field) for field in zip(*(each["maps"] for each in choices), strict=True)))
+    part = box(maps)
+    near = cropped(maps, part)
+    assert (part.high % 8, part.wide % 8) == (0, 0)
+    assert part.high < PLACES
+    for whole, cut in zip(maps, near, strict=True):
+        if whole.dim() > 2 and whole.shape[-1] in (PLACES, 2 * PLACES):
+            kept = cut if cut.dim() == 4 else cut[:, None]
+            again = part.whole(kept, 0)
+            assert torch.equal(again.sum((2, 3)), kept.sum((2, 3)))
+            assert torch.equal(part.cut(again), kept)
+    seen = maps.blocks // LEVELS % LEVELS > 0
+    assert torch.equal(seen.sum((1, 2)), (near.blocks // LEVELS % LEVELS > 0).sum((1, 2)))
+    assert torch.equal((maps.ways != FAR).sum((1, 2)), (near.ways != FAR).sum((1, 2)))
+    sizes = seen.flatten(1).sum(1)[by_size(maps)].float()
+    assert sizes[: len(sizes) // 4].mean() < sizes[-len(sizes) // 4 :].mean()
 
 
 def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
@@ -344,7 +393,7 @@ def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
     reader.phase[:] = 1
     maps, (theirs, corners) = reader.read(EVERYONE), windows.read(EVERYONE)
     predict.register_forward_hook(lambda _, inputs, made: given.append((inputs, made)))
-    planes = foreseen(predict, maps)
+    planes = foreseen(predict, maps) / SIZES[:, None, None]
     (ours, _, starts), made = given[0]
     for e in EVERYONE:
         south, east = (reader.corners(EVERYONE)[e] - 1) // 2 - corners[e]
@@ -353,7 +402,7 @@ def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
         moved = np.roll(theirs[e] & 63, (-south, -east), (0, 1))
         assert np.array_equal(ours[e].numpy()[inner, inner], moved[inner, inner])
         assert np.abs(starts[e].numpy() + corners[e] + (south, east)).max() <= 1
-    assert torch.equal(planes[:, 0], made.floor.sigmoid())
+    assert (planes[:, 0] - made.floor.sigmoid()).abs().max() < 1 / 255
     looked = (maps.blocks // LEVELS**2 >= 3) & (made.target > -9)
     assert looked.any()
     assert (planes[:, 2][looked] == 0).all()
@@ -442,7 +491,6 @@ def test_closed_doors_are_refused_in_one_line():
         {"device": "cuda"},
         {"buffer_size": 0},
         {"focus": -1.0},
-        {"rays": -1},
     ],
 )
 def test_a_config_that_no_run_can_have_is_refused(changes):

@@ -1,0 +1,88 @@
+"""The part of a window that a network must read: what was seen, and some ground about it."""
+
+from types import EllipsisType
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+from agent.algorithms.search.windows import LEVELS, PLACES, ViewMaps
+
+MARGIN = 4
+"""Places about what was seen that are read too: 2.3 m at the default body."""
+
+UNIT = 8
+"""A part is a multiple of this many places high and wide: a network halves it three times."""
+
+
+class Box(NamedTuple):
+    """A part of each of n windows, all of one size."""
+
+    south: list[int]
+    """Places from each window's edges to its part's, to the south..."""
+
+    east: list[int]
+    """... and to the east."""
+
+    high: int
+    wide: int
+
+    def slices(self, scale: int) -> list[tuple[EllipsisType, slice, slice]]:
+        """Of each window, with so many rows and columns for each place."""
+        return [
+            (..., slice(scale * i, scale * (i + self.high)), slice(scale * j, scale * (j + self.wide)))
+            for i, j in zip(self.south, self.east, strict=True)
+        ]
+
+    def cut(self, field: Tensor) -> Tensor:
+        """The parts (n, ..., high, wide) of a field (n, ..., G, G); or of 2G, twice that."""
+        scale = field.shape[-1] // PLACES
+        made = field.new_empty((*field.shape[:-2], scale * self.high, scale * self.wide))
+        for n, part in enumerate(self.slices(scale)):
+            made[n] = field[n][part]
+        return made
+
+    def whole(self, field: Tensor, nothing: float) -> Tensor:
+        """Windows (n, ..., G, G) of their parts (n, ..., high, wide), ``nothing`` about; or of twice that."""
+        scale = field.shape[-2] // self.high
+        made = field.new_full((*field.shape[:-2], scale * PLACES, scale * PLACES), nothing)
+        for n, part in enumerate(self.slices(scale)):
+            made[n][part] = field[n]
+        return made
+
+
+def spans(maps: ViewMaps) -> Tensor:
+    """The places (n, 2, 2) int64 that windows must have, south and east: the first, and the one after the
+    last.
+    """
+    seen, found = maps.blocks >= LEVELS, []
+    for axis in (2, 1):
+        some = seen.any(axis).view(len(seen), PLACES, 2).any(2).byte()
+        first, last = some.argmax(1), PLACES - some.flip(1).argmax(1)
+        found.append(torch.stack([(first - MARGIN).clamp(min=0), (last + MARGIN).clamp(max=PLACES)], 1))
+    return torch.stack(found, 1)
+
+
+def box(maps: ViewMaps) -> Box:
+    """The smallest parts of these windows that have all that was seen, and ``MARGIN`` about it."""
+    first, last = spans(maps).unbind(2)
+    high, wide = (UNIT * -(-int(size) // UNIT) for size in (last - first).amax(0))
+    south, east = torch.minimum(first, torch.tensor([PLACES - high, PLACES - wide])).T.tolist()
+    return Box(south, east, high, wide)
+
+
+def by_size(maps: ViewMaps) -> Tensor:
+    """An order (n,) int64 in which windows with large parts are together."""
+    first, last = spans(maps).unbind(2)
+    return (last - first).prod(1).argsort(stable=True)
+
+
+def cropped(maps: ViewMaps, part: Box) -> ViewMaps:
+    """The parts of maps, as maps, without what their views are worth."""
+    fields = {
+        name: part.cut(field)
+        for name, field in maps._asdict().items()
+        if field.dim() >= 3 and field.shape[-1] >= PLACES and name != "worth"
+    }
+    start = maps.start - torch.tensor([part.south, part.east]).T
+    return maps._replace(start=start, **fields)

@@ -1,0 +1,139 @@
+"""Windows of maps about bodies, as the network that searches reads them."""
+
+from typing import NamedTuple
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+PLACES = 48
+"""Places along each side of a window, G: 27.5 m at the default body, which is at the one in the middle."""
+
+HEADINGS = 8
+
+FAR = -1
+"""Of a place to which no path is known."""
+
+LEVELS = 5
+"""A block has 0 to 4 cells that are so."""
+
+FORESEEN = 4
+"""What is foreseen of a block: see ``ViewNetwork.foresee``."""
+
+SCALE = 100.0
+"""Values are in targets per so many steps."""
+
+
+class ViewMaps(NamedTuple):
+    """Windows of n maps, G places a side and 2 G blocks; what is known beside them; and the label."""
+
+    blocks: Tensor
+    """(n, 2G, 2G) uint8: how many of a block's four cells are occupied, ``LEVELS`` times how many were seen,
+    and ``LEVELS`` squared times how many of these since the last pick-up."""
+
+    ages: Tensor
+    """(n, 2G, 2G) uint8: 0 for never seen, else 1 + 16 times the binary logarithm of the steps since, and
+    1."""
+
+    ways: Tensor
+    """(n, G, G) int16: nodes of the path to each place, ``FAR`` where none is known."""
+
+    finds: Tensor
+    """(n, G, G) uint8: targets picked up at each place."""
+
+    taken: Tensor
+    """(n, G, G) uint8, a bit a heading: the goals since the last pick-up."""
+
+    start: Tensor
+    """(n, 2) float32: where the episode began, places south and east of the first."""
+
+    scalars: Tensor
+    """(n, 3) float32: the share of the episode that is over, how long ago the last pick-up was, and how
+    many."""
+
+    heading: Tensor
+    """(n,) int64: the body's."""
+
+    worth: Tensor
+    """(n, 8, G, G) float16: what each view is worth in the true house, targets per ``SCALE`` steps; or
+    empty."""
+
+    foreseen: Tensor
+    """(n, ``FORESEEN``, 2G, 2G) uint8: see ``ViewNetwork.foresee``; or empty."""
+
+    shown: Tensor
+    """(n, 8, G, G) float16: the share of the targets that are expected in the window which each octant of a
+    place would show (``Looks``); or empty."""
+
+
+def empty(number: int) -> ViewMaps:
+    """Room for so many maps with labels."""
+    blocks, places = (number, 2 * PLACES, 2 * PLACES), (number, PLACES, PLACES)
+    return ViewMaps(
+        blocks=torch.zeros(blocks, dtype=torch.uint8),
+        ages=torch.zeros(blocks, dtype=torch.uint8),
+        ways=torch.zeros(places, dtype=torch.int16),
+        finds=torch.zeros(places, dtype=torch.uint8),
+        taken=torch.zeros(places, dtype=torch.uint8),
+        start=torch.zeros(number, 2),
+        scalars=torch.zeros(number, 3),
+        heading=torch.zeros(number, dtype=torch.int64),
+        worth=torch.zeros(number, HEADINGS, PLACES, PLACES, dtype=torch.float16),
+        foreseen=torch.zeros(number, FORESEEN, 2 * PLACES, 2 * PLACES, dtype=torch.uint8),
+        shown=torch.zeros(number, HEADINGS, PLACES, PLACES, dtype=torch.float16),
+    )
+
+
+def views(maps: ViewMaps) -> Tensor:
+    """Which views (n, 8, G, G) bool there is a path to, but for the one that the body has."""
+    here = (maps.ways == 0)[:, None] & F.one_hot(maps.heading, HEADINGS).bool()[:, :, None, None]
+    return (maps.ways != FAR)[:, None] & ~here
+
+
+def turned(maps: ViewMaps, quarters: int, mirrored: bool) -> ViewMaps:
+    """The same maps, turned by quarters counter-clockwise about the body, and then mirrored from east to
+    west. Where nothing of them comes to lie, nothing is known.
+    """
+    order = (torch.arange(HEADINGS) - 2 * quarters) & 7  # of a new heading, the one that it was
+    if mirrored:
+        order = order[(4 - torch.arange(HEADINGS)) & 7]
+
+    def turn(field: Tensor, nothing: int = 0) -> Tensor:
+        for _ in range(quarters):
+            field = _flipped(field.transpose(-2, -1), -2, nothing)
+        return _flipped(field, -1, nothing) if mirrored else field.contiguous()
+
+    heading = (maps.heading + 2 * quarters) & 7
+    south, east = maps.start.unbind(1)
+    for _ in range(quarters):
+        south, east = PLACES - east, south
+    if mirrored:
+        heading, east = (4 - heading) & 7, PLACES - east
+    bits = torch.arange(HEADINGS)[:, None, None]
+    was = maps.taken[:, None].int() >> order[:, None, None] & 1
+    return ViewMaps(
+        turn(maps.blocks),
+        turn(maps.ages),
+        turn(maps.ways, FAR),
+        turn(maps.finds),
+        turn((was << bits).sum(1).to(torch.uint8)),
+        torch.stack([south, east], 1),
+        maps.scalars,
+        heading,
+        *(
+            turn(field)[:, order]
+            if field.dim() == 4 and field.shape[1] == HEADINGS
+            else turn(field)
+            if field.dim() == 4
+            else field
+            for field in (maps.worth, maps.foreseen, maps.shown)
+        ),
+    )
+
+
+def _flipped(field: Tensor, axis: int, nothing: int) -> Tensor:
+    """A field (..., G, G) or (..., 2G, 2G) flipped about the place in the middle, G / 2."""
+    place = field.shape[axis] // PLACES
+    field = field.flip(axis).roll(place, axis)
+    field.narrow(axis, 0, place).fill_(nothing)
+    return field

@@ -1,0 +1,92 @@
+"""The released network that searches in tasks that it was not taught, for ``vitruvius bench learning --agent
+benchmarks.planner.taught:any_task --targets habit``: as it is, or with what the map completion of that task
+foresees in place of its own. Nothing is trained again.
+"""
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.algorithms.map_completion.marks import Marks
+from agent.algorithms.map_completion.network import CompletionNetwork
+from agent.algorithms.search.chooser import ViewChooser, by_parts
+from agent.algorithms.search.network import ViewNetwork, foreseen
+from agent.algorithms.search.windows import ViewMaps
+from agent.learning.config import TrainConfig
+from agent.learning.environments import shield
+from agent.planner import Planner
+from agent.policies.policies import Explorer, Tracker
+from agent.runs import checkpoint
+from sim import HouseVectorEnv
+from sim.config import Config
+
+AGENT = "search"
+
+
+def any_task(envs: HouseVectorEnv) -> Explorer:
+    """The released agent, as it is."""
+    return Explorer(
+        shield(envs), envs.config, chooser=ViewChooser(checkpoint.load(AGENT).network, envs.config)
+    )
+
+
+class Foreseeing:
+    """Makes the released agent with what another network foresees, of a released map completion by name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    @property
+    def config(self) -> TrainConfig:
+        """That of the other network's run, whose sensor it plays with."""
+        return checkpoint.load(self.name).config
+
+    def __call__(self, envs: HouseVectorEnv) -> Explorer:
+        """Its policy."""
+        network = checkpoint.load(AGENT).network
+        chooser = MarkedChooser(network, envs.config, checkpoint.load(self.name).network)
+        return Explorer(shield(envs), envs.config, tracker=Marking(envs.config, chooser=chooser))
+
+
+class Marking(Tracker):
+    """Keeps planners in step, and shows a chooser what the bodies see."""
+
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
+        """See ``Tracker``."""
+        if isinstance(self.chooser, MarkedChooser):
+            self.chooser.observation = observation
+        return super().look(observation, blocked)
+
+
+class MarkedChooser(ViewChooser):
+    """Chooses by what a network foresees that reads marks on the map too: kinds of pieces, finds."""
+
+    observation: Tensor
+
+    def __init__(self, network: ViewNetwork, world: Config, completion: CompletionNetwork) -> None:
+        super().__init__(network, world)
+        self.completion = completion
+        self.marks: Marks | None = None
+
+    def __call__(self, planner: Planner) -> None:
+        """See ``Chooser``."""
+        if self.marks is None or self.marks.planner is not planner:
+            self.marks = Marks(self.world, planner)
+        self.marks.note(self.observation)
+        super().__call__(planner)
+
+    def look(self, environments: np.ndarray, maps: ViewMaps) -> ViewMaps:
+        """See ``ViewChooser``."""
+        assert self.marks is not None
+        reader = self.reader_of(self.marks.planner)
+        # A window begins two cells before its first node, a block of marks at every other one.
+        corners = (reader.corners(environments) - 2) // 2
+        marks = torch.from_numpy(self.marks.read(environments, corners))
+        planes = by_parts(
+            lambda part: foreseen(self.completion, part, part.shown), maps._replace(shown=marks)
+        )
+        maps = maps._replace(foreseen=planes)
+        return maps._replace(shown=reader.looks(maps))
+
+
+habit, bed = Foreseeing("map-completion-habit"), Foreseeing("map-completion-bed")
