@@ -16,7 +16,7 @@ import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.sketch import Passage, Sketch, Space, polygons
 
 FORMAT = "a plan of CubiCasa5K"
 
@@ -83,9 +83,11 @@ def _polygon(group: ElementTree.Element) -> Polygon | None:
             ]
             points = list(zip(found[::2], found[1::2], strict=False))
             if len(points) >= 3 and any(a != b for a, b in pairwise(points)):
-                polygon = shapely.make_valid(Polygon(points))
-                parts = [each for each in shapely.get_parts(polygon) if isinstance(each, Polygon)]
-                return max(parts, key=lambda each: each.area, default=None)
+                try:
+                    return max(polygons(Polygon(points)), key=lambda each: each.area, default=None)
+                except (shapely.errors.ShapelyError, ValueError):
+                    what = f"{group.get('id')} {group.get('class')}".strip()
+                    raise RequestError(f"plan: the polygon of {what} is none") from None
     return None
 
 

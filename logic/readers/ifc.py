@@ -1,25 +1,27 @@
 """IFC (ISO 16739, buildingSMART): the spaces, doors and windows of a storey, by IfcOpenShell (extra ``ifc``).
 
-What they look like from above is taken, whatever solid they are of.
+What they look like from above is taken, whatever solid they are of: ``ifc_solids.py``.
 """
 
 import re
-from collections.abc import Iterator
+import subprocess
+import sys
+from importlib.util import find_spec
 from typing import Any
 
-import numpy as np
+import msgspec
 import shapely
-from shapely import Polygon
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.ifc_solids import Solids, main
+from logic.readers.sketch import Passage, Sketch, Space, polygons
 
 FORMAT = "IFC"
 
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'IFC", re.IGNORECASE)
 
-Triangles = np.ndarray
-"""(N, 3, 3) float64: corners in metres, z up."""
+SECONDS = 120
+"""How long IfcOpenShell may take."""
 
 
 def is_ifc(content: bytes, _: Any) -> bool:
@@ -29,75 +31,20 @@ def is_ifc(content: bytes, _: Any) -> bool:
 
 def read_ifc(content: bytes, _: Any) -> Sketch:
     """Spaces are rooms. Raises ``ModuleNotFoundError`` without IfcOpenShell."""
-    import ifcopenshell
-
-    if not content.rstrip().endswith(b"END-ISO-10303-21;"):
-        raise RequestError("plan: IFC that is damaged: its end is missing")
+    if find_spec("ifcopenshell") is None:
+        raise ModuleNotFoundError("IfcOpenShell reads IFC", name="ifcopenshell")
+    command = [sys.executable, "-P", "-c", f"from {main.__module__} import main; main()"]
     try:
-        model = ifcopenshell.file.from_string(content.decode("utf-8", errors="replace"))
-        spaces, doors, windows = (list(model.by_type(each)) for each in ("IfcSpace", "IfcDoor", "IfcWindow"))
-    except (RuntimeError, ValueError, TypeError) as error:
-        raise RequestError(f"plan: IFC that is damaged: {error}") from None
-    if not spaces:
-        raise RequestError("plan: IFC has an IfcSpace for each room: it has none: export it with spaces")
-    storeys = sorted({_storey(each) for each in spaces})
-    if len(storeys) > 1:
-        raise RequestError(
-            f"plan: it has {len(storeys)} storeys with spaces ({', '.join(storeys[:4])}): export one of them"
-        )
-    found = [(each, _solid(each)) for each in spaces]
-    floor, ceiling = (edge([each[:, :, 2].min() for _, each in found]) for edge in (min, max))
-    # Doors and windows of other storeys are in the file, too.
-    low, high = floor - 1.0, ceiling + max(np.ptp(each[:, :, 2]) for _, each in found)
-    outlines = [
-        [_outline(each) for each in map(_solid, some) if low < each[:, :, 2].mean() < high]
-        for some in (_with_shape(doors), _with_shape(windows))
+        done = subprocess.run(command, input=content, capture_output=True, timeout=SECONDS, check=False)
+        found = msgspec.json.decode(done.stdout, type=Solids)
+    except (subprocess.TimeoutExpired, msgspec.DecodeError):
+        raise RequestError("plan: IFC that IfcOpenShell cannot read: export it again") from None
+    if found.error:
+        raise RequestError(found.error)
+    spaces = [
+        Space(words[0], tuple(words), part)
+        for words, shape in found.spaces
+        for part in polygons(shapely.from_wkt(shape))
     ]
-    rooms = [space for each, solid in found for space in _rooms(each, solid)]
-    return Sketch(FORMAT, rooms, [Passage(each) for each in outlines[0]], outlines[1], north_up=True)
-
-
-def _storey(space: Any) -> str:
-    """The name of what a space is part of."""
-    whole = [each.RelatingObject for each in space.Decomposes or ()]
-    return str((whole[0].Name or whole[0].GlobalId) if whole else "no storey")
-
-
-def _rooms(space: Any, solid: Triangles) -> Iterator[Space]:
-    words = tuple(str(each) for each in (space.LongName, space.Name, space.ObjectType) if each)
-    for part in shapely.get_parts(_above(solid)):
-        if isinstance(part, Polygon):
-            yield Space(words[0] if words else "room", words or ("room",), part)
-
-
-def _with_shape(products: list[Any]) -> list[Any]:
-    return [each for each in products if each.Representation]
-
-
-def _solid(product: Any) -> Triangles:
-    """The surface of a product, in metres."""
-    import ifcopenshell.geom
-
-    settings = ifcopenshell.geom.settings()
-    settings.set("use-world-coords", True)
-    try:
-        mesh: Any = ifcopenshell.geom.create_shape(settings, product)
-        corners = np.array(mesh.geometry.verts).reshape(-1, 3)
-        triangles = corners[np.array(mesh.geometry.faces, dtype=int).reshape(-1, 3)]
-    except (RuntimeError, ValueError, TypeError):
-        triangles = np.empty((0, 3, 3))
-    if not len(triangles):
-        what = f"{product.is_a()} {getattr(product, 'LongName', None) or product.Name or product.GlobalId}"
-        raise RequestError(f"plan: {what} has no solid that can be read: give it one, or leave it out")
-    return triangles
-
-
-def _above(solid: Triangles) -> shapely.Geometry:
-    """What a solid covers, seen from above."""
-    flat = [each for each in map(Polygon, solid[:, :, :2]) if each.area > 1e-6]
-    return shapely.union_all(flat, grid_size=1e-4)
-
-
-def _outline(solid: Triangles) -> shapely.Geometry:
-    """Around what a door or window covers."""
-    return shapely.convex_hull(shapely.MultiPoint(solid[:, :, :2].reshape(-1, 2)))
+    passages = [Passage(each) for each in map(shapely.from_wkt, found.doors)]
+    return Sketch(FORMAT, spaces, passages, list(map(shapely.from_wkt, found.windows)), north_up=True)

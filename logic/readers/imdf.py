@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely import Polygon
 from shapely.geometry import shape
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.sketch import Passage, Sketch, Space, polygons
 
 FORMAT = "IMDF"
 
@@ -77,16 +76,17 @@ def _spaces(unit: Any) -> Iterable[Space]:
     labels = properties.get("name")
     named = [str(each) for each in labels.values() if each] if isinstance(labels, Mapping) else []
     category = str(properties.get("category") or "")
-    for part in shapely.get_parts(shapely.make_valid(_geometry(unit))):
-        if isinstance(part, Polygon) and part.area > 0:
-            yield Space((named or [category])[0], (*named, category), part)
+    for part in polygons(_geometry(unit)):
+        yield Space((named or [category])[0], (*named, category), part)
 
 
 def _geometry(feature: Any) -> Any:
     try:
-        return shape(feature["geometry"])
+        found = shape(feature["geometry"])
+        list(polygons(found))  # whether it can be
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
         raise RequestError(f"plan: the geometry of {_kind(feature)} {feature.get('id')} is none") from None
+    return found
 
 
 def _kind(feature: Any) -> Any:

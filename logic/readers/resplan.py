@@ -4,7 +4,7 @@ The data set is a pickle, which runs what its writer wants, so it is not read he
 ``json.dump(plan, file, default=shapely.geometry.mapping)``; in Python ``generate`` takes the plan itself.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import shapely
@@ -12,7 +12,7 @@ from shapely import Polygon
 from shapely.geometry import shape
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.sketch import Passage, Sketch, Space, polygons
 
 FORMAT = "a plan of ResPlan"
 
@@ -59,14 +59,6 @@ def _is_geometry(value: Any) -> bool:
 
 def _polygons(key: str, value: Any) -> list[Polygon]:
     try:
-        return list(_parts(shapely.make_valid(shape(value))))
+        return list(polygons(shape(value)))
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
         raise RequestError(f"plan: {key} of {FORMAT} is no geometry of GeoJSON") from None
-
-
-def _parts(geometry: Any) -> Iterator[Polygon]:
-    for part in shapely.get_parts(geometry):
-        if isinstance(part, Polygon):
-            yield part
-        elif hasattr(part, "geoms"):
-            yield from _parts(part)

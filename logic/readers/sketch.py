@@ -1,8 +1,14 @@
 """What readers make of a file of another program: rooms as polygons, doors and windows, in its units."""
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+import numpy as np
+import shapely
 from shapely import Geometry, Polygon
+
+FAR = 1e8
+"""In units of a file: as far from the origin as coordinates of maps are."""
 
 
 class Space(NamedTuple):
@@ -43,3 +49,19 @@ def numbers(value: Any, least: int) -> list[float] | None:
     if not all(type(each) in (int, float) and abs(each) < 1e6 for each in value):
         return None
     return [float(each) for each in value]
+
+
+def polygons(shape: Geometry) -> Iterator[Polygon]:
+    """The polygons of a geometry, made valid. Raises ``ValueError`` for numbers that are too large."""
+    if not np.all(np.abs(shapely.get_coordinates(shape)) < FAR):
+        raise ValueError("numbers are too large")
+    yield from _polygons(shapely.make_valid(shape))
+
+
+def _polygons(shape: Geometry) -> Iterator[Polygon]:
+    for part in shapely.get_parts(shape):
+        if isinstance(part, Polygon):
+            if part.area > 0:
+                yield part
+        elif shapely.get_num_geometries(part) > 0 and shapely.get_type_id(part) > 3:
+            yield from _polygons(part)

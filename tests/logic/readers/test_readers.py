@@ -335,7 +335,9 @@ def test_a_door_beside_the_end_of_a_wall_is_as_wide_as_it_is_drawn(tmp_path: Pat
     assert found.y == 0
 
 
-def test_ifc_without_rooms_of_one_storey_says_what_would_do(homes: list[House], tmp_path: Path) -> None:
+def test_ifc_without_rooms_of_one_storey_says_what_would_do(
+    homes: list[House], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     content = WRITERS["ifc"](homes[0], np.random.default_rng(0), 0.0)
     with pytest.raises(RequestError, match="an IfcSpace for each room: it has none"):
         written(tmp_path, content.replace(b"IFCSPACE(", b"IFCZONE("))
@@ -351,5 +353,9 @@ def test_ifc_without_rooms_of_one_storey_says_what_would_do(homes: list[House], 
         written(tmp_path, content.replace(storey[0], upper + parts))
     with pytest.raises(RequestError, match=r"IfcSpace .* has no solid that can be read"):
         written(tmp_path, content.replace(b"IFCEXTRUDEDAREASOLID(", b"IFCSURFACECURVESWEPTAREASOLID("))
+    monkeypatch.setattr("logic.readers.ifc.SECONDS", 0.01)
+    with pytest.raises(RequestError, match="IfcOpenShell cannot read: export it again"):
+        written(tmp_path, content)
+    monkeypatch.undo()
     with pytest.raises(RequestError, match="damaged: its end is missing"):
         written(tmp_path, content[:2000])
