@@ -59,8 +59,8 @@ def test_what_needs_taichi_takes_the_device_that_runs(monkeypatch):
 
 def test_a_gpus_memory_is_not_looked_into(monkeypatch):
     start()
-    array = Array(ti.i32, 3)
     monkeypatch.setattr(runtime, "on_gpu", lambda: True)
+    array = Array(ti.i32, 3)
     with pytest.raises(RuntimeError, match="cannot look into a GPU's memory"):
         array.view()
 
