@@ -27,7 +27,7 @@ LEAST = 0.02
 """The probability of getting so far below which a ray is not followed."""
 
 
-class Looks:
+class ViewLooks:
     """Casts rays over the maps of E planners."""
 
     def __init__(self, arrays: dict[str, Array], config: PlannerConfig, body: BodyModel, count: int) -> None:

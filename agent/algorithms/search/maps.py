@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.algorithms.search.looks import UNREACHED, Looks
+from agent.algorithms.search.looks import UNREACHED, ViewLooks
 from agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps
 from agent.planner import Planner
 from agent.planner.arrays import PlannerArrays
@@ -51,7 +51,7 @@ class MapReader:
         }
         self.arrays = planner.arrays | own
         self._read = Launch(_kernel(start(), planner.config, planner.body), self.arrays)
-        self.looks = Looks(self.arrays, planner.config, planner.body, count)
+        self.looks = ViewLooks(self.arrays, planner.config, planner.body, count)
 
     def note(self) -> None:
         """Note pick-ups after a step; forget the finds of episodes that ended."""

@@ -63,7 +63,7 @@ class ViewMaps(NamedTuple):
 
     shown: Tensor
     """(n, 8, G, G) float16: the share of the targets that are expected in the window which each octant of a
-    place would show (``Looks``); or empty."""
+    place would show (``ViewLooks``); or empty."""
 
 
 def empty(number: int) -> ViewMaps:

@@ -603,7 +603,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a free square that is no length",
         "turning(bathroom, large).",
-        "turning(bathroom,large) is not a number of metres, 0 or more",
+        "turning(bathroom, large) is not a number of metres, 0 or more",
     ),
     appended(
         "a free square that is larger than its rooms",
