@@ -196,10 +196,12 @@ class GivenPlanMaker(SharedWallsMaker):
         plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed))
         # What the plan has stays in its place.
         kept = {frozenset(door.between): door for door in self.plan.doors}
+        opened = [{each.number for each in atom.arguments} for atom in layout if atom.name == "open_to"]
         plan.doors = [
-            PlanDoor(*sides(drawn), door.between, drawn.opening)
+            PlanDoor(
+                *sides(kept.get(frozenset(plan.between(door)), door)), door.between, {*door.between} in opened
+            )
             for door in plan.doors
-            for drawn in [kept.get(frozenset(plan.between(door)), door)]
         ]
         if self.plan.windows:
             numbers = {room.name: room.number for room in rooms}
@@ -216,6 +218,10 @@ def _meetings(plan: OwnPlan) -> HouseFacts:
             found.append(Function("outside", [room, Function(wall.side)]))
         else:
             found.append(Function("touch", [room, Number(wall.behind)]))
+    for door in plan.doors:
+        wall = None if door.opening else plan.wall_of(door)
+        if wall and wall.behind is not None:
+            found.append(Function("leaf", [Number(wall.room), Number(wall.behind)]))
     panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
     found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
     return [(fact, ()) for fact in dict.fromkeys(found)]

@@ -576,7 +576,10 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
         for count in counts:
             count.cancel()
         house = MakeHouse(request=Request(1).to_dict(), seed=0, index=0, inferences=10**8)
-        made = lambda worker: worker.asked(house, Made, PATIENCE, "late")  # noqa: E731
+
+        def made(worker: Any) -> Made:
+            return worker.asked(house, Made, PATIENCE, "late")
+
         assert (await asyncio.wait_for(pool.ask(made), PATIENCE)).house
         pool.end()
         with pytest.raises(Stale):

@@ -5,6 +5,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 
 from logic import Unsatisfiable, check
 from logic.drawing.door_leaves import door_leaves
@@ -91,6 +92,10 @@ def test_a_plan_s_own_doors_stay_as_they_are_drawn(builder: Builder) -> None:
     assert {door.between: (door.box, door.opening) for door in again.doors} == {
         door.between: (door.box, door.opening) for door in house.doors
     }
+    shut = tuple(structs.replace(door, opening=False) for door in house.doors)
+    house = builder.house(Request(5, plan=OwnPlan(house.rooms, shut)), 1, 0, INFERENCES)
+    assert not any(door.opening for door in house.doors)
+    assert check(house) == []
     walls = OwnPlan(house.rooms)
     for seed in range(3):
         other = builder.house(Request(5, plan=walls), seed, 0, INFERENCES)
@@ -150,3 +155,18 @@ def test_a_proof_names_the_size_of_an_opening_that_the_rooms_are_too_small_for(t
         house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
     assert all(each in reasons for each in ("opening_size(bath", "room_area(bath", "opening(hall,bath)"))
+
+
+def test_a_proof_names_the_door_that_a_plan_has_where_a_rule_asks_for_an_opening(tmp_path: Path) -> None:
+    (tmp_path / "rooms.lp").write_text(TINY + ":- room(R,bath), not open_to(R,Q) : room(Q,hall).\n")
+    sizes = TINY_SIZES.replace("L, _) :- { L >= 3.1, L =< 3.15 }", "L, Wall) :- { L >= 0.8, L =< Wall }")
+    (tmp_path / "sizes.pl").write_text(sizes)
+    builder = Builder(find(tmp_path))
+    house = builder.house(Request(2), 0, 0, INFERENCES)
+    assert [door.opening for door in house.doors if not door.is_entrance] == [True]
+    shut = tuple(structs.replace(door, opening=False) for door in house.doors)
+    with pytest.raises(Unsatisfiable) as caught:
+        house_or_proof(builder, Request(2, plan=OwnPlan(house.rooms, shut)), 0, 0, INFERENCES)
+    reasons = [reason.text for reason in caught.value.reasons]
+    assert any("plan: a door joins" in text for text in reasons)
+    assert any("open_to" in text for text in reasons)
