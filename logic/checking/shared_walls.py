@@ -103,7 +103,7 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
         ):
             yield Fault(f"{name}: {one} and {other} do not open into each other", names)
-        if promises.opens and door.opening and not promises.are_open(one, other):
+        if promises.openings and door.opening and not promises.are_open(one, other):
             yield Fault(f"{name}: has no leaf (must have one)", names)
     for one, other in combinations(house.doors, 2):
         if _meet(one, other) and not (one.opening and other.opening and _apart(one, other)):

@@ -127,8 +127,13 @@ class Builder:
         if key not in self._promises:
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture)
             self._promises[key] = promised(program, *found, self.grammar.shares_walls)
+        stated = self._promises[key]
+        if request.plan and any(door.opening for door in request.plan.doors):
+            stated = msgspec.structs.replace(
+                stated, openings={}
+            )  # drawn ones stay, between rooms of any types
         labels = {room.label for room in request.brief.rooms if room.label} if request.brief else ()
-        return labelled(self._promises[key], labels) if labels else self._promises[key]
+        return labelled(stated, labels) if labels else stated
 
     def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
         return Provenance(

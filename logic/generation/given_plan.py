@@ -219,9 +219,10 @@ def _meetings(plan: OwnPlan) -> HouseFacts:
         else:
             found.append(Function("touch", [room, Number(wall.behind)]))
     for door in plan.doors:
-        wall = None if door.opening else plan.wall_of(door)
+        wall = plan.wall_of(door)
         if wall and wall.behind is not None:
-            found.append(Function("leaf", [Number(wall.room), Number(wall.behind)]))
+            kind = "bare" if door.opening else "leaf"
+            found.append(Function(kind, [Number(wall.room), Number(wall.behind)]))
     panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
     found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
     return [(fact, ()) for fact in dict.fromkeys(found)]

@@ -53,7 +53,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     opens: dict[str, tuple[str, ...]] = {}
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
     openings: dict[str, tuple[str, ...]] = {}
-    """Between rooms of which types, the first and others, a door may be without a leaf."""
+    """Between rooms of which types alone, the first and others, a door may be without a leaf."""
     entrance: bool = False
     """Whether a house has a door to the outside."""
     public: tuple[str, ...] = ()

@@ -110,7 +110,7 @@ def _joints(drawn: Regular, inner: Sequence[Wall], names: Sequence[str]) -> Iter
     for wall in inner:
         between = names[wall.room], names[wall.behind or 0]
         if between in drawn.joints or between[::-1] in drawn.joints:
-            yield Door(*_segment(wall, wall.start, wall.end - wall.start), between)
+            yield Door(*_segment(wall, wall.start, wall.end - wall.start), between, opening=True)
 
 
 def _unreached(names: Sequence[str], doors: Sequence[Door]) -> list[str]:

@@ -105,7 +105,8 @@ class PlanWitness(Witness):
         (atom,) = [each for each in self._atoms("door", one) if each.arguments[1] == other]
         by_it = Function("from", [one, other]) in self._model
         variable = Function("entry", [one]) if by_it else Function("also", [one, other])
-        about = f"the door between {' and '.join(self._named(name) for name in door.between)}"
+        kind = "opening" if door.opening else "door"
+        about = f"the {kind} between {' and '.join(self._named(name) for name in door.between)}"
         return self._opening(target, about, [atom], [variable], door, until)
 
     def _entrance(self, target: str, door: Door, until: float) -> Iterator[Why]:

@@ -157,6 +157,17 @@ def test_a_proof_names_the_size_of_an_opening_that_the_rooms_are_too_small_for(t
     assert all(each in reasons for each in ("opening_size(bath", "room_area(bath", "opening(hall,bath)"))
 
 
+def test_an_opening_that_a_plan_has_stays_one_whatever_the_grammar_says(builder: Builder) -> None:
+    (house,) = made(Builder(builder.grammar), range(1), (5,))
+    drawn = OwnPlan(house.rooms, house.doors, house.windows)
+    again = Builder(find("home")).house(Request(5, plan=drawn), 0, 0, INFERENCES)
+    assert check(again) == []
+    assert any(door.opening for door in again.doors)
+    assert {door.between: (door.box, door.opening) for door in again.doors} == {
+        door.between: (door.box, door.opening) for door in house.doors
+    }
+
+
 def test_a_proof_names_the_door_that_a_plan_has_where_a_rule_asks_for_an_opening(tmp_path: Path) -> None:
     (tmp_path / "rooms.lp").write_text(TINY + ":- room(R,bath), not open_to(R,Q) : room(Q,hall).\n")
     sizes = TINY_SIZES.replace("L, _) :- { L >= 3.1, L =< 3.15 }", "L, Wall) :- { L >= 0.8, L =< Wall }")
