@@ -1,5 +1,6 @@
 """Plans of other programs: which can be read, each known by its content, and made rooms side by side."""
 
+from codecs import BOM_UTF8
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -29,5 +30,6 @@ READERS = (
 
 def sketch(content: bytes, record: Any) -> Sketch | None:
     """A plan of one of ``READERS``; None for another file. Raises ``RequestError`` for what is none."""
+    content = content.removeprefix(BOM_UTF8)
     reader = next((each for each in READERS if each.recognises(content, record)), None)
     return reader and reader.read(content, record)

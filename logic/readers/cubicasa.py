@@ -62,7 +62,7 @@ def read_cubicasa(content: bytes, _: Any) -> Sketch:
                 doors.append(Passage(polygon))
             else:
                 windows.append(polygon)
-    guessed = "" if units else f"no label of a room says its size, so a pixel is {PIXEL:g} m: --plan-unit"
+    guessed = "" if units else f"no label says the size of a room, so a pixel is taken to be {PIXEL:g} m"
     return Sketch(FORMAT, spaces, doors, list(windows), median(units) if units else PIXEL, guessed=guessed)
 
 

@@ -61,7 +61,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
     Raises ``RequestError`` for what no house can hold: where, and what would do.
     """
     noise = max(snap, 0.01)
-    notes = [sketch.guessed] if sketch.guessed and not unit else []
+    notes = [f"{sketch.guessed}: if it is not, say --plan-unit"] if sketch.guessed and not unit else []
     kinds = [meant(space.words) for space in sketch.spaces]
     spaces = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind != NO_ROOM]
     others = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind == NO_ROOM]
@@ -73,14 +73,16 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
         {space.words[0] for space, (_, known) in zip(sketch.spaces, kinds, strict=True) if not known}
     )
     if unknown:
-        notes.append(f"not known, so they are of any type: {', '.join(unknown[:8])}")
+        notes.append(f"words of no known type, so these rooms may have any: {', '.join(unknown[:8])}")
     if others:
-        notes.append(f"passed over, since no rooms: {', '.join(sorted({each.name for each in others})[:8])}")
+        notes.append(
+            f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
+        )
     metres = metres_to(unit) if unit else sketch.unit
-    _require_sizes([each.shape for each in spaces], metres, sketch.format)
+    _require_sizes([each.shape for each in spaces], metres, sketch.format, unit)
     turn = _turn([affinity.scale(each.shape, metres, metres, origin=(0, 0)) for each in spaces])
     if abs(turn) > TURNED:
-        notes.append(f"turned by {turn:.1f} degrees, along the axes")
+        notes.append(f"turned back by {turn:.1f} degrees, so that its walls run along the axes")
     upright = _upright(spaces, metres, turn if abs(turn) > TURNED else 0.0, sketch.north_up)
     names = unlike(space.name or space.words[0] or "room" for space in spaces)
     named = list(zip(names, spaces, strict=True))
@@ -164,8 +166,8 @@ def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
         yield own
 
 
-def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str) -> None:
-    """Refuse rooms whose sizes are no rooms' in metres."""
+def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: str | None) -> None:
+    """Refuse rooms whose sizes are no rooms' in metres; ``unit`` is what the user says."""
     sides = [
         metres * side
         for west, south, east, north in (shape.bounds for shape in shapes)
@@ -174,9 +176,9 @@ def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str) -> Non
     middle = median(sides)
     if not SIZES[0] <= middle <= SIZES[1]:
         off = "shorter" if middle < 1 else "longer"
+        why = f"{unit} is not its unit: say another" if unit else "these are no rooms in metres: say"
         raise RequestError(
-            f"plan: half of the sides of rooms of {format} are {off} than {middle:.2g} m: these are no "
-            "rooms in metres: say --plan-unit"
+            f"plan: half of the sides of rooms of {format} are {off} than {middle:.2g} m: {why} --plan-unit"
         )
 
 

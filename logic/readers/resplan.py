@@ -44,7 +44,7 @@ def read_resplan(_: bytes, record: Any) -> Sketch:
     inner, area = sum(each.area for each in _of(record, "inner")), record.get("area")
     if isinstance(area, int | float) and area > 0 and inner > 0:
         return Sketch(FORMAT, spaces, doors, _of(record, "window"), (float(area) / inner) ** 0.5)
-    guessed = "it has no area that says its unit, so this is a metre: --plan-unit"
+    guessed = "it has no area that says its unit, so that is taken to be a metre"
     return Sketch(FORMAT, spaces, doors, _of(record, "window"), guessed=guessed)
 
 

@@ -1,6 +1,7 @@
 """Which type of room other programs' words mean: the table ``types.json``."""
 
 import json
+import unicodedata
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -26,5 +27,5 @@ def _table() -> dict[str, str]:
 
 
 def _letters(word: str) -> str:
-    """Alike for ``Living_Room``, ``living room 2`` and ``LivingRoom``."""
-    return "".join(each for each in word.casefold() if each.isalpha())
+    """Alike for ``Living_Room``, ``living room 2`` and ``LivingRoom``, and however Unicode composes it."""
+    return "".join(each for each in unicodedata.normalize("NFKC", word).casefold() if each.isalpha())

@@ -35,7 +35,7 @@ from logic.request.snapping import snapped
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
-"""What is read of a GeoJSON file."""
+"""What is read of a file, unpacked."""
 
 SNAP, MOST_SNAP = 0.01, 0.5
 """Metres within which edges are one wall, and how much that may be."""
@@ -119,6 +119,8 @@ def _read(source: str | Path | House | Mapping[str, Any]) -> House | Sketch | Ma
 
 def _from_file(path: Path) -> House | Sketch | dict[str, Any]:
     content = _content(path)
+    if len(content) > MOST_BYTES:
+        raise HouseFileError(f"{path}: more than {MOST_BYTES >> 20} MiB: a plan is of one house")
     try:
         record = json.loads(content)
     except (ValueError, RecursionError):
@@ -140,7 +142,7 @@ def _content(path: Path) -> bytes:
     """What a file or the standard input holds; nothing where it cannot be read: ``load`` says why."""
     try:
         with opened(path) as file:
-            return file.read(MOST_BYTES)
+            return file.read(MOST_BYTES + 1)
     except (OSError, EOFError, zlib.error):
         return b""
 

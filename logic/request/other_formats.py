@@ -32,7 +32,7 @@ XML = {b"svg": "an SVG picture", b"kml": "KML", b"gml": "GML", b"mxfile": "a dia
 JSON = {"Topology": "TopoJSON", "CityJSON": "CityJSON"}
 """What JSON is, by its ``type``."""
 
-READ = "a plan is GeoJSON or a house file of one house, or another of those in docs/house-file.md"
+READ = "a plan is a house file of one house, GeoJSON, or of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC"
 
 
 def named(content: bytes) -> str | None:

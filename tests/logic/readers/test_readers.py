@@ -1,7 +1,9 @@
 """Plans of other programs are read to rooms, doors and windows; what is none says where and what would do."""
 
+import codecs
 import json
 import re
+import unicodedata
 import warnings
 import zipfile
 from collections.abc import Iterator
@@ -16,6 +18,7 @@ from shapely.geometry import mapping
 from logic import House, HouseFileError, PlanWarning, RequestError, load
 from logic.layout.terms import own_requirements
 from logic.readers import READERS
+from logic.readers.types import meant
 from logic.request.given_plan import read_plan
 from logic.request.own_plan import OwnPlan
 from tests.logic.readers.written import WALL, WORDS, WRITERS, resplan_record
@@ -213,16 +216,35 @@ def test_what_is_no_room_is_passed_over_and_a_door_to_it_is_a_window(tmp_path: P
         '<g id="Door"><polygon points="600,100 600,180 610,180 610,100"/></g>'
     )
     balcony = ("Outdoor Balcony", [(0, -2), (3, -2), (3, -0.1), (0, -0.1)])
-    with pytest.warns(PlanWarning, match="passed over, since no rooms: Outdoor"):
+    with pytest.warns(PlanWarning, match="passed over, as they are no rooms: Outdoor"):
         plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Entry", HALL), balcony, more=doors))
     assert [window.room for window in plan.windows] == ["LivingRoom"]
     assert [door.between for door in plan.doors] == [("Entry", "outside")]
 
 
 def test_a_word_that_no_table_has_is_a_room_of_any_type(tmp_path: Path) -> None:
-    with pytest.warns(PlanWarning, match="not known, so they are of any type: Ballroom"):
+    with pytest.warns(PlanWarning, match="words of no known type, so these rooms may have any: Ballroom"):
         plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Ballroom", HALL)))
     assert [room.type for room in plan.rooms] == ["living", ""]
+
+
+@pytest.mark.parametrize("form", ["NFC", "NFD", "NFKD"])
+def test_a_word_means_its_type_however_unicode_composes_it(form: Any) -> None:
+    assert meant([unicodedata.normalize(form, "Küche")]) == ("kitchen", True)
+    assert meant(["部屋", "🛏️", "Gäste-WC"]) == ("wc", True)
+
+
+def test_a_byte_order_mark_changes_no_plan(homes: list[House], tmp_path: Path) -> None:
+    for format in ("houseexpo", "resplan", "cubicasa", "ifc"):
+        content = WRITERS[format](homes[0], np.random.default_rng(0), 0.01)
+        assert written(tmp_path, codecs.BOM_UTF8 + content) == written(tmp_path, content)
+
+
+def test_a_file_that_is_too_large_is_said_to_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model that was cut there would be said to be damaged."""
+    monkeypatch.setattr("logic.request.given_plan.MOST_BYTES", 1 << 20)
+    with pytest.raises(HouseFileError, match="more than 1 MiB: a plan is of one house"):
+        written(tmp_path, b"ISO-10303-21;\nFILE_SCHEMA(('IFC4'));\n" + bytes(1 << 20))
 
 
 @pytest.mark.parametrize(("unit", "width"), [(None, 2.1), ("0.02", 4.2), ("mm", None)])
@@ -231,7 +253,9 @@ def test_a_unit_that_is_said_is_taken_for_that_of_the_file(
 ) -> None:
     (tmp_path / "plan").write_bytes(svg(("LivingRoom", LIVING), ("HallWay", HALL)))
     if width is None:
-        with pytest.raises(RequestError, match=r"half of the sides of rooms .* are shorter than 0\.4 m"):
+        with pytest.raises(
+            RequestError, match=r"are shorter than 0\.4 m: mm is not its unit: say another --plan-unit"
+        ):
             read_plan(tmp_path / "plan", unit)
         return
     rooms = {room.name: room for room in read_plan(tmp_path / "plan", unit).rooms}

@@ -100,7 +100,7 @@ def test_another_format_is_named_with_what_to_do(kind: str, name: str, tmp_path:
         read_plan(tmp_path / name)
     said = str(refused.value)
     assert kind.split(maxsplit=1)[0] in said
-    assert "a plan is GeoJSON or a house file" in said
+    assert "a plan is a house file of one house, GeoJSON, or of HouseExpo" in said
     assert "\n" not in said
 
 
