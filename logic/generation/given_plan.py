@@ -221,7 +221,7 @@ def _meetings(plan: OwnPlan) -> HouseFacts:
     for door in plan.doors:
         wall = plan.wall_of(door)
         if wall and wall.behind is not None:
-            kind = "bare" if door.opening else "leaf"
+            kind = "leafless" if door.opening else "leaf"
             found.append(Function(kind, [Number(wall.room), Number(wall.behind)]))
     panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
     found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
