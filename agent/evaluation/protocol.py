@@ -26,6 +26,7 @@ from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
 from sim.config import PRESETS, Config
 from sim.tasks.tasks import task
+from sim.tasks.terms import counted
 from sim.tasks.words import in_words
 
 
@@ -94,7 +95,8 @@ class Setting:
         self, houses: Sequence[House], mode: str, sensor: Config, backend: str, count: int | None = None
     ) -> None:
         """That many environments over these houses, or one for each, with targets of this mode."""
-        self._make = partial(make_envs, houses, count or len(houses), mode, preset=sensor, backend=backend)
+        wanted = counted(task(mode))  # what is measured is what is picked up, whatever a task rewards
+        self._make = partial(make_envs, houses, count or len(houses), wanted, preset=sensor, backend=backend)
 
     @cached_property
     def envs(self) -> HouseVectorEnv:

@@ -14,14 +14,14 @@ from logic import House, HouseFileError, RequestError
 from logic.spelling import keywords
 from sim import HouseVectorEnv
 from sim.config import Config
-from sim.tasks.tasks import suited, task
+from sim.tasks.tasks import Targets, suited, task
 
 
 @keywords(config="preset", mode="targets", num_envs="number")
 def make_envs(
     houses: Sequence[House],
     number: int,
-    targets: str = "main",
+    targets: Targets = "main",
     *,
     preset: str | Config = "default",
     backend: str = "continuous",

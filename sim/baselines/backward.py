@@ -136,7 +136,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             state, count = loaded(world, e), 0
             while not state.over:
                 action = ti.max(0, search.choose(world, searches, s, e, state))
-                state, picked, _, _, _ = episodes.advance(world, e, state, action)
+                state, _, picked, _, _, _ = episodes.advance(world, e, state, action)
                 count += picked
             store(world, e, state)
             answer[s] = count

@@ -15,6 +15,7 @@ from sim.backends.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.geometry import check_lengths
 from sim.tasks.tasks import PAPER, AnyTask, Targets, named, task
+from sim.tasks.terms import terms_of
 
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
@@ -65,11 +66,13 @@ def read_arguments(
     """
     device = DEVICES.get(str(device), str(device))  # torch's too: torch.device("cuda:0")
     require("device", device, DEVICES)
+    wanted = task(targets)
+    if max_episode_steps is None:
+        max_episode_steps = terms_of(wanted).steps or None
     config = configuration(preset, max_episode_steps)
     if render_mode not in (None, *metadata["render_modes"]):
         raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
     make, bank = backend_class(backend), house_list(houses)
-    wanted = task(targets)
     check_lengths(bank)
     return Arguments(make.fit(config, bank), make, bank, wanted, device)
 

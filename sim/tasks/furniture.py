@@ -5,7 +5,7 @@ All kinds of rooms and pieces come from the houses' own data.
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Protocol, runtime_checkable
 
 import msgspec
@@ -14,6 +14,7 @@ from logic import House
 from logic.spelling import unknown
 from sim.backends.kinds import pieces_in
 from sim.geometry import Box
+from sim.tasks.terms import PLAIN, Terms
 
 BESIDE = 0.75
 """Metres from a piece to the outer edge of a target beside it at most: the default target is 0.538 m wide."""
@@ -54,6 +55,7 @@ class Object:
     """Find a piece of a kind: a target lies directly beside one, and picking it up ends the episode."""
 
     piece: str
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -93,6 +95,7 @@ class Habit:
 
     share: float = 0.65
     seed: int = 0
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""What an episode asks of the body: where its targets lie, and whether one pick-up is all.
+"""What an episode asks of the body: where its targets lie, what is rewarded, and when it ends.
 
 A new task is a class of a few lines, given to an environment as ``targets=``:
 
@@ -14,7 +14,7 @@ A new task is a class of a few lines, given to an environment as ``targets=``:
 import importlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -25,6 +25,7 @@ from logic.spelling import unknown
 from sim.config import PIXEL
 from sim.geometry import Box
 from sim.tasks.furniture import Habit, Object, WeightedTask
+from sim.tasks.terms import PLAIN, Terms
 
 UNITS = {"m": 1.0, "px": PIXEL}
 """Metres in a unit of length."""
@@ -33,8 +34,9 @@ UNITS = {"m": 1.0, "px": PIXEL}
 class Task(Protocol):
     """Targets appear one after the other in some spaces of a house; picking one up earns 1.
 
-    It may have ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and
-    ``suits(house)``, whether it can be played in a house.
+    It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``; also
+    ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and ``suits(house)``,
+    whether it can be played in a house.
     """
 
     ends_on_pick_up: ClassVar[bool]
@@ -78,6 +80,7 @@ class Points:
     start: Sequence[float] | None = None
     """(x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
     unit: str = "m"
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -112,6 +115,7 @@ class Collect:
 
     main: bool = True
     secondary: bool = True
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def spaces(self, house: House) -> list[Box]:
@@ -130,6 +134,7 @@ class Rooms:
     """Pick up targets, as many as can be, in rooms of these types."""
 
     rooms: Sequence[str]
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -147,6 +152,7 @@ class Reach:
     """Reach a room of a type: a target lies in one of those, and picking it up ends the episode."""
 
     room: str
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = True
 
     def spaces(self, house: House) -> list[Box]:
@@ -195,16 +201,37 @@ def task(targets: Targets) -> AnyTask:
         return given
     arguments = dict(given)
     name = arguments.pop("task", next((short for short in ("rooms", "points") if short in arguments), None))
-    if name not in TASKS and (not isinstance(name, str) or ":" not in name):
+    if name not in [*TASKS, *TARGETS] and (not isinstance(name, str) or ":" not in name):
         names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(
             f"targets: {unknown('task', name, names)}, module:Class, and"
             f' {{"task": ...}} with {", ".join(TASKS)} or module:Class'
         )
     try:
+        if "terms" in arguments:
+            arguments["terms"] = read_terms(arguments["terms"])
+        if name in TARGETS and name not in TASKS:
+            return replace(TARGETS[name], **arguments)
         return (TASKS.get(name) or named(name))(**arguments)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
+
+
+def read_terms(given: Any) -> Terms:
+    """Terms as JSON says them: see ``task``. Raises ``ValueError`` for what are none."""
+    if isinstance(given, Terms):
+        return given
+    given = {"class": given} if isinstance(given, str) else given
+    if not isinstance(given, dict):
+        raise ValueError(f'terms: {{"step": -0.01}} or "module:Class", not {given!r}')
+    arguments: dict[str, Any] = {**given}
+    make = named(name) if isinstance(name := arguments.pop("class", None), str) else Terms
+    if not (isinstance(make, type) and issubclass(make, Terms)):
+        raise ValueError(f"terms: {name} is no class of sim.tasks.terms.Terms")
+    known = [each.name for each in fields(make)]
+    if strange := next((key for key in arguments if key not in known), None):
+        raise ValueError(f"terms: {unknown('term', strange, known)}")
+    return make(**arguments)
 
 
 def suited(targets: Targets, houses: Sequence[House]) -> list[House]:

@@ -2,11 +2,13 @@
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 
 from logic.house.looks import spaced
 from logic.spelling import numbered
 from sim.tasks.furniture import Habit, Object
 from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Rooms, Targets, task
+from sim.tasks.terms import Terms, terms_of
 
 
 def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
@@ -21,7 +23,8 @@ def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
     except ValueError:
         given = _read(targets)
         return _own(given) if isinstance(given, dict) else str(given)
-    return _shipped(asked, named) or _own(_read(targets))
+    words = _shipped(asked, named)
+    return words + _terms(asked) if words else _own(_read(targets))
 
 
 def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
@@ -46,6 +49,18 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
         case _:
             words = ""
     return words
+
+
+def _terms(asked: AnyTask) -> str:
+    """What a task's terms differ in from plain ones, after its words."""
+    terms, words = terms_of(asked), []
+    for each in fields(terms):
+        value = getattr(terms, each.name)
+        if value != each.default:
+            words.append(f"{spaced(each.name)} {value}")
+    if type(terms) is not Terms:
+        words.insert(0, f"terms {spaced(type(terms).__name__)}")
+    return "".join(f", {each}" for each in words)
 
 
 def _read(targets: Targets) -> Targets:

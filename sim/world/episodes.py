@@ -15,6 +15,7 @@ from sim.backends.body import SKIN
 from sim.backends.doors import Doors
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, ti
+from sim.tasks.terms import Now, Terms
 from sim.world.philox import below, philox, uniform
 
 TRIES = 32
@@ -110,20 +111,24 @@ def store(states: ti.template(), e, state):
 class Episodes:
     """One environment's step and reset, for a configuration and a backend."""
 
-    def __init__(self, config: Config, backend: Backend, ends_on_pick_up: bool, lanes: int) -> None:
-        """``ends_on_pick_up``: whether an episode is over when its target is picked up. ``lanes``: rays in a
-        look.
+    def __init__(
+        self, config: Config, backend: Backend, ends_on_pick_up: bool, terms: Terms, lanes: int
+    ) -> None:
+        """``ends_on_pick_up``: whether an episode is over when its target is picked up. ``terms``: what it
+        rewards, and when else it ends. ``lanes``: rays in a look.
         """
         if config.closed_doors:
             self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, backend, backend.body
-        self.ends_on_pick_up = ends_on_pick_up
+        self.ends_on_pick_up, self.terms = ends_on_pick_up, terms
         # Apart by more than this, a target is not picked up from where the one before it was.
         self.apart = config.target + max(config.body)
 
     @ti.func
     def advance(self, world: ti.template(), e, state, action):
-        """One step but for sight: the state, and picked up, terminated, truncated, blocked (i32)."""
+        """One step but for sight: the state, what it earned (f32), and picked up, terminated, truncated,
+        blocked (i32).
+        """
         cell, blocked, door = self.move(world, e, state, action)
         if ti.static(self.config.slip > 0):
             counter = ti.Vector([state.episode, state.time, 0, WHEELS])
@@ -141,6 +146,11 @@ class Episodes:
         if ti.static(self.ends_on_pick_up):
             terminated |= picked
         state.time += 1
+        now = self.now(state, action, picked, blocked)
+        earned = self.terms.reward(now)
+        terminated |= self.terms.ends(now)
+        if ti.static(self.terms.targets > 0):
+            terminated |= picked & ti.cast(now.found >= ti.static(self.terms.targets), ti.i32)
         truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
         state.over = terminated | truncated
         if picked:
@@ -150,7 +160,24 @@ class Episodes:
                 )
             else:
                 state = self.sample_target(world, state, ti.static(self.apart))
-        return state, picked, terminated, truncated, blocked
+        return state, earned, picked, terminated, truncated, blocked
+
+    @ti.func
+    def now(self, state, action, picked, blocked):
+        """What terms see of a step: see ``Now``."""
+        return Now(
+            action=action,
+            picked=picked,
+            blocked=blocked,
+            found=state.found - 1 + picked,
+            time=state.time,
+            house=state.house,
+            eye=self.body.eye(state.origin, state.cell),
+            heading=state.cell[2],
+            target=state.target,
+            before=-1,
+            distance=-1,
+        )
 
     @ti.func
     def move(self, world: ti.template(), e, state, action):

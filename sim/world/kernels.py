@@ -12,6 +12,7 @@ import numpy as np
 from sim.backends.backend import Backend
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
+from sim.tasks.terms import Terms
 from sim.world.episodes import (
     OVER,
     Episodes,
@@ -47,12 +48,18 @@ class Kernels(NamedTuple):
 
 @cache
 def kernels(
-    program: Any, config: Config, make: type[Backend], mode: int, by_ray: bool, ends_on_pick_up: bool
+    program: Any,
+    config: Config,
+    make: type[Backend],
+    mode: int,
+    by_ray: bool,
+    ends_on_pick_up: bool,
+    terms: Terms,
 ) -> Kernels:
     """Kernels for a running Taichi. Arguments are named for the world's arrays."""
     lanes = 1 if by_ray else config.rays
     backend = make(config, lanes)
-    episodes = Episodes(config, backend, ends_on_pick_up, lanes)
+    episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
     rays, all_rays = config.rays, not by_ray
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
     Options = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
@@ -117,10 +124,10 @@ def kernels(
                 reward[e] = 0.0
                 flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
-                state, picked, terminated, truncated, blocked = episodes.advance(
+                state, earned, _, terminated, truncated, blocked = episodes.advance(
                     world, e, state, ti.cast(action[e], ti.i32)
                 )
-                reward[e] = ti.cast(picked, ti.f32)
+                reward[e] = earned
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)

@@ -15,6 +15,7 @@ from sim.runtime import Array, Launch, start, ti
 from sim.tasks.places import Places, places
 from sim.tasks.survey import survey
 from sim.tasks.tasks import AnyTask, FixedTask, Targets, task
+from sim.tasks.terms import terms_of
 from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
 from sim.world.kernels import NEXT_STEP, SAME_STEP, kernels
 
@@ -49,8 +50,11 @@ class World:
         """
         self.task, self.num_envs, self.mode = task(targets), num_envs, mode
         check_lengths(houses)
+        if terms_of(self.task).asks_distance:
+            raise ValueError("terms: the distance to the target is not had yet")
         self.config = backend.fit(config, houses)
-        self.kernels = kernels(start(), self.config, backend, mode, by_ray, bool(self.task.ends_on_pick_up))
+        ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
+        self.kernels = kernels(start(), self.config, backend, mode, by_ray, ends, terms)
         self.backend: Backend = self.kernels.backend
         self._make_arrays()
         self.load(houses)
@@ -90,6 +94,8 @@ class World:
         wanted = self.task if targets is None else task(targets)
         if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
             raise ValueError("episodes of that task end otherwise: make a new environment for it")
+        if terms_of(wanted) != terms_of(self.task):
+            raise ValueError("that task has other terms: make a new environment for it")
         if self.backend.fit(self.config, houses) != self.config:
             raise ValueError("these houses need another body and step: make a new environment for them")
         check_kinds(houses, self.config.kinds)

@@ -24,6 +24,7 @@ NAMES = {
     '{"points": [[2.5, 3.0]]}': "targets at 1 given place",
     '{"task": "sim.tasks.tasks:Reach", "room": "hall"}': "reach a hall",
     '{"task": "tests.sim.tasks.test_words:Largest", "share": 2}': "task largest, share 2",
+    '{"task": "reach", "room": "wc", "terms": {"targets": 2}}': "reach a wc, targets 2",
     "of another program": "of another program",
     '{"task": "gone:Away"}': "task away",
 }
