@@ -3,7 +3,7 @@ them share, an entrance, and windows in outer walls.
 """
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import shapely
@@ -113,11 +113,27 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
         yield Fault("house: has no door to the outside")
 
 
-def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
-    """Units that are entered from no public room, by several doors, or from outside."""
+def plan_sizes(house: House, promises: Promises) -> Iterator[Fault]:
+    """Rooms that are of another size than those of their type before them, in the house or in their unit."""
+    for unit in _units(house, promises) if promises.public else [{room.name for room in house.rooms}]:
+        for type_, turned in promises.same_size.items():
+            rooms = [room for room in house.rooms if room.name in unit and room.type == type_]
+            for one, other in pairwise(rooms):
+                a, b = (
+                    sorted(size) if turned else list(size)
+                    for size in ((one.width, one.height), (other.width, other.height))
+                )
+                if max(abs(x - y) for x, y in zip(a, b, strict=True)) > TOLERANCE:
+                    size, wanted = (f"{x:.3f} m by {y:.3f} m" for x, y in (b, a))
+                    text = f"{named(other)}: is {size}, {named(one)} {wanted} (must be the same)"
+                    yield Fault(text, (one.name, other.name))
+
+
+def _units(house: House, promises: Promises) -> Iterator[set[str]]:
+    """The names of rooms that doors join, public rooms left out."""
     public = {room.name for room in house.rooms if room.type in promises.public}
     ends = {OUTSIDE, *public}
-    left = {room.name for room in house.rooms} - public if promises.public else set()
+    left = {room.name for room in house.rooms} - public
     while left:
         unit, new = set(), {min(left)}
         while new:
@@ -125,6 +141,13 @@ def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
             joined = [door.between for door in house.doors if unit & {*door.between}]
             new = {name for names in joined for name in names} - unit - ends
         left -= unit
+        yield unit
+
+
+def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
+    """Units that are entered from no public room, by several doors, or from outside."""
+    ends = {OUTSIDE, *(room.name for room in house.rooms if room.type in promises.public)}
+    for unit in _units(house, promises) if promises.public else ():
         doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
         room = house.room(min(unit, key=lambda each: (len(each), each)))
         its = f"{named(room)}: its unit is entered"

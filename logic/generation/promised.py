@@ -24,6 +24,7 @@ def promised(
     opens = _pairs(program, "opens") if shares_walls else {}
     for one, other in _atoms(program, "loops", 2):
         opens.setdefault(one, []).append(other)
+    oblong = _required(program, "oblong")
     companions = [*_atoms(program, "beside", 4), *_atoms(program, "around", 4)]
     return Promises(
         door_width=lengths["door_width"],
@@ -35,6 +36,7 @@ def promised(
         room_size={name: _sizes(sizes) for name, sizes in sorted(extremes["rooms"].items())},
         room_area={name: (float(least), float(most)) for name, least, most in metres["areas"]},
         house_area=(float(metres["total"][0]), float(metres["total"][1])) if metres["total"] else None,
+        same_size={name: name in oblong for name in _required(program, "same_size")} if shares_walls else {},
         opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
         openings={one: tuple(others) for one, others in sorted(_pairs(program, "opening").items())},
         entrance=bool(opens.get(OUTSIDE)),

@@ -48,6 +48,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Of each room type in other houses: least and greatest area, square metres."""
     house_area: tuple[float, float] | None = None
     """Of all rooms of a house together, with a star's main room: least and greatest area, square metres."""
+    same_size: dict[str, bool] = {}
+    """Room types whose rooms are equally large in other houses, or in a unit: whether some may lie across."""
     narrowest: dict[str, float] = {}
     """Of each room type in other houses: the least of its shorter side, metres."""
     opens: dict[str, tuple[str, ...]] = {}

@@ -20,8 +20,11 @@ from logic.layout.program import CORE
 PAGE = Path(__file__).with_name("reference.md")
 """The page's text, with places for what is generated."""
 
+FAMILY = "family"
 RECIPES = Path(__file__).with_name("recipes")
-"""A recipe is an ``.lp`` file, with a ``.pl`` file of the same name where it needs lengths."""
+"""A recipe is an ``.lp`` file, and a ``.pl`` file of that name where it needs lengths. It is for `family`,
+or for the shipped grammar whose name its folder has.
+"""
 
 
 @dataclass(frozen=True)
@@ -46,22 +49,34 @@ class Recipe:
 
     name: str
     files: tuple[Path, ...]
+    grammar: str
+    """The shipped grammar to a copy of which it is added."""
 
     def __str__(self) -> str:
         """Its title, the names of its files and what stands in them."""
         code = f"% {self.name}.pl\n".join(file.read_text(encoding="utf-8") for file in self.files)
         title, *code = code.splitlines()
-        names = ", ".join(f"`{file.name}`" for file in self.files)
+        names = ", ".join(f"`{file.relative_to(RECIPES)}`" for file in self.files)
         return "\n".join([f"**{title.removeprefix('%# ')}** {names}", "```prolog", *code, "```"])
 
 
 def recipes() -> list[Recipe]:
     """All recipes, by what they are about and by name."""
-    files = sorted(RECIPES.glob("*.lp"))
-    return sorted((Recipe(file.stem, (file, *RECIPES.glob(f"{file.stem}.pl"))) for file in files), key=_about)
+    found = [
+        Recipe(
+            file.stem,
+            (file, *file.parent.glob(f"{file.stem}.pl")),
+            folder.name if folder != RECIPES else FAMILY,
+        )
+        for folder in (RECIPES, *RECIPES.iterdir())
+        for file in folder.glob("*.lp")
+    ]
+    return sorted(found, key=lambda recipe: (_about(recipe), recipe.name))
 
 
 def _about(recipe: Recipe) -> str:
+    if recipe.grammar != FAMILY:
+        return "Where rooms share walls"
     if len(recipe.files) > 1:
         return "Types, pieces and lengths"
     return "Furniture of a room" if "#program room." in str(recipe) else "A house's rooms"

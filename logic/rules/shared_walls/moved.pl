@@ -47,7 +47,7 @@ moved(plan(Atoms,Rooms,Walls,Xs0,Ys0), NearXs-NearYs, Xs-Ys) :-
     maplist(same_length, [Xs0,Ys0], [Xs1,Ys1]),
     maplist(indexed, [Xs1,Ys1,NearXs,NearYs], [X,Y,NearX,NearY]),
     phrase(( rooms(Rooms, Atoms, at(X,Y), at(NearX,NearY)), doors(Atoms, Rooms, at(X,Y)), outer(Atoms, Walls, at(X,Y)),
-             touching(Walls, Rooms, at(X,Y)) ), Constraints),
+             touching(Walls, Rooms, at(X,Y)), all_same(Atoms, Rooms, at(X,Y)) ), Constraints),
     maplist(extent, [Xs1,Ys1], [Width,Depth]),
     house_system(Width, Depth, Whole),
     append(Xs1, Ys1, Places), append(Xs0, Ys0, Given),
@@ -95,6 +95,24 @@ rooms([Room|Rooms], Atoms, At, Near) -->
     ( { memberchk(runs(R,_), Atoms) } -> [(W =< D)-[]] ; [] ),
     area(Type, W, D, W0, D0),
     rooms(Rooms, Atoms, At, Near).
+
+%   all_same(+Atoms, +Rooms, +At)//: rooms of the types of same_size/1 have one size.
+
+all_same(Atoms, Rooms, At) -->
+    { findall(T, member(same_size(T), Atoms), Types),
+      findall(T-Room, ( member(T, Types), member(Room, Rooms), arg(1, Room, R), memberchk(room(R,T), Atoms) ), Alike) },
+    each_same(Alike, Atoms, At).
+
+each_same([T-Room,T-Next|Alike], Atoms, At) --> !,
+    { maplist(across_and_along(Atoms, At), [Room,Next], [W1-D1,W2-D2]) },
+    [(W1 = W2)-[], (D1 = D2)-[]],
+    each_same([T-Next|Alike], Atoms, At).
+each_same([_|Alike], Atoms, At) --> each_same(Alike, Atoms, At).
+each_same([], _, _) --> [].
+
+across_and_along(Atoms, At, Room, W-D) :-
+    sides(Room, At, X1, X2, Y1, Y2), arg(1, Room, R),
+    ( memberchk(runs(R,x), Atoms) -> W = Y2-Y1, D = X2-X1 ; W = X2-X1, D = Y2-Y1 ).
 
 list([])     --> [].
 list([X|Xs]) --> [X], list(Xs).

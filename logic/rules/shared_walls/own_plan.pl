@@ -6,6 +6,7 @@ A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a roo
 */
 
 :- use_module(library(apply)).
+:- use_module(library(aggregate)).
 :- use_module(library(lists)).
 :- use_module('../answers').
 :- use_module(areas).
@@ -46,6 +47,9 @@ fault(_, Rooms, _, _, squat(at(R),Axis), []) :-
     member(room(R,X,Y), Rooms),
     member(Axis-W-D, [x-Y-X,y-X-Y]),
     D < W - 1.0e-6.
+fault(_, Rooms, _, _, measured(at(R),A,B), []) :-
+    findall(Size, ( member(room(_,X,Y), Rooms), ( Size = X ; Size = Y ) ), Sizes0), msort(Sizes0, Sizes),
+    member(room(R,X,Y), Rooms), maplist(size_class(Sizes), [X,Y], [A,B]).
 fault(_, _, Walls, _, narrow(at(R),at(Q)), [length(door_width),length(door_margin)]) :-
     member(wall(R,_,Q,_,A,B), Walls), Q \== outside,
     doorway(Least), \+ reaches(A-B, Least).
@@ -54,6 +58,11 @@ fault(_, _, Walls, _, shut(at(R),S), [length(door_width),length(door_margin)]) :
 fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)]) :-
     outer_side(Walls, R, S, A-B), member(T, Types), window_walls(T, Least, Most),
     \+ ( reaches(A-B, Least), ( Most == any -> true ; B - A =< Most + 1.0e-6 ) ).
+
+%   size_class(+Sizes, +Size, -Class): sizes that are the same are of one Class, a whole number; Sizes are in order.
+
+size_class(Sizes, Size, Class) :-
+    aggregate_all(count, ( nextto(A, B, Sizes), B > A + 1.0e-6, B =< Size ), Class).
 
 closed(Openings, Walls, closed(at(R),at(Q),T,U), Clauses) :-
     member(opening(A,B), Openings), member(T-U, [A-B,B-A]),

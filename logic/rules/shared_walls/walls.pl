@@ -125,7 +125,8 @@ wall_system(Atoms, Given, plan(Lines,All), System) :-
     append(Rooms, Units, All),
     ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
     placed_voids(Atoms, Places, Voids),
-    phrase(( all_rooms(Rooms, Atoms), all_voids(Voids, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms) ), Each),
+    phrase(( all_rooms(Rooms, Atoms), all_voids(Voids, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms),
+             all_same_sizes(Atoms, Rooms) ), Each),
     ( memberchk(bounded, Atoms) -> foldl(within(West-East, North-South), Rooms, Each, Within) ; Within = Each ),
     findall(court(L,M), member(court(L,M), Atoms), Courts),
     foldl(court_between(Places), Courts, Within, Inside),
@@ -243,6 +244,28 @@ room_size_constraints(Room, Atoms, Constraints) :-
     maplist(explained(W0, D0, Wide, Deep, Both), System, Sizes),
     W0 = W, D0 = D,
     ( memberchk(runs(_,_), Own), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).
+
+%   all_same_sizes(+Atoms, +Rooms)//: those of each type of which grammars say so are as wide and as deep as the next one. Across and
+%   along they are compared where the type is oblong.
+
+all_same_sizes(Atoms, Rooms) -->
+    { findall(T, member(same_size(T), Atoms), Types), maplist(room_sized(Atoms), Rooms, Sized) },
+    types_same(Types, Sized).
+
+types_same([], _) --> [].
+types_same([T|Types], Sized) -->
+    { include(sized_of(T), Sized, Same) },
+    each_as_next(Same),
+    types_same(Types, Sized).
+
+sized_of(T, sized(T,_,_,_,_,_)).
+
+each_as_next([sized(T,W1,D1,Own1,Across1,Along1),Next|Same]) --> !,
+    { Next = sized(T,W2,D2,Own2,Across2,Along2),
+      append([[same_size(T)],Own1,Own2,Across1,Across2], Wide), append([[same_size(T)],Own1,Own2,Along1,Along2], Deep) },
+    [(W1 = W2)-Wide, (D1 = D2)-Deep],
+    each_as_next([Next|Same]).
+each_as_next(_) --> [].
 
 %   room_sized(+Atoms, +Room, -Sized): Sized is sized(Type,W,D,Own,Across,Along), its width and depth and the atoms that make them:
 %   its own, and the edges of each. A room that runs along x has its depth there, see oblong/1.

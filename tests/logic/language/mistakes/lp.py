@@ -3,6 +3,14 @@
 from tests.logic.language.mistakes import Mistake
 
 MISTAKES = (
+    Mistake(
+        "one size for a misspelt type",
+        "rooms.lp",
+        old="",
+        new="same_size(consultng).",
+        says="same_size(consultng): no room type has this name: see type/1",
+        grammar="clinic",
+    ),
     # - openings
     Mistake(
         "an opening of a misspelt type",

@@ -1,0 +1,100 @@
+"""Rooms of a type that are equally large, by `same_size`: in houses, plans, proofs and the check."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from msgspec import structs
+
+from logic import Unsatisfiable, check, generate, nearest_plan
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house.house import House
+from logic.proofs.answer import house_or_proof
+from logic.request.request import Request
+from tests.logic.request.test_given_plan import Box, geojson
+
+HOTEL = Path(__file__).parents[3] / "examples" / "hotel"
+INFERENCES = 10**8
+PAIR = """
+topology(corridor).  type(corridor; cell).  empty(corridor; cell).  central(corridor).  oblong(corridor).
+degree(corridor,1,9).  opens(outside,corridor).  opens(corridor,cell).
+#program house.
+:- not opposite_rows.
+opposite_rows :- in_row(_,north,2), in_row(_,south,1).
+"""
+PAIR_SIZES = """
+door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+room_size(corridor, W, D) :- { W = 1.5, D >= 3.0, D =< 20.0 }.
+room_size(cell, W, D) :- { W >= 2.0, W =< 5.0, D >= 2.0, D =< 5.0 }.
+"""
+
+
+@pytest.fixture
+def hotel(tmp_path: Path) -> Builder:
+    folder = shutil.copytree(HOTEL, tmp_path / "hotel")
+    (folder / "more.lp").write_text("same_size(guest; bath).\n")
+    return Builder(find(folder))
+
+
+def sizes(house: House, type_: str) -> list[tuple[float, float]]:
+    return [(room.width, room.height) for room in house.rooms if room.type == type_]
+
+
+def test_all_guest_rooms_of_a_hotel_are_one_by_their_walls(hotel: Builder) -> None:
+    for seed in range(3):
+        house = hotel.house(Request(17), seed, 0, INFERENCES)
+        assert check(house) == []
+        guests = sizes(house, "guest")
+        assert len(guests) == 8
+        assert all(abs(a - b) < 1e-6 for size in guests for a, b in zip(size, guests[0], strict=True))
+
+
+def test_check_finds_the_one_that_is_larger(hotel: Builder) -> None:
+    house = hotel.house(Request(9), 0, 0, INFERENCES)
+    guest = next(room for room in house.rooms if room.type == "guest")
+    rooms = tuple(
+        structs.replace(room, width=room.width + 0.01) if room is guest else room for room in house.rooms
+    )
+    assert any("(must be the same)" in fault for fault in check(structs.replace(house, rooms=rooms)))
+
+
+def test_rooms_that_cannot_be_equally_large_are_proved(tmp_path: Path) -> None:
+    """Two on the north side of a corridor are as long as one on the south side, but where they are alike."""
+    (tmp_path / "rooms.lp").write_text(PAIR)
+    (tmp_path / "sizes.pl").write_text(PAIR_SIZES)
+    assert len(sizes(Builder(find(tmp_path)).house(Request(4), 0, 0, INFERENCES), "cell")) == 3
+    (tmp_path / "more.lp").write_text("same_size(cell).\n")
+    with pytest.raises(Unsatisfiable) as caught:
+        house_or_proof(Builder(find(tmp_path)), Request(4), 0, 0, INFERENCES)
+    assert "same_size(cell)" in " ".join(reason.text for reason in caught.value.reasons)
+
+
+def test_oblong_rooms_that_lie_across_are_compared_by_their_shorter_sides(tmp_path: Path) -> None:
+    folder = shutil.copytree(SHIPPED / "clinic", tmp_path / "clinic")
+    (folder / "more.lp").write_text("same_size(washroom).\n")
+    clinic, across = Builder(find(folder)), 0
+    for seed in range(8):
+        house = clinic.house(Request(20), seed, 0, INFERENCES)
+        assert check(house) == []
+        washrooms = sizes(house, "washroom")
+        across += any(w < d for w, d in washrooms) and any(w > d for w, d in washrooms)
+        first = sorted(washrooms[0])
+        assert all(abs(a - b) < 1e-6 for size in washrooms for a, b in zip(sorted(size), first, strict=True))
+    assert across, "none lies across another"
+
+
+def test_a_plan_with_two_sizes_is_refuted_and_the_nearest_with_one_has_its_house(tmp_path: Path) -> None:
+    boxes: dict[str, Box] = {"way": (0, 4, 7.4, 5.5), "one": (0, 0, 3.4, 4), "two": (3.4, 0, 7.4, 4)}
+    plan = geojson(boxes, way="corridor", one="cell", two="cell")
+    (tmp_path / "rooms.lp").write_text(PAIR.split("#program", maxsplit=1)[0])
+    (tmp_path / "sizes.pl").write_text(PAIR_SIZES)
+    assert check(next(generate(plan=plan, grammar=tmp_path))) == []
+    (tmp_path / "more.lp").write_text("same_size(cell).\n")
+    with pytest.raises(Unsatisfiable, match="same_size"):
+        next(generate(plan=plan, grammar=tmp_path))
+    found = nearest_plan(plan, grammar=tmp_path)
+    house = next(generate(plan=found.plan, grammar=tmp_path))
+    assert check(house) == []
+    (one, deep), (two, as_deep) = sizes(house, "cell")
+    assert (one, deep) == pytest.approx((two, as_deep), abs=1e-6)
