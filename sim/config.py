@@ -101,6 +101,9 @@ class Config:
     steps: int = 1500
     """Steps until an episode is truncated: the paper's 15 s."""
 
+    geodesic: bool = False
+    """Whether infos say how many actions a shortest path to the target takes, as ``distance``."""
+
     random_start: bool = True
     """Whether an episode starts anywhere free in the main room with any heading, or always at the free
     place nearest to the main room's middle, heading north."""

@@ -217,7 +217,7 @@ class Array:
         allotted = max(1, length)
         with _compiling:
             self.ndarray = ti.ndarray(_element(dtype, width), allotted)
-        self._on_gpu = on_gpu()  # asked once: a step copies several arrays
+        self.on_gpu = on_gpu()  # asked once: a step copies several arrays
         self._view: np.ndarray | None = None
 
     @classmethod
@@ -229,21 +229,21 @@ class Array:
 
     def fill(self, values: np.ndarray) -> None:
         """Let it hold ``values``: (length,), or (length, width)."""
-        if not self._on_gpu:
+        if not self.on_gpu:
             self.view()[:] = values
         elif self.shape[0]:
             self.ndarray.from_numpy(np.ascontiguousarray(values))
 
     def numpy(self) -> np.ndarray:
         """A copy of what it holds now: (length,), or (length, width)."""
-        if self._on_gpu:
+        if self.on_gpu:
             return self.ndarray.to_numpy()[: self.shape[0]]
         return self.view().copy()
 
     def view(self) -> np.ndarray:
         """Its memory, which the view keeps alive, as a NumPy array: ``RuntimeError`` on a GPU."""
         if self._view is None:
-            if self._on_gpu:
+            if self.on_gpu:
                 raise RuntimeError("NumPy cannot look into a GPU's memory: take numpy(), a copy, or tensor()")
             interface = self._interface(self.shape, self.dtype)
             self._view = np.asarray(_Memory(self.ndarray, {"__array_interface__": interface}))
@@ -253,7 +253,7 @@ class Array:
         """Its memory, which the tensor keeps alive, as one of this NumPy type and shape on the device."""
         import torch
 
-        if not self._on_gpu:
+        if not self.on_gpu:
             return torch.from_numpy(self.view().view(dtype).reshape(shape))
         interface = self._interface(shape, dtype)
         return torch.as_tensor(_Memory(self.ndarray, {"__cuda_array_interface__": interface}), device="cuda")

@@ -59,8 +59,11 @@ class Oracle:
     def play(self) -> np.ndarray:
         """Play the episodes that run to their ends, and count the targets (E,) int32 that they pick up.
 
-        Nothing is seen meanwhile: reset the environments before you step them again.
+        Nothing is seen meanwhile: reset the environments before you step them again. Raises ``ValueError``
+        where the task's terms see the distance to the target, which may end an episode.
         """
+        if self.world.kernels.episodes.terms.sees_distance:
+            raise ValueError("the oracle plays no task whose terms see the distance: step it by act()")
         count = self.world.num_envs
         searches = _Searches(self.world, min(count, AT_ONCE))
         found = [searches.about(first).ask("play") for first in range(0, count, AT_ONCE)]

@@ -28,7 +28,10 @@ class Outputs:
         """The info of the environments: copies. ``last``: as their latest episodes ended."""
         pose, target, house = self.world.describe(last)
         flags = self.flags() if flags is None else flags
-        return {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
+        info = {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
+        if self.world.config.geodesic:
+            info["distance"] = self.world.arrays["last_distance" if last else "distance"].numpy()
+        return info
 
     def finals(self, ended: np.ndarray, info: dict[str, np.ndarray]) -> dict[str, Any]:
         """What an info has more in ``SAME_STEP``, where episodes ended (E,) bool in this step: their last
@@ -50,6 +53,8 @@ class Outputs:
         flags = arrays["flags"].tensor(np.bool_, (3, count))
         wholes = arrays["wholes"].tensor(np.int32, arrays["wholes"].shape)
         info = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
+        if self.world.config.geodesic:
+            info["distance"] = arrays["distance"].tensor(np.int32, (count,))
         if self.world.mode == SAME_STEP:
             info["final_obs"] = arrays["final"].tensor(np.float32, self.shape)
         observation = arrays["observation"].tensor(np.float32, self.shape)

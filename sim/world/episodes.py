@@ -39,7 +39,19 @@ HEADER = 7
 targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
 the same as two float32."""
 
+TILE_BITS, PROFILE_BITS = 3, 20
+TILE = 1 << TILE_BITS
+"""Places along a tile of a field of distances, and bits of a profile's number: ``sim.world.geodesic``."""
+
+MOST_DISTANCE = (1 << (32 - PROFILE_BITS)) - 1
+"""Least distance of a tile, at most."""
+
+NOT_YET = -2
+"""In place of the distance to a target that is new."""
+
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
+Fours = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
+Steps = ti.types.ndarray(ti.i16, 1)
 Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
 
@@ -60,6 +72,13 @@ class WorldArrays(NamedTuple):
     pushes: Bytes
     reals: Reals
     wholes: Wholes
+    fields: Fours
+    tiles: Ints
+    profiles: Steps
+    distance: Ints
+    pending: Ints
+    slots: Ints
+    known: Fours
 
 
 State = ti.types.struct(
@@ -121,6 +140,7 @@ class Episodes:
             self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, backend, backend.body
         self.ends_on_pick_up, self.terms = ends_on_pick_up, terms
+        self.knows_distance = config.geodesic or terms.asks_distance
         # Apart by more than this, a target is not picked up from where the one before it was.
         self.apart = config.target + max(config.body)
 
@@ -146,7 +166,13 @@ class Episodes:
         if ti.static(self.ends_on_pick_up):
             terminated |= picked
         state.time += 1
-        now = self.now(state, action, picked, blocked)
+        before, distance = -1, -1
+        if ti.static(self.knows_distance):
+            before, distance = world.distance[e], 0
+            if not picked:
+                distance = self.distance(world, e, state)
+            world.distance[e] = distance
+        now = self.now(state, action, picked, blocked, before, distance)
         earned = self.terms.reward(now)
         terminated |= self.terms.ends(now)
         if ti.static(self.terms.targets > 0):
@@ -160,10 +186,59 @@ class Episodes:
                 )
             else:
                 state = self.sample_target(world, state, ti.static(self.apart))
+                distance = self.aim(world, e, state)
+        if ti.static(self.terms.progress != 0):
+            # A distance that is not known yet is taken off by ``settle``.
+            left = ti.select(terminated, 0, ti.max(0, distance))
+            earned += self.progress(ti.cast(ti.max(0, before), ti.f32), ti.cast(left, ti.f32))
         return state, earned, picked, terminated, truncated, blocked
 
     @ti.func
-    def now(self, state, action, picked, blocked):
+    def progress(self, before, after):
+        """What a step earns from one distance to another, actions (f32)."""
+        return ti.static(float(self.terms.progress)) * (
+            before - ti.static(float(self.terms.discount)) * after
+        )
+
+    @ti.func
+    def distance(self, world: ti.template(), e, state):
+        """The fewest actions to the target, -1 where no path leads there: ``sim.world.geodesic``."""
+        field = world.fields[e]
+        i, j = state.cell[0] - field[1], state.cell[1] - field[2]
+        found, bits = -1, ti.static(TILE_BITS)
+        if field[0] >= 0:
+            tile = world.tiles[field[0] + (i >> bits) * field[3] + (j >> bits)]
+            number, last = tile & ti.static((1 << PROFILE_BITS) - 1), ti.static(TILE - 1)
+            place = ((number << bits) + (i & last) << bits) + (j & last)
+            further = ti.cast(world.profiles[8 * place + state.cell[2]], ti.i32)
+            if further >= 0:
+                found = (tile >> ti.static(PROFILE_BITS) & ti.static(MOST_DISTANCE)) + further
+        return found
+
+    @ti.func
+    def aim(self, world: ti.template(), e, state):
+        """Take the field of a new target, if there is one by now; the distance to it, or ``NOT_YET``."""
+        distance = NOT_YET
+        if ti.static(self.knows_distance):
+            corner, step = self.point(world, 1 + HEADER * state.house), ti.static(self.config.step)
+            place = ti.cast(ti.round((state.target - corner) / step), ti.i32)
+            slot, field = -1, ti.Vector([-1, 0, 0, 0])
+            whole = corner + ti.cast(place, ti.f32) * step == state.target
+            if whole.all() and (state.origin == corner).all():
+                at = world.slots[2 * state.house] + place[0] * world.slots[2 * state.house + 1] + place[1]
+                slot = world.slots[at]
+            if slot >= 0:
+                field = world.known[slot]
+            world.fields[e] = field
+            if slot >= 0:
+                distance = self.distance(world, e, state)
+            else:
+                world.pending[0] = 1
+            world.distance[e] = distance
+        return distance
+
+    @ti.func
+    def now(self, state, action, picked, blocked, before, distance):
         """What terms see of a step: see ``Now``."""
         return Now(
             action=action,
@@ -175,8 +250,8 @@ class Episodes:
             eye=self.body.eye(state.origin, state.cell),
             heading=state.cell[2],
             target=state.target,
-            before=-1,
-            distance=-1,
+            before=before,
+            distance=distance,
         )
 
     @ti.func
@@ -211,6 +286,7 @@ class Episodes:
         state.origin = self.point(world, 1 + HEADER * state.house)
         state.time, state.found, state.over = 0, 0, 0
         state = self.sample_start(world, self.sample_target(world, state, -1.0))
+        self.aim(world, e, state)
         self.close_doors(world, e, state)
         return state
 

@@ -14,6 +14,7 @@ from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 from sim.tasks.terms import Terms
 from sim.world.episodes import (
+    NOT_YET,
     OVER,
     Episodes,
     Reals,
@@ -44,6 +45,7 @@ class Kernels(NamedTuple):
     describe: Any
     peek: Any
     stand: Any
+    settle: Any
 
 
 @cache
@@ -86,6 +88,7 @@ def kernels(
                 if at[2] == at[2]:
                     state.target = ti.Vector([at[2], at[3]])
                 episodes.close_doors(world, e, state)
+                episodes.aim(world, e, state)
                 store(world, e, state)
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, observation)
@@ -104,6 +107,7 @@ def kernels(
         flags: Bytes,
         last_reals: Reals,
         last_wholes: Wholes,
+        last_distance: Ints,
         prefetched: Ints,
     ):
         """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
@@ -118,6 +122,9 @@ def kernels(
                 prefetched[e] = backend.prefetch(
                     world.numbers, world.indices, after.house, after.origin, after.cell
                 )
+                if ti.static(episodes.knows_distance):
+                    at = ti.min(e + 1, world.reals.shape[0] - 1)
+                    prefetched[e] &= episodes.distance(world, at, after)
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(world, e, state, SAMPLE)
@@ -131,6 +138,8 @@ def kernels(
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)
+                if ti.static(episodes.knows_distance):
+                    last_distance[e] = world.distance[e]
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = episodes.begin(world, e, state, SAMPLE)
@@ -179,4 +188,17 @@ def kernels(
             cell = ti.Vector([cells[4 * k + 1], cells[4 * k + 2], cells[4 * k + 3]])
             free[k] = backend.stands(numbers, indices, cells[4 * k], origin, cell)
 
-    return Kernels(backend, episodes, reset, step, describe, peek, stand)
+    @kernel
+    def settle(world: WorldArrays, reward: Floats):
+        """Take in the distances to new targets, now that their fields are there."""
+        for e in range(world.reals.shape[0]):
+            if ti.static(episodes.knows_distance):  # noqa: SIM102 - decided as it is compiled
+                if world.distance[e] == NOT_YET:
+                    state = loaded(world, e)
+                    world.distance[e] = episodes.distance(world, e, state)
+                    if ti.static(terms.progress != 0):  # noqa: SIM102
+                        if state.time > 0:
+                            after = ti.cast(ti.max(0, world.distance[e]), ti.f32)
+                            reward[e] += episodes.progress(0.0, after)
+
+    return Kernels(backend, episodes, reset, step, describe, peek, stand, settle)

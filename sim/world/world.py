@@ -17,6 +17,7 @@ from sim.tasks.survey import survey
 from sim.tasks.tasks import AnyTask, FixedTask, Targets, task
 from sim.tasks.terms import terms_of
 from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
+from sim.world.geodesic import Distances, distance_arrays
 from sim.world.kernels import NEXT_STEP, SAME_STEP, kernels
 
 STATE = "reals", "wholes"
@@ -50,13 +51,15 @@ class World:
         """
         self.task, self.num_envs, self.mode = task(targets), num_envs, mode
         check_lengths(houses)
-        if terms_of(self.task).asks_distance:
-            raise ValueError("terms: the distance to the target is not had yet")
         self.config = backend.fit(config, houses)
         ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
         self.kernels = kernels(start(), self.config, backend, mode, by_ray, ends, terms)
         self.backend: Backend = self.kernels.backend
+        knows = self.kernels.episodes.knows_distance
+        if knows and self.config.closed_doors:
+            raise ValueError("the distance to the target is not had where doors are closed: ask sim.Oracle")
         self._make_arrays()
+        self.distances = Distances(self) if knows else None
         self.load(houses)
 
     def _make_arrays(self) -> None:
@@ -81,6 +84,7 @@ class World:
             "house": Array(ti.i32, count),
             "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
             "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, WHOLES),
+            **distance_arrays(count, self.kernels.episodes.knows_distance),
         }
         self.launches: dict[str, Launch] = {}
 
@@ -105,8 +109,18 @@ class World:
         self.houses, self.bank, self.task = list(houses), bank, wanted
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
         self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
+        self._bind()
+        if self.distances:
+            self.distances.forget()
+
+    def _bind(self) -> None:
         for launch in self.launches.values():
             launch.bind(self.arrays)
+
+    def replace_array(self, name: str, array: Array) -> None:
+        """Take another array of the same kind for one that kernels read."""
+        self.arrays[name] = array
+        self._bind()
 
     def _places(
         self, houses: Sequence[House], bank: Bank, task: AnyTask
@@ -163,6 +177,8 @@ class World:
         if name not in self.launches:
             self.launches[name] = Launch(getattr(self.kernels, name), self.arrays)
         self.launches[name]()
+        if self.distances and name in ("reset", "step"):
+            self.distances.settle()
 
     def seed(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
         """Give the chosen (E,) bool environments their seeds (E,) uint64; their next episode is number 0."""
@@ -264,6 +280,9 @@ class World:
     def state(self, state: dict[str, np.ndarray]) -> None:
         for name in self._state_names:
             self.arrays[name].fill(state[name])
+        if self.distances:
+            self.distances.wait()
+            self.distances.settle()
 
     @property
     def _state_names(self) -> tuple[str, ...]:

@@ -1,12 +1,12 @@
 """Terms of a task: what a step earns and when an episode ends, beside plain arithmetic on what infos say."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv
+from sim import HouseVectorEnv, Oracle
 from sim.runtime import ti
 from sim.tasks.tasks import task
 from sim.tasks.terms import PLAIN, Terms, counted, terms_of
@@ -42,6 +42,19 @@ class Everything(Terms):
     def ends(self, now):
         """See ``Terms``."""
         return now.blocked & ti.cast(now.time > ti.static(self.after), ti.i32)
+
+
+@ti.data_oriented
+@dataclass(frozen=True)
+class Nearer(Terms):
+    """How much nearer a step is to the target that it was made for."""
+
+    sees_distance: ClassVar[bool] = True
+
+    @ti.func
+    def reward(self, now):
+        """See ``Terms``."""
+        return now.before - now.distance
 
 
 def played(targets: Any, steps: int = 400, **arguments: Any) -> list[tuple[Any, ...]]:
@@ -100,6 +113,20 @@ def test_a_class_of_terms_sees_all_of_a_step():
         np.testing.assert_allclose(reward, expected, atol=1e-5)
         found[over], time[over], ends = 0, 0, ends + over.sum()
     assert ends > COUNT
+
+
+def test_a_class_of_terms_sees_the_distance_if_it_says_so():
+    near = {"task": "main", "terms": "tests.sim.tasks.test_terms:Nearer"}
+    progress = {"task": "main", "terms": {"progress": 1.0, "pick_up": 0.0}}
+    picked = 0
+    rows = zip(played(near), played(progress), played("main"), strict=True)
+    for (*_, one, _, _, _), (*_, other, _, _, _), (*_, found, _, _, _) in rows:
+        np.testing.assert_array_equal(one[found == 0], other[found == 0])
+        np.testing.assert_array_equal(one[found == 1], 1)
+        picked += found.sum()
+    assert picked > 9
+    with pytest.raises(ValueError, match="the oracle plays no task whose terms see the distance"):
+        Oracle(HouseVectorEnv(HOUSES, targets=near)).play()
 
 
 def test_an_episode_ends_after_so_many_pick_ups_or_steps():
