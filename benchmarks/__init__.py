@@ -11,6 +11,7 @@ STUDIES = {
     "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
     "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls or furniture are refuted falsely."),
     "homes": ("benchmarks.generator.homes:Homes", "What homes cost and are like, beside published ones."),
+    "realism": ("benchmarks.realism.run:Realism", "Whether two sets of plans are alike; weights that fit."),
     "brief": ("benchmarks.briefs.run:BriefStudy", "A frozen bank of briefs: answered, scored, timed."),
     "watch": ("benchmarks.generator.watch:WatchStudy", "Seconds from the save of a rule file to its houses."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),

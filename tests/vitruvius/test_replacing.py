@@ -22,7 +22,18 @@ FOREIGN = b"years of my own work\n"
 
 FOLDERS = (
     *("agents", "brief", "drift", "explorers", "fuzz", "generator", "gpu", "homes", "learner", "learning"),
-    *("paper", "phases", "playing", "sampling", "simulator", "tasks", "throughput", "transfer", "views"),
+    *(
+        "paper",
+        "phases",
+        "playing",
+        "realism",
+        "sampling",
+        "simulator",
+        "tasks",
+        "throughput",
+        "transfer",
+        "views",
+    ),
 )
 """Studies that write into a folder."""
 

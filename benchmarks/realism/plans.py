@@ -1,0 +1,45 @@
+"""A set that is compared: houses of a grammar, files of houses, or plans of other programs in a folder."""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from benchmarks.realism.figures import PlanFigures, measured
+from logic import generate, load
+from logic.errors import HouseFileError, RequestError
+from logic.request.given_plan import read_plan
+
+HOUSES = (".jsonl", ".gz")
+"""How names of files of houses end."""
+
+
+def plans_of(source: str, rooms: Sequence[int], count: int, seed: int) -> list[PlanFigures]:
+    """The plans of a file or a folder; of a grammar so many houses of each number of rooms."""
+    path = Path(source)
+    if path.is_file():
+        found = list(_read(path))
+    elif path.is_dir() and not any(path.glob("*.lp")):
+        found = [plan for file in sorted(path.iterdir()) if file.is_file() for plan in _read(file)]
+    else:
+        found = made(source, rooms, count, seed)
+    if len(found) < 2:
+        raise RequestError(f"{source}: {len(found)} plans were read, and a set has 2 or more")
+    return found
+
+
+def made(grammar: str | Path, rooms: Sequence[int], count: int, seed: int) -> list[PlanFigures]:
+    """Houses of a grammar: so many of each number of rooms."""
+    return [measured(house) for n in rooms for house in generate(n, grammar=grammar, seed=seed, count=count)]
+
+
+def _read(path: Path) -> Iterator[PlanFigures]:
+    """What a file holds; one that is no plan, as rooms that do not touch, is passed over and named."""
+    if path.name.endswith(HOUSES):
+        yield from map(measured, load(path))
+        return
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield measured(read_plan(path))
+    except (HouseFileError, RequestError) as error:
+        print(f"passed over: {path.name}: {error}", flush=True)
