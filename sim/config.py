@@ -6,6 +6,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from logic.spelling import unknown
+
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
 """The paper's lengths are in pixels, 8.5 to a foot."""
@@ -26,6 +28,10 @@ KINDS: dict[Any, tuple[Any, str]] = {
 MOST_PUSHES = 255
 """Steps that a door may take to open: they are counted in 8 bits."""
 
+
+RAYS = "rays"
+EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1}
+"""What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
 
 SENSOR = "sensor"
 """In a field's metadata: it says what a body senses, which an agent takes along to where it is measured."""
@@ -92,6 +98,18 @@ class Config:
     dropout: float = sensed(0.0)
     """The probability that a ray returns nothing, as if there were nothing in its range."""
 
+    observe: tuple[str, ...] = sensed((RAYS,))
+    """What an agent may know: ``rays``; ``bump``, whether the last move was blocked; ``last_action``, one of
+    three numbers 1, none as an episode begins; ``odometry``, where it is by the body's own account: metres
+    forward and left of the start, cosine and sine of the turn; ``goal``, metres forward and left of the body
+    to the target; ``geodesic``, the fewest actions to it, -1 where no path leads there."""
+
+    flat: bool = sensed(False)
+    """Whether an observation is one row of numbers, in the order of ``observe``."""
+
+    drift: float = sensed(0.0)
+    """Standard deviation of the errors of which ``odometry`` is the sum, as a share of each step and turn."""
+
     slip: float = 0.0
     """The probability that an action does nothing, and that nothing says so."""
 
@@ -127,6 +145,12 @@ class Config:
             raise ValueError(f"{found}: not negative, and the last two at most 1")
         if len(set(self.kinds)) < len(self.kinds) or len(self.kinds) > MOST_KINDS:
             raise ValueError(f"kinds are {', '.join(self.kinds)}: each once, {MOST_KINDS} at most")
+        if strange := next((each for each in self.observe if each not in (RAYS, *EXTRAS)), None):
+            raise ValueError(f"observe: {unknown('observation', strange, (RAYS, *EXTRAS))}")
+        if not self.observe or len(set(self.observe)) < len(self.observe):
+            raise ValueError(f"observe is {', '.join(self.observe) or 'nothing'}: one at least, each once")
+        if not 0 <= self.drift < float("inf"):
+            raise ValueError(f"drift is {self.drift}: not negative")
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
         if not 0 <= self.closed_doors <= MOST_PUSHES:
@@ -166,6 +190,26 @@ class Config:
     def channels(self) -> int:
         """Numbers in an observation for each ray."""
         return len(self.columns)
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What is observed beside rays."""
+        return tuple(name for name in self.observe if name != RAYS)
+
+    @property
+    def extra_numbers(self) -> int:
+        """How many numbers that is."""
+        return sum(EXTRAS[name] for name in self.extras)
+
+    def extra(self, name: str) -> int:
+        """Where a part begins among these numbers."""
+        before = self.extras[: self.extras.index(name)]
+        return sum(EXTRAS[each] for each in before)
+
+    @property
+    def knows_distance(self) -> bool:
+        """Whether the distance to the target is asked for."""
+        return self.geodesic or "geodesic" in self.observe
 
     @property
     def notes_hits(self) -> bool:

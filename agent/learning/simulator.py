@@ -41,7 +41,13 @@ def simulator(config: TrainConfig) -> Config:
             msgspec.convert(values, Config)
         except ValueError as error:
             raise RequestError(f"--sim {text}: {error}") from None
-    return msgspec.convert(values, Config)
+    made = msgspec.convert(values, Config)
+    if made.observe != DEFAULT.observe or made.flat:
+        raise RequestError(
+            "--sim observe: agents that come with the project read rays, bumps and their own actions by "
+            "themselves: leave it out, and give it to the environments of an agent of your own"
+        )
+    return made
 
 
 def sensor(config: TrainConfig, world: str = "default") -> Config:

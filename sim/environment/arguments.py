@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from gymnasium import spaces
 
 from logic import House, load
 from logic.spelling import unknown
-from sim.actions import ACTIONS
 from sim.backends.backend import METHODS, Backend
 from sim.config import PRESETS, Config
+from sim.environment.observed import require_observed
 from sim.geometry import check_lengths
 from sim.tasks.tasks import PAPER, AnyTask, Targets, named, task
 from sim.tasks.terms import terms_of
@@ -72,19 +71,11 @@ def read_arguments(
     config = configuration(preset, max_episode_steps)
     if render_mode not in (None, *metadata["render_modes"]):
         raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
-    make, bank = backend_class(backend), house_list(houses)
+    make = backend_class(backend)
+    require_observed(config, make)
+    bank = house_list(houses)
     check_lengths(bank)
     return Arguments(make.fit(config, bank), make, bank, wanted, device)
-
-
-def single_spaces(config: Config) -> tuple[spaces.Box, spaces.Discrete]:
-    """The spaces of one environment's observations and actions."""
-    shape = (config.rays, config.channels)
-    # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
-    high = np.ones(shape, np.float32)
-    if config.sees_angle:
-        high[:, config.column("angle")] = 360 / 359
-    return spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32), spaces.Discrete(ACTIONS)
 
 
 def house_list(houses: Houses) -> list[House]:

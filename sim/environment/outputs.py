@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.environment.observed import observed
 from sim.world.episodes import HOUSE
 from sim.world.kernels import BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
 from sim.world.world import World
@@ -16,9 +17,32 @@ class Outputs:
         self.world = world
         self.shape = world.num_envs, world.config.rays, world.config.channels
 
-    def observation(self, name: str = "observation") -> np.ndarray:
-        """Observations (E, R, C) float32: a copy. ``name``: ``final`` for those in which episodes ended."""
+        self._joins: list[tuple[Any, list[Any]]] = []
+        self.extra_shape = world.num_envs, world.config.extra_numbers
+
+    def rays(self, name: str = "observation") -> np.ndarray:
+        """What rays see, (E, R, C) float32: a copy. ``name``: ``final`` for where episodes ended."""
         return self.world.arrays[name].numpy().view(np.float32).reshape(self.shape)
+
+    def observation(self, final: bool = False, chosen: np.ndarray | None = None) -> Any:
+        """Observations, copies; 0 but for the ``chosen`` (E,) bool. ``final``: those that ended episodes."""
+        config = self.world.config
+        rays, extras = self.rays("final" if final else "observation"), None
+        if config.extras:
+            extras = (
+                self.world.arrays["final_extras" if final else "extras"].numpy().reshape(self.extra_shape)
+            )
+        if chosen is not None:
+            rays[~chosen] = 0
+            if extras is not None:
+                extras[~chosen] = 0
+        seen = observed(config, rays, extras)
+        return np.concatenate(self._rows(seen), axis=1) if config.flat else seen
+
+    def _rows(self, seen: Any) -> list[Any]:
+        """The parts of what is observed, (E, n) each."""
+        parts = seen.values() if isinstance(seen, dict) else [seen]
+        return [part.reshape(self.world.num_envs, -1) for part in parts]
 
     def flags(self) -> np.ndarray:
         """Which environments terminated, were truncated, were blocked (3, E) bool: a copy."""
@@ -39,8 +63,7 @@ class Outputs:
         """
         if not ended.any():
             return {}
-        observation = self.observation("final")
-        observation[~ended] = 0
+        observation = self.observation(final=True, chosen=ended)
         last = self.info(last=True)
         masks = {f"_{name}": ended.copy() for name in last}
         info["blocked"][ended] = False
@@ -56,8 +79,27 @@ class Outputs:
         if self.world.config.geodesic:
             info["distance"] = arrays["distance"].tensor(np.int32, (count,))
         if self.world.mode == SAME_STEP:
-            info["final_obs"] = arrays["final"].tensor(np.float32, self.shape)
-        observation = arrays["observation"].tensor(np.float32, self.shape)
+            info["final_obs"] = self._tensor("final", "final_extras")
+        observation = self._tensor("observation", "extras")
         reward, action = arrays["reward"].tensor(np.float32, (count,)), arrays["action"]
         outputs = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
         return action.view() if device == "cpu" else action.tensor(np.int64, (count,)), outputs
+
+    def _tensor(self, rays: str, extras: str) -> Any:
+        """An observation as tensors in the world's own memory; a flat one in its own: see ``join``."""
+        arrays, config = self.world.arrays, self.world.config
+        numbers = arrays[extras].tensor(np.float32, self.extra_shape) if config.extras else None
+        seen = observed(config, arrays[rays].tensor(np.float32, self.shape), numbers)
+        if not config.flat:
+            return seen
+        import torch
+
+        self._joins.append((torch.cat(self._rows(seen), dim=1), self._rows(seen)))
+        return self._joins[-1][0]
+
+    def join(self) -> None:
+        """Bring flat tensors up to date."""
+        import torch
+
+        for whole, parts in self._joins:
+            torch.cat(parts, dim=1, out=whole)

@@ -49,7 +49,7 @@ def scene_of(outputs: Outputs, index: int) -> "Scene":
     """What there is to see of an environment."""
     from sim.film import Scene
 
-    world, info, seen = outputs.world, outputs.info(), outputs.observation()[index]
+    world, info, seen = outputs.world, outputs.info(), outputs.rays()[index]
     config, state = world.config, world.environment(index)
     house = world.houses[info["house"][index]]
     return Scene(

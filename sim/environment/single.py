@@ -9,7 +9,8 @@ from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
 from logic.spelling import keywords
 from sim.config import Config
-from sim.environment.arguments import BANK, METADATA, Houses, read_arguments, single_spaces
+from sim.environment.arguments import BANK, METADATA, Houses, read_arguments
+from sim.environment.observed import only, single_spaces
 from sim.environment.options import for_one, read_seeds
 from sim.environment.vector import HouseVectorEnv
 from sim.tasks.tasks import Targets
@@ -70,7 +71,7 @@ class HouseEnv(gymnasium.Env):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[np.ndarray, dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """Begin a new episode; ``options`` as for ``HouseVectorEnv``: a house, a (3,) pose, a (2,) target."""
         self._require_open()
         batched = for_one(options)
@@ -79,9 +80,9 @@ class HouseEnv(gymnasium.Env):
         observation, info = self.envs.reset(seed=seed, options=batched)
         super().reset(seed=seed)
         self._over = False
-        return observation[0], _only(info)
+        return only(observation), _only(info)
 
-    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """One action; after an episode's end, ``ResetNeeded``."""
         self._require_open()
         if self._over:
@@ -91,7 +92,7 @@ class HouseEnv(gymnasium.Env):
             raise ValueError(f"an action is one integer, 0, 1 or 2, not an array of shape {action.shape}")
         observation, reward, terminated, truncated, info = self.envs.step(action[None])
         self._over = bool(terminated[0] or truncated[0])
-        return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)
+        return only(observation), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)
 
     def render(self) -> np.ndarray | None:
         """A picture, (height, width, 3) uint8, where ``render_mode`` is ``rgb_array``."""

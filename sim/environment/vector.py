@@ -19,10 +19,10 @@ from sim.environment.arguments import (
     Houses,
     house_list,
     read_arguments,
-    single_spaces,
     whole,
 )
 from sim.environment.kept import KEPT, remade, require_state
+from sim.environment.observed import single_spaces
 from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
 from sim.environment.pictures import Pictures, scene_of
@@ -73,6 +73,17 @@ class HouseVectorEnv(VectorEnv):
     ``Config.kinds`` puts columns before the distance: whether the ray ends on a piece of each of these kinds.
     Ray i looks 58.5 - 3 i degrees counter-clockwise from the heading. The ``paper`` preset looks at 60 - 3 i
     and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
+    ``Config.observe`` names more that an agent may know, and then the space is a ``Dict`` of the parts; or
+    with ``Config.flat`` a ``Box`` (n,) of all their numbers:
+
+    | part | space | unit |
+    |---|---|---|
+    | rays | the above | |
+    | bump | (1,): 1 where the last move was blocked | |
+    | last_action | (3,): 1 for the last action; none in an episode's first observation | |
+    | odometry | (4,): forward and left of the start, cosine and sine of the turn, with ``drift`` | m |
+    | goal | (2,): forward and left to the target | m |
+    | geodesic | (1,): the fewest actions to the target; -1 where no path leads there | actions |
 
     ## Rewards
     1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
@@ -87,7 +98,8 @@ class HouseVectorEnv(VectorEnv):
 
     ## Info
     Arrays by environment: ``pose`` (E, 3) of the eye (x, y, heading: metres, radians), ``blocked`` (E,),
-    ``house`` (E,) its number in the bank, ``target`` (E, 2) its centre in metres.
+    ``house`` (E,) its number in the bank, ``target`` (E, 2) its centre in metres; with ``Config.geodesic``
+    also ``distance`` (E,) int32, the fewest actions to it, as ``Oracle`` counts them, -1 where no path is.
 
     ## Random numbers
     They are keyed by (seed + i, episode, counter) for environment i, as in ``SyncVectorEnv``. A trajectory
@@ -203,7 +215,7 @@ class HouseVectorEnv(VectorEnv):
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[np.ndarray, dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
@@ -235,7 +247,7 @@ class HouseVectorEnv(VectorEnv):
         numbers = [int(self.np_random.integers(2**63)) if seed is None else seed for seed in seeds]
         self.world.seed(np.array(numbers, np.uint64), mask & (given | (not self._ready)))
 
-    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One action (E,) for each environment; fresh arrays come back.
 
         What follows an episode's end is the ``autoreset_mode``'s: by default the step after it ignores its
@@ -257,7 +269,7 @@ class HouseVectorEnv(VectorEnv):
 
     def step_torch(
         self, actions: "torch.Tensor"
-    ) -> tuple["torch.Tensor", "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, "torch.Tensor"]]:
+    ) -> tuple[Any, "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, "torch.Tensor"]]:
         """``step`` with tensors and without copies: the batched path.
 
         ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,
@@ -271,6 +283,8 @@ class HouseVectorEnv(VectorEnv):
         action, outputs = self._tensors
         action[:] = given
         self.world.run("step")
+        if self.config.flat:
+            self._outputs.join()
         return outputs
 
     def launch(self, actions: np.ndarray) -> None:
@@ -308,7 +322,7 @@ class HouseVectorEnv(VectorEnv):
         """
         return self.world.state | {
             "flags": self._outputs.flags(),
-            "observation": self._outputs.observation(),
+            "observation": self._outputs.rays(),
         }
 
     @state.setter

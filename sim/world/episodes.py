@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.actions import FORWARD
+from sim.actions import ACTIONS, FORWARD, LEFT
 from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
 from sim.backends.body import SKIN
 from sim.backends.doors import Doors
@@ -21,7 +21,7 @@ from sim.world.philox import below, philox, uniform
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
 
-EPISODE, SENSOR, WHEELS = range(3)
+EPISODE, SENSOR, WHEELS, ODOMETER = range(4)
 """What a random number is for: the fourth word of its counter."""
 
 HOUSE, TIME, FOUND, OVER, NUMBER, SEED = range(3, 9)
@@ -79,6 +79,7 @@ class WorldArrays(NamedTuple):
     pending: Ints
     slots: Ints
     known: Fours
+    odometer: Reals
 
 
 State = ti.types.struct(
@@ -140,7 +141,7 @@ class Episodes:
             self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, backend, backend.body
         self.ends_on_pick_up, self.terms = ends_on_pick_up, terms
-        self.knows_distance = config.geodesic or terms.asks_distance
+        self.knows_distance = config.knows_distance or terms.asks_distance
         # Apart by more than this, a target is not picked up from where the one before it was.
         self.apart = config.target + max(config.body)
 
@@ -388,6 +389,63 @@ class Episodes:
                 if ti.static(self.config.sees_doors):
                     self.write(observation, to, "is door", ti.select(kind[r] == DOOR, 1.0, 0.0))
                 self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
+
+    @ti.func
+    def notice(self, world: ti.template(), e, state, action, blocked, extras: ti.template()):
+        """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet."""
+        at = e * ti.static(self.config.extra_numbers)
+        if ti.static("bump" in self.config.observe):
+            extras[at + ti.static(self.config.extra("bump"))] = ti.cast(blocked, ti.f32)
+        if ti.static("last_action" in self.config.observe):
+            for k in ti.static(range(ACTIONS)):
+                extras[at + ti.static(self.config.extra("last_action") + k)] = ti.select(
+                    action == k, 1.0, 0.0
+                )
+        if ti.static("odometry" in self.config.observe):
+            pose = self.odometer(world, e, state, action, blocked)
+            first = at + ti.static(self.config.extra("odometry"))
+            extras[first], extras[first + 1] = pose[0], pose[1]
+            extras[first + 2], extras[first + 3] = ti.cos(pose[2]), ti.sin(pose[2])
+        if ti.static("goal" in self.config.observe):
+            heading = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
+            away = state.target - self.body.eye(state.origin, state.cell)
+            cosine, sine = ti.cos(heading), ti.sin(heading)
+            first = at + ti.static(self.config.extra("goal"))
+            extras[first] = away[0] * cosine - away[1] * sine
+            extras[first + 1] = -away[0] * sine - away[1] * cosine
+        self.notice_distance(world, e, extras)
+
+    @ti.func
+    def notice_distance(self, world: ti.template(), e, extras: ti.template()):
+        """Write the distance to the target."""
+        if ti.static("geodesic" in self.config.observe):
+            at = e * ti.static(self.config.extra_numbers) + ti.static(self.config.extra("geodesic"))
+            extras[at] = ti.cast(world.distance[e], ti.f32)
+
+    @ti.func
+    def odometer(self, world: ti.template(), e, state, action, blocked):
+        """The pose (metres forward and left of the start, radians) by the body's own account: the sum of the
+        moves that it made and that nothing was in the way of, with their errors.
+        """
+        pose = world.odometer[e]
+        if action < 0:
+            pose = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        elif not blocked:
+            share = 1.0
+            if ti.static(self.config.drift > 0):
+                counter = ti.Vector([state.episode, state.time, 0, ODOMETER])
+                words = philox(state.seed, ti.cast(counter, ti.u64))
+                size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
+                error = size * ti.cos(ti.static(2 * np.pi) * uniform(words[1]))
+                share += ti.static(self.config.drift) * error
+            if action == FORWARD:
+                long = ti.static(self.config.step) * ti.select(state.cell[2] & 1, ti.static(2**0.5), 1.0)
+                pose[0] += share * long * ti.cos(pose[2])
+                pose[1] += share * long * ti.sin(pose[2])
+            else:
+                pose[2] += share * ti.select(action == LEFT, ti.static(np.pi / 4), ti.static(-np.pi / 4))
+        world.odometer[e] = pose
+        return pose
 
     @ti.func
     def write(self, observation: ti.template(), ray, column: ti.template(), number):

@@ -73,7 +73,13 @@ def kernels(
         flags[ti.static(BLOCKED) * count + e] = ti.cast(blocked, ti.u8)
 
     @kernel
-    def reset(world: WorldArrays, option_wholes: Options, option_reals: Reals, observation: Observation):
+    def reset(
+        world: WorldArrays,
+        option_wholes: Options,
+        option_reals: Reals,
+        observation: Observation,
+        extras: Floats,
+    ):
         """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
         ``option_reals`` (E, 4): origin, with the cell that is the rest of ``option_wholes``, and target; what
         is NaN is sampled.
@@ -89,6 +95,7 @@ def kernels(
                     state.target = ti.Vector([at[2], at[3]])
                 episodes.close_doors(world, e, state)
                 episodes.aim(world, e, state)
+                episodes.notice(world, e, state, -1, 0, extras)
                 store(world, e, state)
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, observation)
@@ -103,6 +110,8 @@ def kernels(
         action: Longs,
         observation: Observation,
         final: Observation,
+        extras: Floats,
+        final_extras: Floats,
         reward: Floats,
         flags: Bytes,
         last_reals: Reals,
@@ -112,8 +121,8 @@ def kernels(
     ):
         """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
 
-        Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated, blocked; in
-        ``SAME_STEP`` also ``final`` and the ``last`` state.
+        Fills ``observation``, ``extras``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated,
+        blocked; in ``SAME_STEP`` also ``final``, ``final_extras`` and the ``last`` state.
         """
         for e in range(world.reals.shape[0]):
             if ti.static(all_rays):
@@ -128,6 +137,7 @@ def kernels(
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(world, e, state, SAMPLE)
+                episodes.notice(world, e, state, -1, 0, extras)
                 reward[e] = 0.0
                 flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
@@ -135,14 +145,19 @@ def kernels(
                     world, e, state, ti.cast(action[e], ti.i32)
                 )
                 reward[e] = earned
+                episodes.notice(world, e, state, ti.cast(action[e], ti.i32), blocked, extras)
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)
                 if ti.static(episodes.knows_distance):
                     last_distance[e] = world.distance[e]
+                for k in range(ti.static(config.extra_numbers)):
+                    at = e * ti.static(config.extra_numbers) + k
+                    final_extras[at] = extras[at]
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = episodes.begin(world, e, state, SAMPLE)
+                    episodes.notice(world, e, state, -1, 0, extras)
             store(world, e, state)
             if ti.static(all_rays):
                 episodes.look(world, e, state, 0, rays, observation)
@@ -153,7 +168,9 @@ def kernels(
                         episodes.look(world, e, loaded(world, e), r, 1, final)
                 for e in range(world.reals.shape[0]):
                     if world.wholes[e][ti.static(OVER)]:
-                        store(world, e, episodes.begin(world, e, loaded(world, e), SAMPLE))
+                        state = episodes.begin(world, e, loaded(world, e), SAMPLE)
+                        episodes.notice(world, e, state, -1, 0, extras)
+                        store(world, e, state)
             for e, r in ti.ndrange(world.reals.shape[0], rays):
                 episodes.look(world, e, loaded(world, e), r, 1, observation)
 
@@ -189,13 +206,14 @@ def kernels(
             free[k] = backend.stands(numbers, indices, cells[4 * k], origin, cell)
 
     @kernel
-    def settle(world: WorldArrays, reward: Floats):
+    def settle(world: WorldArrays, reward: Floats, extras: Floats):
         """Take in the distances to new targets, now that their fields are there."""
         for e in range(world.reals.shape[0]):
             if ti.static(episodes.knows_distance):  # noqa: SIM102 - decided as it is compiled
                 if world.distance[e] == NOT_YET:
                     state = loaded(world, e)
                     world.distance[e] = episodes.distance(world, e, state)
+                    episodes.notice_distance(world, e, extras)
                     if ti.static(terms.progress != 0):  # noqa: SIM102
                         if state.time > 0:
                             after = ti.cast(ti.max(0, world.distance[e]), ti.f32)

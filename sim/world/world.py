@@ -74,6 +74,9 @@ class World:
             "action": Array(ti.i64, count),
             "observation": Array(observation, numbers),
             "final": Array(observation, ended),
+            "extras": Array(ti.f32, max(1, count * config.extra_numbers)),
+            "final_extras": Array(ti.f32, max(1, count * config.extra_numbers)),
+            "odometer": Array(ti.f32, count if "odometry" in config.observe else 1, 4),
             "reward": Array(ti.f32, count),
             "flags": Array(ti.u8, 3 * count),
             "prefetched": Array(ti.i32, count),
@@ -286,4 +289,6 @@ class World:
 
     @property
     def _state_names(self) -> tuple[str, ...]:
-        return (*STATE, "pushes") if self.config.closed_doors else STATE
+        doors = ("pushes",) * bool(self.config.closed_doors)
+        extras = ("extras",) * bool(self.config.extras)
+        return (*STATE, *doors, *extras, *("odometer",) * ("odometry" in self.config.observe))

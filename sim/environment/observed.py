@@ -1,0 +1,75 @@
+"""What an agent may know: the spaces of observations, and what kernels write as these spaces have it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from logic.spelling import unknown
+from sim.actions import ACTIONS
+from sim.config import EXTRAS, RAYS, Config
+
+
+def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Discrete]:
+    """The spaces of one environment's observations and actions: of rays alone their ``Box``, else a ``Dict``
+    of the parts that ``Config.observe`` names, or where it is ``flat``, a ``Box`` (n,) of all.
+    """
+    parts: dict[str, spaces.Space[Any]] = {name: _box(config, name) for name in config.observe}
+    if config.flat:
+        low, high = (np.concatenate([getattr(part, end).ravel() for part in parts.values()]) for end in ENDS)
+        seen: spaces.Space[Any] = spaces.Box(low, high, low.shape, np.float32)
+    else:
+        seen = parts[RAYS] if config.observe == (RAYS,) else spaces.Dict(parts)
+    return seen, spaces.Discrete(ACTIONS)
+
+
+ENDS = "low", "high"
+
+BOUNDS = {"bump": (0, 1), "last_action": (0, 1), "geodesic": (-1, np.inf)}
+"""Of the numbers of a part; of all others there are none."""
+
+
+def _box(config: Config, name: str) -> spaces.Box:
+    """The space of one part."""
+    if name != RAYS:
+        low, high = BOUNDS.get(name, (-np.inf, np.inf))
+        return spaces.Box(low, high, (EXTRAS[name],), np.float32)
+    shape = (config.rays, config.channels)
+    # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
+    high = np.ones(shape, np.float32)
+    if config.sees_angle:
+        high[:, config.column("angle")] = 360 / 359
+    return spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32)
+
+
+def observed(config: Config, rays: Any, extras: Any) -> Any:
+    """An observation of its space, but for ``flat``, from rays (E, R, C) and the other parts' numbers
+    (E, n), arrays or tensors: no copies.
+    """
+    if config.observe == (RAYS,):
+        return rays
+    parts, at = {}, 0
+    for name in config.observe:
+        if name == RAYS:
+            parts[name] = rays
+        else:
+            parts[name] = extras[:, at : at + EXTRAS[name]]
+            at += EXTRAS[name]
+    return parts
+
+
+def only(observation: Any) -> Any:
+    """The observation of the only environment."""
+    if isinstance(observation, Mapping):
+        return {name: part[0] for name, part in observation.items()}
+    return observation[0]
+
+
+def require_observed(config: Config, backend: type) -> None:
+    """Raise ``ValueError`` for what a backend lacks, by its ``lacks``, of what is observed."""
+    lacks = getattr(backend, "lacks", ())
+    for name in config.observe:
+        if name in lacks:
+            has = [each for each in (RAYS, *EXTRAS) if each not in lacks]
+            raise ValueError(f"observe: of backend {backend.__name__} {unknown('observation', name, has)}")
