@@ -49,7 +49,7 @@ def _area(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms that are too small or too large together."""
     if promises.house_area:
         least, most = promises.house_area
-        whole = sum(room.area for room in house.rooms)
+        whole = sum(room.area for room in house.rooms if room.type not in promises.outdoor)
         if not least - TOLERANCE <= whole <= most + TOLERANCE:
             area = figure(whole, least, most)
             yield Fault(f"house: is of {area} m² ({number(least)} to {number(most)})")

@@ -2,7 +2,7 @@
 them share, an entrance, and windows in outer walls.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import combinations, pairwise
 from typing import Any
 
@@ -163,16 +163,30 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
     for index, window in enumerate(house.windows):
         room = rooms[window.room]
         name = f"{named(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
-        yield from _not_outer(house, window, room, name)
+        yield from _not_outer(house, window, room, name, promises.outdoor)
         for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
             if any(_meet(window, other) for other in openings):
                 yield Fault(f"{name} meets {kind}", (room.name,))
         for piece in room.pieces:
             if piece.type in promises.hides and overlap(_before(window), piece.box) > TOLERANCE:
                 yield Fault(f"{name} is behind a {piece.type}", (room.name,))
+    lit = {window.room for window in house.windows}
+    outside = {room.name for room in house.rooms if room.type in promises.outdoor}
+    by_doors = {name for door in house.doors if outside & {*door.between} for name in door.between}
     for room in house.rooms:
-        if room.type in promises.lit and not any(window.room == room.name for window in house.windows):
+        if room.type in promises.lit and room.name not in lit | by_doors | outside:
             yield Fault(f"{named(room)}: has no window", (room.name,))
+        if room.name in outside & lit:
+            yield Fault(f"{named(room)}: has a window, and is outside", (room.name,))
+        if room.name in outside and not _at_outer_wall(house, room):
+            yield Fault(f"{named(room)}: has no outer wall, and is outside", (room.name,))
+
+
+def _at_outer_wall(house: House, room: Room) -> bool:
+    """Whether no other room is behind a part of the room's boundary."""
+    others = shapely.union_all([shapely.box(*other.box) for other in house.rooms if other is not room])
+    border = shapely.box(*room.box).exterior
+    return border.difference(others.buffer(TOLERANCE, join_style="mitre")).length > PASSAGE
 
 
 def _is_shared(door: Door, one: Room, other: Room) -> bool:
@@ -190,12 +204,14 @@ def _apart(one: Rect, other: Rect) -> bool:
     return _shared(one.box, other.box) <= TOLERANCE
 
 
-def _not_outer(house: House, opening: Rect, room: Room, name: str) -> Iterator[Fault]:
-    """Why an opening of a room, of this name, does not lead outside."""
+def _not_outer(
+    house: House, opening: Rect, room: Room, name: str, outdoor: Collection[str] = ()
+) -> Iterator[Fault]:
+    """Why an opening of a room, of this name, does not lead outside, or to a room of the types that are."""
     if not any(is_on_wall(opening, room, wall) for wall in range(4)):
         yield Fault(f"{name} is not on a wall of the room", (room.name,))
     for other in house.rooms:
-        if other is not room and _shared(opening.box, other.box) > TOLERANCE:
+        if other is not room and other.type not in outdoor and _shared(opening.box, other.box) > TOLERANCE:
             yield Fault(f"{name} leads into {named(other)}, not outside", (room.name, other.name))
 
 

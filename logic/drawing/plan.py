@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from msgspec import structs
+
 from logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Strokes, Text, text_width
 from logic.drawing.door_leaves import Leaf
 from logic.drawing.palettes import Fill, Inks, Style
@@ -75,8 +77,13 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.rooms]
     if main := house.main_room:
         shapes.append(Part(main.name, (Block(frame.box(main), inks.paper),)))
+    made = house.provenance
+    outdoor = made.promises.outdoor if made and made.promises else ()
     for room in house.counted:
-        shapes.append(Part(room.name, tuple(floor(frame.box(room), style.fill(room.type), inks))))
+        fill = style.fill(room.type)
+        if room.type in outdoor:  # Boards, and no colour: there is no roof.
+            fill = structs.replace(fill, colour=inks.paper, hatch="|")
+        shapes.append(Part(room.name, tuple(floor(frame.box(room), fill, inks))))
     for room in house.counted:
         names = part_names([piece.type for piece in room.pieces])
         for name, piece in zip(names, room.pieces, strict=True):

@@ -14,7 +14,7 @@ from logic.generation.feasibility import Feasibility
 from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import Grammar
 from logic.house.house import House
-from logic.language.loaded import LoadedGrammar
+from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
 from logic.layout.program import Program
 from logic.layout.programs import Programs
 from logic.layout.terms import brief_facts, wall_facts
@@ -39,6 +39,8 @@ class BriefMaker(SharedWallsMaker):
                 f"brief: outline.voids: the grammar {grammar.name} states house_area/2, which holds of whole "
                 "rectangles: leave out the voids, or take another grammar"
             )
+        if loaded.has_area and loaded.outdoor:
+            raise RequestError(f"brief: {OUTDOOR_AREA.format(grammar.name)}")
         self.brief = brief
         rules = grammar.for_brief()
         on_request = not grammar.names_contacts

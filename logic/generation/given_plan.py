@@ -9,7 +9,7 @@ from collections.abc import Collection
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import LimitReached
+from logic.errors import LimitReached, RequestError
 from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, HouseFacts
 from logic.generation.furnish import Unfurnishable
@@ -18,7 +18,7 @@ from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, given_ro
 from logic.grammar import Grammar
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect
-from logic.language.loaded import LoadedGrammar
+from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
 from logic.layout.account import FURNITURE
 from logic.layout.program import Nogood
 from logic.layout.programs import Programs
@@ -40,6 +40,8 @@ class GivenPlanMaker(SharedWallsMaker):
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, plan: OwnPlan) -> None:
         """Find what the grammar forbids in the plan."""
+        if loaded.has_area and loaded.outdoor:
+            raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
         self.plan = plan
         rules = grammar.for_own_plan()
         facts: HouseFacts = [*_meetings(plan), *self._faults(plan, loaded)]

@@ -43,6 +43,7 @@ def promised(
         public=_required(program, "public"),
         courts=len(_atoms(program, "void", 1)),
         lit=_required(program, "lit"),
+        outdoor=_required(program, "outdoor") if shares_walls else (),
         turning={name: float(side) for name, side in metres["turning"]},
         hides=_required(program, "hides"),
         empty=_named(_atoms(program, "empty", 1)),

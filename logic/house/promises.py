@@ -66,6 +66,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Of plans: how many boxes between rooms may be no room's, a metre or more both ways."""
     lit: tuple[str, ...] = ()
     """Room types that have a window."""
+    outdoor: tuple[str, ...] = ()
+    """Room types that are outside: they have no window and no part in ``house_area``, and light others."""
     turning: dict[str, float] = {}
     """Of each room type: how wide a square is free in it, metres."""
     hides: tuple[str, ...] = ()

@@ -46,6 +46,12 @@ MOST_INSTANCES = 50_000
 VOID = "void"
 """What a dissection leaves free: its size is stated as that of a room of this type would be."""
 
+OUTDOOR_AREA = (
+    "the grammar {} states house_area/2, and outdoor/1, of rooms that it leaves out: both are kept where "
+    "nothing of the house is given. Take one of them out"
+)
+"""Why there is no house by such a grammar for a brief or in a plan of the user's."""
+
 
 class LoadedGrammar:
     """What a grammar states, read in the order in which one mistake hides another."""
@@ -183,6 +189,7 @@ class LoadedGrammar:
         self.extremes, errors, absent = stated_lengths(self.placer, self.furniture, turned)
         windowed = [*probe.atoms("lit", 1), *probe.atoms("may_be_lit", 1)]
         lit = {str(symbol.arguments[0]) for symbol in windowed}
+        self.outdoor = {str(symbol.arguments[0]) for symbol in probe.atoms("outdoor", 1)}
         sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
         self.openings = [Term("opening", *atom.arguments) for atom in sorted(probe.atoms("opening", 2))]
@@ -194,7 +201,7 @@ class LoadedGrammar:
 
     def _house_facts(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share, and of the area of the house."""
-        total, rooms = area_bounds(self.placer, self.furniture)
+        total, rooms = area_bounds(self.placer, [each for each in self.furniture if each not in self.outdoor])
         areas = area_facts(total, rooms)
         if not self.grammar.shares_walls:
             return [*areas, berth_fact(self.extremes["lengths"], rooms)] if total else []

@@ -87,14 +87,19 @@ span(x, sides(X1,X2,_,_), edges(West,East,_,_), X1, X2, [West,East]).
 span(y, sides(_,_,Y1,Y2), edges(_,_,North,South), Y1, Y2, [North,South]).
 
 %   outer_wall(+Room, +Side, +Atoms, +Rooms, -Type, -Starts, -Ends): an opening in this side of the room comes after all
-%   Starts, Place-Why, and before all Ends: those of the side, and of rooms beyond it (shared_walls/topology.lp).
+%   Starts, Place-Why, and before all Ends: those of the side, of rooms beyond it (shared_walls/topology.lp), and of the one towards
+%   which a window is.
 
 outer_wall(R, Side, Atoms, Rooms, Type, [A1-Why|Starts], [A2-Why|Ends]) :-
     memberchk(room(R,Type,Sides,Edges), Rooms),
     side_axis(Side, Axis),
     span(Axis, Sides, Edges, A1, A2, Why),
     findall(beyond(R,Side,Q,How), member(beyond(R,Side,Q,How), Atoms), Beyond),
-    foldl(room_beyond(Axis, Rooms), Beyond, []-[], Starts-Ends).
+    foldl(room_beyond(Axis, Rooms), Beyond, []-[], Starts0-Ends0),
+    (   memberchk(toward(R,Side,P), Atoms)
+    ->  memberchk(room(P,_,SidesP,EdgesP), Rooms), span(Axis, SidesP, EdgesP, B1, B2, Lines), Toward = [toward(R,Side,P)|Lines],
+        Starts = [B1-Toward|Starts0], Ends = [B2-Toward|Ends0]
+    ;   Starts = Starts0, Ends = Ends0 ).
 
 room_beyond(Axis, Rooms, beyond(R,Side,Q,How), Starts-Ends, More) :-
     memberchk(room(Q,_,Sides,Edges), Rooms),

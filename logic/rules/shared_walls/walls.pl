@@ -56,7 +56,8 @@ decided_answer(open, Atoms, _, Items, open(Reasons))         --> { findall(A, ( 
 
 plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
     (   { total_area(Total) }
-    ->  { rooms_sized(Rooms, Atoms, Sized), sampling_order(Lines, Rooms, Order) }, total_sample(Arithmetic, Order, System, Total, Rooms, Sized, Halvings)
+    ->  { indoors(Rooms, Atoms, Inside), rooms_sized(Inside, Atoms, Sized), sampling_order(Lines, Rooms, Order) },
+        total_sample(Arithmetic, Order, System, Total, Inside, Sized, Halvings)
     ;   lines_sample(Arithmetic, Lines, Rooms, System) ).
 
 %!  brief_system(+Atoms, -Plan, -System, -Items) is det.
@@ -95,10 +96,16 @@ chosen_step(Items, Step) :- member(Item, Items), item_range(Item, from(_,Low)-up
 whole_system(Atoms, Given, Plan, System) :-
     wall_system(Atoms, Given, Plan, Walls),
     (   total_area(Total)
-    ->  Plan = plan(_,Rooms), rooms_sized(Rooms, Atoms, Sized),
+    ->  Plan = plan(_,Rooms), indoors(Rooms, Atoms, Inside), rooms_sized(Inside, Atoms, Sized),
         total_constraints(Total, Sized, Areas), append(Walls, Areas, All),
         fewest_unknowns_first(All, System)
     ;   System = Walls ).
+
+%   indoors(+Rooms, +Atoms, -Inside): those that the area of a house is of.
+
+indoors(Rooms, Atoms, Inside) :- exclude(is_outdoor(Atoms), Rooms, Inside).
+
+is_outdoor(Atoms, room(_,T,_,_)) :- memberchk(outdoor(T), Atoms).
 
 rooms_sized(Rooms, Atoms, Sized) :- maplist(room_sized(Atoms), Rooms, Sized).
 

@@ -26,7 +26,7 @@ from logic.request.request import Request
 
 SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 """Numbers of rooms of the houses in which a recipe is looked for."""
-SHARED_WALLS = (6, 8, 9, 9, 12)
+SHARED_WALLS = (7, 8, 9, 9, 12)
 """The same where rooms share walls."""
 
 
@@ -253,6 +253,16 @@ def proportions(room: StarRoom) -> bool:
 @claim(rooms("cell", "chapel"))
 def square_rooms(room: StarRoom) -> bool:
     return abs(room.width - room.height) < TOLERANCE
+
+
+@claim(list)
+def balcony(house: House) -> bool:
+    names = {room.name for room in house.rooms if room.type == "balcony"}
+    lit = {window.room for window in house.windows} | {
+        name for door in house.doors if names & {*door.between} for name in door.between
+    }
+    dark = [room for room in house.rooms if room.type in {"living", "bedroom"} and room.name not in lit]
+    return len(names) == 1 and not dark and names.isdisjoint(window.room for window in house.windows)
 
 
 @claim(lambda houses: [house for house in houses if count(house, "consulting") > 1])

@@ -94,7 +94,7 @@ export class Grammar {
 
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
-    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["opening", 2], ["most_rooms", 1]];
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["outdoor", 1], ["opening", 2], ["most_rooms", 1]];
     // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
     const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
     const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house"]).atoms(...signatures).map(parseTerm);
@@ -111,6 +111,7 @@ export class Grammar {
       for (const pieces of Object.values(this.furniture))
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
     this.lit = new Set([...of("lit"), ...of("may_be_lit")].map(([type]) => type.name));
+    this.outdoor = new Set(of("outdoor").map(([type]) => type.name));
     this.openings = of("opening").map(([type, other]) => compound("opening", atom(type.name), atom(other.name)));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
   }
@@ -206,7 +207,7 @@ export class Grammar {
 
   /** What stage 1 knows of the area of the house, where one is stated: facts of areas.lp, and of star/areas.lp. */
   areaFacts() {
-    const [total, rooms] = this.prolog.ask("house_areas", list(this.types.map(atom)));
+    const [total, rooms] = this.prolog.ask("house_areas", list(this.types.filter((type) => !this.outdoor.has(type)).map(atom)));
     if (!total.length) return [];
     const bounds = (least, most) => [Math.floor(100 * least), Math.ceil(100 * most)];
     const facts = [[`total(${bounds(...total)})`, ["house_area"]]];

@@ -11,6 +11,14 @@ MISTAKES = (
         says="same_size(consultng): no room type has this name: see type/1",
         grammar="clinic",
     ),
+    Mistake(
+        "what is outside, of a misspelt type",
+        "rooms.lp",
+        old="",
+        new="outdoor(balcny).",
+        says="outdoor(balcny): no room type has this name: see type/1",
+        grammar="home",
+    ),
     # - openings
     Mistake(
         "an opening of a misspelt type",
