@@ -9,7 +9,7 @@ from torch import Tensor
 
 from agent.algorithms.map_completion.marks import Marks
 from agent.algorithms.map_completion.network import CompletionNetwork
-from agent.algorithms.search.chooser import BODY, ViewChooser, by_parts
+from agent.algorithms.search.chooser import ViewChooser, by_parts
 from agent.algorithms.search.network import ViewNetwork, foreseen
 from agent.algorithms.search.windows import ViewMaps
 from agent.learning.config import TrainConfig
@@ -26,7 +26,7 @@ AGENT = "search"
 def any_task(envs: HouseVectorEnv) -> Explorer:
     """The released agent, as it is."""
     return Explorer(
-        shield(envs), envs.config, BODY, chooser=ViewChooser(checkpoint.load(AGENT).network, envs.config)
+        shield(envs), envs.config, chooser=ViewChooser(checkpoint.load(AGENT).network, envs.config)
     )
 
 
@@ -45,7 +45,7 @@ class Foreseeing:
         """Its policy."""
         network = checkpoint.load(AGENT).network
         chooser = MarkedChooser(network, envs.config, checkpoint.load(self.name).network)
-        return Explorer(shield(envs), envs.config, tracker=Marking(envs.config, BODY, chooser=chooser))
+        return Explorer(shield(envs), envs.config, tracker=Marking(envs.config, chooser=chooser))
 
 
 class Marking(Tracker):

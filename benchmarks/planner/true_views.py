@@ -5,7 +5,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.chooser import BODY, ViewChooser, best
+from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.network import ViewNetwork
 from agent.algorithms.search.values import TrueValues
 from agent.algorithms.search.windows import ViewMaps, views
@@ -41,4 +41,4 @@ class TrueChooser(ViewChooser):
 
 def true_views(envs: HouseVectorEnv) -> Explorer:
     """The body with the true values."""
-    return Explorer(shield(envs), envs.config, BODY, chooser=TrueChooser(envs))
+    return Explorer(shield(envs), envs.config, chooser=TrueChooser(envs))

@@ -19,7 +19,7 @@ import torch
 from torch import Tensor, nn
 
 from agent.algorithms.build import policy_of
-from agent.algorithms.search.chooser import BODY, ViewChooser, best
+from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import LearnedSearch
 from agent.algorithms.search.network import CONSTANT, ViewNetwork, in_view, unforeseen
@@ -27,6 +27,7 @@ from agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps
 from agent.algorithms.table import PRESETS
 from agent.evaluation.tables import Table
 from agent.learning.environments import make_envs, shield
+from agent.planner import TUNED
 from agent.policies.policies import Explorer
 from agent.runs import checkpoint
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
@@ -274,16 +275,16 @@ def untrained(envs: HouseVectorEnv) -> Explorer:
 
 
 def again_after(steps: int) -> Maker:
-    """The released agent, which chooses again after some steps though it is not there, in place of 128."""
+    """The released agent, which chooses again after some steps though it is not there, in place of 32."""
 
     def make(envs: HouseVectorEnv) -> Explorer:
         chooser = ViewChooser(checkpoint.load(AGENT).network, envs.config)
-        return Explorer(shield(envs), envs.config, replace(BODY, replan_interval=steps), chooser=chooser)
+        return Explorer(shield(envs), envs.config, replace(TUNED, replan_interval=steps), chooser=chooser)
 
     return make
 
 
-often, usual, seldom = again_after(12), again_after(32), again_after(400)
+often, seldom = again_after(12), again_after(128)
 
 
 def without_looks(envs: HouseVectorEnv) -> Explorer:

@@ -1,7 +1,6 @@
 """The body's next view: the best one by the network, never one twice between two pick-ups."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -11,12 +10,8 @@ from torch import Tensor
 from agent.algorithms.search.maps import MapReader
 from agent.algorithms.search.network import ViewNetwork
 from agent.algorithms.search.windows import HEADINGS, ViewMaps
-from agent.planner import TUNED, Planner
+from agent.planner import Planner
 from sim.config import Config
-
-BODY = replace(TUNED, replan_interval=128)
-"""A body that is led goes on to its view for longer than the explorer's: to choose again on the way there, as
-often as that does, brings no more targets, and costs twice the time."""
 
 AT_ONCE = 16
 """Windows in a batch: what fits a processor's cache."""

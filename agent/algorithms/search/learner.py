@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.chooser import BODY, ViewChooser, best
+from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.crop import by_size
 from agent.algorithms.search.network import ViewNetwork
@@ -49,7 +49,7 @@ class LearnedSearch(MapLearner):
     ) -> Explorer:
         """The body, led by the network."""
         require_own_maps(config, envs)
-        return Explorer(shield(envs), envs.config, BODY, chooser=ViewChooser(network, envs.config))
+        return Explorer(shield(envs), envs.config, chooser=ViewChooser(network, envs.config))
 
     def __init__(self, config: SearchConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has NEXT_STEP autoreset. Raises ``RequestError`` behind closed doors."""
@@ -67,7 +67,7 @@ class LearnedSearch(MapLearner):
     def explorer_of(self) -> Explorer:
         """The body, led by choices that are noted."""
         self.chooser = ViewChooser(self.network, self.envs.config, self.choose)
-        return Explorer(self.avoidance, self.envs.config, BODY, chooser=self.chooser)
+        return Explorer(self.avoidance, self.envs.config, chooser=self.chooser)
 
     @property
     def epsilon(self) -> float:

@@ -9,7 +9,7 @@ import torch
 
 from agent.algorithms.build import learner_of, network_of, policy_of
 from agent.algorithms.map_completion.windows import Windows
-from agent.algorithms.search.chooser import BODY, ViewChooser, best
+from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.crop import box, by_size, cropped
 from agent.algorithms.search.learner import value_loss
@@ -190,24 +190,6 @@ def test_a_body_without_a_view_to_go_to_turns():
     policy, actions = Explorer(shield(envs), envs.config, chooser=chooser), []
     played(policy, envs, 20, lambda: actions.append(int(policy.tracker.actions[0])))
     assert set(actions) <= {0, 1}
-
-
-def test_a_body_on_its_way_chooses_seldomer_than_the_explorer():
-    """It is led by one who would have it go far away, to and fro."""
-    chosen = {}
-    for config in (TUNED, BODY):
-        envs = make_envs(HOUSES, len(HOUSES), "secondary")
-
-        def farthest(environments, maps, config=config):
-            chosen[config] = chosen.get(config, 0) + len(environments)
-            away = maps.ways[:, None].float().expand(-1, HEADINGS, -1, -1)
-            return best(torch.where(views(maps), away, -torch.inf), maps)
-
-        chooser = ViewChooser(ViewNetwork((4, 4)), envs.config, farthest)
-        played(Explorer(shield(envs), envs.config, config, chooser=chooser), envs, 160)
-    assert chosen[BODY] < 0.8 * chosen[TUNED]
-    policy = cast(Explorer, policy_of(network_of(SMALL), SMALL, make_envs(HOUSES, 1, "secondary")))
-    assert policy.tracker.planner.config == BODY
 
 
 @pytest.fixture(scope="module")
