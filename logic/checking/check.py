@@ -23,7 +23,14 @@ from logic.checking.room import (
     wrong_fronts,
     wrong_sizes,
 )
-from logic.checking.shared_walls import plan_doors, plan_rooms, plan_sizes, plan_units, plan_windows
+from logic.checking.shared_walls import (
+    plan_doors,
+    plan_parts,
+    plan_rooms,
+    plan_sizes,
+    plan_units,
+    plan_windows,
+)
 from logic.checking.star import star_doors, star_main_room, star_rooms, star_shape, star_sides, star_sizes
 from logic.checking.walking import impassable, unentered
 from logic.house.boxes import TOLERANCE
@@ -103,6 +110,7 @@ CHECKS = (
     Check("same size", SHARED_WALLS, plan_sizes),
     Check("area", EVERY, _area),
     Check("doors", SHARED_WALLS, plan_doors),
+    Check("parts", SHARED_WALLS, plan_parts),
     Check("units", SHARED_WALLS, plan_units),
     Check("windows", SHARED_WALLS, plan_windows),
     Check("types", EVERY, _types),

@@ -103,7 +103,7 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
         ):
             yield Fault(f"{name}: {one} and {other} do not open into each other", names)
-        if promises.openings and door.opening and not promises.are_open(one, other):
+        if (promises.openings or promises.parts) and door.opening and not promises.are_open(one, other):
             yield Fault(f"{name}: has no leaf (must have one)", names)
     for one, other in combinations(house.doors, 2):
         if _meet(one, other) and not (one.opening and other.opening and _apart(one, other)):
@@ -111,6 +111,31 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             yield Fault(text, _joined(one) + _joined(other))
     if promises.entrance and not any(door.is_entrance for door in house.doors):
         yield Fault("house: has no door to the outside")
+
+
+def plan_parts(house: House, promises: Promises) -> Iterator[Fault]:
+    """Parts of rooms behind a wall, or of rooms of other types; rooms that should be parts."""
+    rooms = {room.name: room for room in house.rooms}
+    for room in house.rooms:
+        whole = rooms.get(room.part_of or "")
+        wanted = promises.parts.get(room.type, ())
+        if wanted and (whole is None or whole.type not in wanted):
+            yield Fault(
+                f"{named(room)}: is no part of a room (must be of a {' or '.join(wanted)})", (room.name,)
+            )
+        if not room.part_of and room.type in promises.whole_area:
+            least, most = promises.whole_area[room.type]
+            area = sum(part.area for part in house.parts(room))
+            if not least - TOLERANCE <= area <= most + TOLERANCE:
+                said = f"is of {figure(area, least, most)} m² with its parts"
+                yield Fault(f"{named(room)}: {said} ({number(least)} to {number(most)})", (room.name,))
+        if whole is None:
+            continue
+        joints = [door for door in house.doors if {*door.between} == {room.name, whole.name}]
+        shared, length = _wall(room.box, whole.box), sum(door.length for door in joints if door.opening)
+        if abs(length - shared) > TOLERANCE or not joints:
+            said = f"of {figure(shared, length, digits=3)} m of wall {number(length)} are open (must be all)"
+            yield Fault(f"{named(room)}: is a part of {whole.name}, and {said}", (room.name, whole.name))
 
 
 def plan_sizes(house: House, promises: Promises) -> Iterator[Fault]:
@@ -222,6 +247,12 @@ def _shared(segment: Box, box: Box) -> float:
         for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))
     )
     return along if across >= -TOLERANCE else across
+
+
+def _wall(one: Box, other: Box) -> float:
+    """How much wall two rooms side by side share, metres; 0 where they do not."""
+    spans = [min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in (0, 1)]
+    return max(*spans, 0.0) if abs(min(spans)) <= TOLERANCE else 0.0
 
 
 def _along(opening: Rect) -> int:

@@ -30,7 +30,7 @@ def diff_svg(before: House, after: House, width: int = WIDTH) -> str:
 def diff_drawing(before: House, after: House, found: list[Change], width: int = WIDTH) -> Drawing:
     """The same as a drawing, of the changes that were found."""
     plain = style([after])
-    look = Style(plain.inks, plain.looks, {room.type: Fill(FLOOR) for room in after.counted})
+    look = Style(plain.inks, plain.looks, {room.type: Fill(FLOOR) for room in after.rooms})
     frame, height = _frame(before, after, width)
     leaves = door_leaves(after)
     names = room_names(after, frame, look, {}, leaves=leaves)

@@ -168,7 +168,7 @@ def plan(
     """
     look = look or style([house])
     leaves = door_leaves(house)
-    every = abbreviations(room.type for room in house.counted)
+    every = abbreviations(house.whole(room).type for room in house.counted)
     keyed: set[str] = set()
     while True:  # A key takes space, in which a further name may have stood.
         short = {kind: every[kind] for kind in every if kind in keyed}
@@ -233,5 +233,5 @@ def _sheet(
 
 def least_scale(house: House, width: float, height: float) -> float:
     """CSS pixels to a metre that surely fit in a picture, above the key that the house may need."""
-    rows = key_rows({room.type: "" for room in house.counted}, width - 2 * MARGIN)
+    rows = key_rows({house.whole(room).type: "" for room in house.counted}, width - 2 * MARGIN)
     return _scale(house, width, height - TITLE - MARGIN - FOOT - SWATCH * len(rows))

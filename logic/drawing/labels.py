@@ -44,12 +44,16 @@ def room_names(
     sizes = size, least
     names = []
     for room in house.counted:
+        if room.part_of:
+            names.append(())
+            continue
         fill, box = style.fill(room.type), frame.box(room)
         pieces = [frame.box(piece) for piece in room.pieces]
+        area = sum(part.area for part in house.parts(room))
         taken = pieces, [swing for swing in swings if overlap(swing, box) > 0]
         texts = [room.type, *([short[room.type]] if short.get(room.type) else [])]
         names.append(
-            _name(texts, _area(room.area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
+            _name(texts, _area(area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
         )
     if main := house.main_room:
         taken = [frame.box(room) for room in house.cut_from(main)], swings
@@ -79,7 +83,9 @@ def _shared(one: Box, other: Box) -> float:
 def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
     """The types of rooms whose names are not written in full, by ``room_names`` of a house."""
     pairs = zip(house.counted, names, strict=False)
-    return {room.type for room, words in pairs if not words or words[0].text != room.type}
+    return {
+        room.type for room, words in pairs if not room.part_of and (not words or words[0].text != room.type)
+    }
 
 
 def abbreviations(types: Iterable[str]) -> dict[str, str]:

@@ -92,7 +92,7 @@ def style(houses: Iterable[House], palette: Name = "colour", grammar: str | Path
     houses = list(houses)
     ones = {house.provenance.grammar if house.provenance else "": house for house in houses}
     looks = reduce(or_, (looks_of(house, grammar) for house in ones.values()))
-    chosen, types = PALETTES[palette], {room.type for house in houses for room in house.counted}
+    chosen, types = PALETTES[palette], {house.whole(room).type for house in houses for room in house.counted}
     return Style(chosen, looks, _patterned(chosen, types, looks) or _coloured(chosen, types, looks))
 
 

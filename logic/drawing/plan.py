@@ -80,7 +80,7 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     made = house.provenance
     outdoor = made.promises.outdoor if made and made.promises else ()
     for room in house.counted:
-        fill = style.fill(room.type)
+        fill = style.fill(house.whole(room).type)
         if room.type in outdoor:  # Boards, and no colour: there is no roof.
             fill = structs.replace(fill, colour=inks.paper, hatch="|")
         shapes.append(Part(room.name, tuple(floor(frame.box(room), fill, inks))))
@@ -96,6 +96,13 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     for name, door in doors_by_name(house).items():
         leaf = None if door.opening else next(left, None)
         shapes.append(Part(name, tuple(_door(house, door, leaf, frame, inks))))
+    for room in house.counted:
+        if room.part_of:  # The floor goes on where no wall is.
+            joints = [door for door in house.doors if {*door.between} == {room.name, room.part_of}]
+            fill = style.fill(house.whole(room).type)
+            shapes += [
+                shape for door in joints for shape in floor(frame.place(opening(house, door)), fill, inks)
+            ]
     for name, window in windows_by_name(house).items():
         shapes.append(Part(name, tuple(_window(frame.place(opening(house, window)), inks))))
     return shapes

@@ -20,7 +20,10 @@ def write(house: House, path: Path) -> None:
 
 def to_geojson(house: House) -> dict[str, Any]:
     """A house as a feature collection."""
-    features = [_feature(room, "room", name=room.name, type=room.type) for room in house.rooms]
+    features = []
+    for room in house.rooms:
+        part = {"part_of": room.part_of} if room.part_of else {}
+        features.append(_feature(room, "room", name=room.name, type=room.type, **part))
     for door in house.doors:
         leafless = {"opening": True} if door.opening else {}
         features.append(_feature(door, "door", between=door.between, **leafless))

@@ -18,7 +18,7 @@ from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
 from logic.layout.program import Program
 from logic.layout.programs import Programs
 from logic.layout.terms import brief_facts, wall_facts
-from logic.placement.lengths import brief_lengths
+from logic.placement.lengths import brief_lengths, metres
 from logic.placement.plan import Pieces, Plan
 from logic.request.brief import Brief
 from logic.request.request import Request
@@ -41,6 +41,11 @@ class BriefMaker(SharedWallsMaker):
             )
         if loaded.has_area and loaded.outdoor:
             raise RequestError(f"brief: {OUTDOOR_AREA.format(grammar.name)}")
+        if metres(loaded.placer, loaded.furniture)["wholes"]:
+            raise RequestError(
+                f"brief: the grammar {grammar.name} states whole_area/3, the area of rooms with their parts, "
+                "which a brief cannot keep: say the areas in the brief, and take a grammar without it"
+            )
         self.brief = brief
         rules = grammar.for_brief()
         on_request = not grammar.names_contacts

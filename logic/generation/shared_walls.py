@@ -106,6 +106,8 @@ class SharedWallsMaker(Maker):
         What is found infeasible is added to the nogoods.
         """
         plan, layout, left = self._solved(self._walls, request, rng, inferences, nogoods, unfurnishable)
+        parts = [atom.arguments for atom in layout if atom.name == "part_of"]
+        plan.join({part.number: whole.number for part, whole in parts})
         if GUARD in self.grammar.topology:  # of the user's own, whose rooms may be no plan
             no_pieces: list[Pieces] = [()] * len(plan.rooms)
             require_tiling(plan.house(no_pieces, self.grammar.topology_name), layout, self._loaded)

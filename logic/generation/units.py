@@ -291,6 +291,8 @@ def _append(plan: Plan, part: Plan, public: int) -> None:
     def placed(end: int | str) -> int | str:
         return public if isinstance(end, str) else end + first
 
-    plan.rooms += part.rooms
+    for room in part.rooms:
+        whole = None if room.part_of is None else room.part_of + first
+        plan.rooms.append(structs.replace(room, part_of=whole))
     plan.doors += [structs.replace(door, between=tuple(map(placed, door.between))) for door in part.doors]
     plan.windows += [structs.replace(window, room=window.room + first) for window in part.windows]

@@ -93,6 +93,14 @@ class House(msgspec.Struct, frozen=True):
             raise ValueError(f"the house names no hub: it has {', '.join(room.name for room in self.rooms)}")
         raise ValueError(unknown("room", name, [room.name for room in self.rooms]))
 
+    def whole(self, room: Room) -> Room:
+        """The room that one is a part of; itself, where it is none."""
+        return self.room(room.part_of) if room.part_of else room
+
+    def parts(self, room: Room) -> tuple[Room, ...]:
+        """A room and its parts, which are one room to whoever is in it; none for a part."""
+        return () if room.part_of else (room, *(each for each in self.rooms if each.part_of == room.name))
+
     def doors_of(self, name: str) -> tuple[Door, ...]:
         """The doors of a room, by its name; those of ``outside`` are the entrances."""
         return tuple(door for door in self.doors if name in door.between)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import msgspec
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 from logic.house.promises import Promises
 
@@ -105,6 +105,8 @@ class Room(Rect, frozen=True, forbid_unknown_fields=True):
     type: str
     children: tuple[Piece, ...] = ()
     storey: Literal[0] = 0
+    part_of: Name | UnsetType = UNSET
+    """The room that it is a part of: no wall is between them."""
 
     @property
     def pieces(self) -> tuple[Piece, ...]:

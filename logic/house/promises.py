@@ -46,6 +46,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Of each room type; in a star its width runs along the wall with its door, elsewhere either way."""
     room_area: dict[str, tuple[float, float]] = {}
     """Of each room type in other houses: least and greatest area, square metres."""
+    whole_area: dict[str, tuple[float, float]] = {}
+    """Of each room type, with the parts of such a room: least and greatest area, square metres."""
     house_area: tuple[float, float] | None = None
     """Of all rooms of a house together, with a star's main room: least and greatest area, square metres."""
     same_size: dict[str, bool] = {}
@@ -56,6 +58,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
     openings: dict[str, tuple[str, ...]] = {}
     """Between rooms of which types alone, the first and others, a door may be without a leaf."""
+    parts: dict[str, tuple[str, ...]] = {}
+    """Of rooms of which types rooms of a type are parts: without a wall between them, each of one room."""
     entrance: bool = False
     """Whether a house has a door to the outside."""
     public: tuple[str, ...] = ()
@@ -112,7 +116,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
 
     def are_open(self, one: str, other: str) -> bool:
         """Whether a door between rooms of these types may be without a leaf."""
-        return other in self.openings.get(one, ()) or one in self.openings.get(other, ())
+        pairs = ((one, other), (other, one))
+        return any(b in self.openings.get(a, ()) or b in self.parts.get(a, ()) for a, b in pairs)
 
 
 PROMISES = msgspec.json.decode(Path(__file__).with_suffix(".json").read_bytes(), type=dict[str, Promises])

@@ -101,10 +101,17 @@ def _require_names(house: Record) -> None:
         raise msgspec.ValidationError(f"rooms: no room is named {OUTSIDE}: that is where an entrance leads")
     used = [("hub", house.hub, names)] if house.hub else []
     used += [(f"doors[{i}]", name, spaces) for i, door in enumerate(house.doors) for name in door.between]
+    used += [(f"{room.name}.part_of", room.part_of, names) for room in house.rooms if room.part_of]
     used += [(f"windows[{i}]", window.room, names) for i, window in enumerate(house.windows)]
     for place, name, known in used:
         if name not in names and name not in known:
             raise msgspec.ValidationError(f"{place}: {unknown('room', name, known)}")
+    parts = {room.name for room in house.rooms if room.part_of}
+    for room in house.rooms:
+        if room.part_of == room.name or room.part_of in parts:
+            raise msgspec.ValidationError(
+                f"{room.name}.part_of: {room.part_of} is itself a part: name the room that has it"
+            )
     for index, door in enumerate(house.doors):
         if door.between[0] == door.between[1]:
             raise msgspec.ValidationError(f"doors[{index}]: joins {door.between[0]} with itself")

@@ -193,7 +193,9 @@ class LoadedGrammar:
         sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
         self.openings = [Term("opening", *atom.arguments) for atom in sorted(probe.atoms("opening", 2))]
-        clashes = disagreements(self.placer, usable, self.openings, whole is not probe, MOST_ROOMS)
+        parts = [Term("part", *atom.arguments) for atom in sorted(probe.atoms("part", 2))]
+        joints = [*self.openings, *parts]
+        clashes = disagreements(self.placer, usable, joints, whole is not probe, MOST_ROOMS)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
         yield from map(Mistake, [*errors, *clashes, *self.rules.facts.absent(absent)])
         if not errors and not absent:

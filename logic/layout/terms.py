@@ -223,7 +223,7 @@ def wall_facts(
                 (Function(name, [kind, *(Number(bound(1000 * each)) for each in pair)]), clauses)
                 for pair in pairs
             ]
-        only.append(Function("window_size", [kind]))
+        only += [Function(name, [kind]) for name in ("window_size", "whole_area")]
     return facts + [(Function("sized", [clause]), (clause,)) for clause in only]
 
 

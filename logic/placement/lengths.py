@@ -46,20 +46,21 @@ def stated_lengths(
 
 
 def disagreements(
-    placer: Placer, types: Mapping[str, bool], openings: Iterable[Term], units: bool, most_rooms: int
+    placer: Placer, types: Mapping[str, bool], joints: Iterable[Term], units: bool, most_rooms: int
 ) -> list[GrammarError]:
     """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
 
-    ``types`` have a size, each with whether such rooms have windows; ``openings`` are terms
-    ``opening(Type,Other)``; houses are with or without units.
+    ``types`` have a size, each with whether such rooms have windows; ``joints`` are terms
+    ``opening(Type,Other)`` and ``part(Type,Whole)``; houses are with or without units.
     """
     topology = Term("topology", placer.kind_of_walls, "true" if units else "false", most_rooms)
     rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
-    return _first_at_each_place(placer.ask("grammar_disagreements", topology, rooms, openings))
+    return _first_at_each_place(placer.ask("grammar_disagreements", topology, rooms, joints))
 
 
 def metres(placer: Placer, types: Iterable[str]) -> dict[str, Any]:
-    """``lengths`` by name (m), and ``areas`` of these room types (square metres), as they are written."""
+    """``lengths`` by name (m), and ``areas`` of these room types, and of
+    ``wholes`` with their parts (square metres), as they are written."""
     return placer.ask("grammar_metres", LENGTHS, list(types))
 
 

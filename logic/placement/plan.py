@@ -1,8 +1,9 @@
 """What stage 2 gives: unfurnished plans whose rooms share walls, and stars. Metres; rooms by number."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import msgspec
+from msgspec import UNSET
 
 from logic.house.house import House
 from logic.house.parts import Door, Piece, Rect, Room, Window
@@ -20,6 +21,8 @@ class PlanRoom(Rect, frozen=True):
     """Of its own; by default its place says it: ``R0``, ``R1``..."""
     pieces: Pieces | None = None
     """Its furniture, where it has some already and keeps it."""
+    part_of: int | None = None
+    """The place of the room that it is a part of."""
 
 
 class PlanDoor(Rect, frozen=True):
@@ -45,6 +48,13 @@ class Plan(msgspec.Struct):
     """Of Prolog, that it took."""
     hub: str = ""
 
+    def join(self, parts: Mapping[int, int]) -> None:
+        """Say of rooms, by their numbers, of which others they are parts."""
+        places = {room.number: place for place, room in enumerate(self.rooms)}
+        for place, room in enumerate(self.rooms):
+            if room.number in parts:
+                self.rooms[place] = msgspec.structs.replace(room, part_of=places[parts[room.number]])
+
     def name(self, place: int) -> str:
         """A room's."""
         return self.rooms[place].name or f"R{place}"
@@ -66,7 +76,13 @@ class Plan(msgspec.Struct):
     def house(self, pieces: Sequence[Pieces], topology: str) -> House:
         """The house of this plan and the furniture of its rooms."""
         rooms = [
-            Room(*sides(room), self.name(place), room.type, within)
+            Room(
+                *sides(room),
+                self.name(place),
+                room.type,
+                within,
+                part_of=UNSET if room.part_of is None else self.name(room.part_of),
+            )
             for place, (room, within) in enumerate(zip(self.rooms, pieces, strict=True))
         ]
         doors = [Door(*sides(door), self.between(door), door.opening) for door in self.doors]

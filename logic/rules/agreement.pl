@@ -25,12 +25,14 @@ then the text names both.
 %
 %   Json lists [File,Line,Column,Text]. Topology is topology(Walls,Units,Rooms): shared or apart, true where houses have units, and how many
 %   rooms they have at most.
-%   Types are room(Type,Lit), Lit is true where such rooms have windows; each has a size. Openings are opening(Type,Other).
+%   Types are room(Type,Lit), Lit is true where such rooms have windows; each has a size. Openings are opening(Type,Other),
+%   and part(Type,Whole).
 
 grammar_disagreements(Topology, Types, Openings, Json) :-
     findall([File,Line,Column,Text],
             ( disagreement(Topology, Types, wrong(File,Line,Column,Text))
-            ; Topology = topology(shared,_,_), opening_wrong(Types, Openings, wrong(File,Line,Column,Text)) ),
+            ; Topology = topology(shared,_,_), opening_wrong(Types, Openings, wrong(File,Line,Column,Text))
+            ; Topology = topology(shared,Units,_), whole_wrong(Units, Types, Openings, wrong(File,Line,Column,Text)) ),
             Found),
     as_json(Found, Json).
 
@@ -156,6 +158,24 @@ turning_found(Type, Found) :-
     ;   Stated = [M], number(M), M >= 0
     ->  ( M < 1 000 000 000 -> Found = M ; Found = fault(too_large) )
     ;   Found = fault(not_metres) ).
+
+% - rooms of several parts -----------------------------------------------------------------------------------------
+
+%   whole_wrong(+Units, +Types, +Openings, -Wrong): an area of rooms that have no parts, or that one of them has by itself already.
+
+whole_wrong(Units, Types, Openings, Wrong) :-
+    member(room(Type,_), Types), stated_for(whole_area(Type,_,_)),
+    Head = whole_area(Type,Least,Most), Said = whole_area(Type,_,_),
+    judged(areas_found(Head, Least, Most, Found), Found, []-Said, Report),
+    (   Report = wrong(_,_,_,_)
+    ->  Wrong = Report
+    ;   Units == true
+    ->  clash(Said, "the area of a room with its parts is not stated in houses of units: state room_area/3 of each", [], Wrong)
+    ;   \+ memberchk(part(_,Type), Openings)
+    ->  clash(Said, "no room is a part of a ~w: say which is, with part/2 in a .lp file, or state room_area/3", [Type], Wrong)
+    ;   Report = _-M, type_ranges(Type, ranges(_,_,Low-_)), square_metres(Low, Alone), M < Alone - 1.0e-9,
+        ( grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
+        clash(Said, "~w m2 at most, and ~w allows ~w m2 at least, without a part", [metres(M),clause(Clause),metres(Alone)], Wrong) ).
 
 % - openings ----------------------------------------------------------------------------------------------------
 

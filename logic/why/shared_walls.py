@@ -157,13 +157,17 @@ class PlanWitness(Witness):
         axis = "y" if wall.side in ("west", "east") else "x"
         place = Reason(f"a wall from {axis} {wall.start:.3f} to {wall.end:.3f} m")
         if isinstance(opening, Door) and opening.opening:
-            types = [self._house.room(name).type for name in opening.between]
-            wide = wall.end - wall.start
-            least, greatest, clauses = open_lengths(self._builder.placer, (types[0], types[1]), wide)
-            margin, near = 0.0, (place,)
+            one, other = (self._house.room(name) for name in opening.between)
+            wide, margin, near = wall.end - wall.start, 0.0, (place,)
+            if self._house.whole(one) is self._house.whole(other):
+                least, greatest, clauses = wide, wide, ()
+            else:
+                least, greatest, clauses = open_lengths(self._builder.placer, (one.type, other.type), wide)
             no_less = no_more = self._reasons([("clause", each) for each in clauses])
             if greatest > wide - 1e-6:
                 no_more = near
+            if least > wide - 1e-6:
+                no_less = near
         elif isinstance(opening, Door):
             margin, least, greatest = found["margin"], found["door"], found["door"]
             near = (*self._clause("length(door_margin)"), place)

@@ -176,6 +176,7 @@ arguments(opening_size, ["Type","Other","Length","Wall"]).
 arguments(house_size,  ["Width","Depth"]).
 arguments(unit_depth,  ["Depth"]).
 arguments(room_area,   ["Type","Least","Most"]).
+arguments(whole_area,  ["Type","Least","Most"]).
 arguments(house_area,  ["Least","Most"]).
 
 lacking(X, Words, Lack) :-

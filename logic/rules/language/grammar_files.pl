@@ -39,6 +39,13 @@ or several.
 %
 %       window_margin(0.65).
 
+%!  whole_area(?Type, -Least, -Most)
+%
+%   how large a room of this Type is together with its parts, in square metres: see part/2. room_area/3 and room_size/3 are of each
+%   of them by itself. Not for houses of units.
+%
+%       whole_area(cellar, 18.0, 24.0).
+
 %!  house_size(-Width, -Depth)
 %
 %   how large a whole plan is, in metres, where rooms share walls: Width from west to east, Depth from north to south.
@@ -117,7 +124,7 @@ or several.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 :- dynamic grammar:turning/2.
 
-:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1.
+:- dynamic grammar:room_area/3, grammar:whole_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

@@ -37,6 +37,7 @@ size_clauses(Clauses) :-
 size_head(room_size,   room_size(Name,_,_),    Name).
 size_head(piece_size,  piece_size(Name,_,_,_), Name).
 size_head(room_area,   room_area(Name,_,_),    Name).
+size_head(whole_area,  whole_area(Name,_,_),  Name).
 size_head(window_size, window_size(Name,_,_),  Name).
 size_head(turning,     turning(Name,_),        Name).
 size_head(opening_size, opening_size(Name,_,_,_), Name).
@@ -55,6 +56,7 @@ clause_head(length(Name), Head) :- Head =.. [Name,_].
 clause_head(size(Type),    room_size(Type,_,_)).
 clause_head(size(_,Piece), piece_size(Piece,_,_,_)).
 clause_head(room_area(Type),   room_area(Type,_,_)).
+clause_head(whole_area(Type),  whole_area(Type,_,_)).
 clause_head(window_size(Type), window_size(Type,_,_)).
 clause_head(opening_size(T,U), opening_size(T,U,_,_)).
 clause_head(turning(Type),     turning(Type,_)).

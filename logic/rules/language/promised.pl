@@ -9,11 +9,12 @@
 %!  grammar_metres(+Names, +Types, -Json) is det.
 %
 %   Json gives [Name,Metres] of the lengths of these names, and [Type,Least,Most] of the areas of rooms of these types, square
-%   metres, of those that are stated, the `total` area of the house, [Least,Most] or null, and [Type,Metres] of the free squares.
+%   metres, of those that are stated, the same of `wholes` with their parts, the `total` area of the house, [Least,Most] or null, and [Type,Metres] of the free squares.
 
 grammar_metres(Names, Types, Json) :-
     findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),
     findall([T,Least,Most], ( member(T, Types), once(grammar:room_area(T, Least, Most)), number(Least), number(Most) ), Areas),
+    findall([T,Least,Most], ( member(T, Types), clause(grammar:whole_area(_,_,_), _), once(grammar:whole_area(T, Least, Most)), number(Least), number(Most) ), Wholes),
     ( clause(grammar:house_area(_,_), _), once(grammar:house_area(L, M)), number(L), number(M) -> Total = [L,M] ; Total = null ),
     findall([T,M], ( member(T, Types), once(turning_side(T, M)), number(M) ), Turning),
-    as_json(_{lengths:Lengths, areas:Areas, total:Total, turning:Turning}, Json).
+    as_json(_{lengths:Lengths, areas:Areas, wholes:Wholes, total:Total, turning:Turning}, Json).

@@ -46,7 +46,8 @@ again(Rounds, Plan, Near, Places) :-
 moved(plan(Atoms,Rooms,Walls,Xs0,Ys0), NearXs-NearYs, Xs-Ys) :-
     maplist(same_length, [Xs0,Ys0], [Xs1,Ys1]),
     maplist(indexed, [Xs1,Ys1,NearXs,NearYs], [X,Y,NearX,NearY]),
-    phrase(( rooms(Rooms, Atoms, at(X,Y), at(NearX,NearY)), doors(Atoms, Rooms, at(X,Y)), outer(Atoms, Walls, at(X,Y)),
+    phrase(( rooms(Rooms, Atoms, at(X,Y), at(NearX,NearY)), wholes(Atoms, Rooms, at(X,Y), at(NearX,NearY)),
+             doors(Atoms, Rooms, at(X,Y)), outer(Atoms, Walls, at(X,Y)),
              touching(Walls, Rooms, at(X,Y)), all_same(Atoms, Rooms, at(X,Y)) ), Constraints),
     maplist(extent, [Xs1,Ys1], [Width,Depth]),
     house_system(Width, Depth, Whole),
@@ -124,6 +125,28 @@ area(Type, W, D, W0, D0) -->
     { Steep is D0/W0, Low is 2*sqrt(Steep*Least*(1 + 1.0e-6)), High is 2*sqrt(Steep*Most*(1 - 1.0e-6)) },
     [(Low =< Steep*W + D)-[], (Steep*W + D =< High)-[]].
 area(_, _, _, _, _) --> [].
+
+%   What the areas of a room and of its parts are together near their sizes, linear in these.
+
+wholes(Atoms, Rooms, At, Near) -->
+    { findall([Q|Parts]-Areas, whole(Atoms, Q, Parts, Areas), Wholes) },
+    areas_of(Wholes, Rooms, At, Near).
+
+whole(Atoms, Q, Parts, Least-Most) :-
+    clause(grammar:whole_area(_,_,_), _),
+    member(parts(Q,_), Atoms), memberchk(room(Q,T), Atoms), once(grammar:whole_area(T, Least, Most)),
+    findall(R, member(part_of(R,Q), Atoms), Parts).
+
+areas_of([], _, _, _) --> [].
+areas_of([Numbers-(Least-Most)|Wholes], Rooms, At, Near) -->
+    { foldl(area_near(Rooms, At, Near), Numbers, 0, Sum), Low is Least*(1 + 1.0e-8), High is Most*(1 - 1.0e-8) },
+    [(Low =< Sum)-[], (Sum =< High)-[]],
+    areas_of(Wholes, Rooms, At, Near).
+
+area_near(Rooms, At, Near, R, Sum, Sum + W0*D + D0*W - W0*D0) :-
+    memberchk(room(R,West,East,North,South), Rooms), Room = room(R,West,East,North,South),
+    sides(Room, At, X1, X2, Y1, Y2), sides(Room, Near, A1, A2, B1, B2),
+    W = X2-X1, D = Y2-Y1, W0 is A2-A1, D0 is B2-B1.
 
 % - walls ------------------------------------------------------------------------------------------------
 

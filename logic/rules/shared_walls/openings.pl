@@ -43,7 +43,7 @@ opening_constraints(door(R,Q,Line), Atoms, Rooms, W) -->
       door_reasons(door(R,Q,Line), Atoms, EdgesR, EdgesQ, Door),
       append([[length(door_width),length(door_margin)|Door],WhyR,WhyQ], Why) },
     [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why],
-    (   { memberchk(open_to(R,Q), Atoms) }
+    (   { memberchk(open_to(R,Q), Atoms), \+ memberchk(part_of(R,Q), Atoms) }
     ->  { opening_wall(T, U, L, Clauses), append([[open_to(R,Q),room(R,T),room(Q,U)|Door],Clauses,WhyR,WhyQ], All) },
         [(A1+L =< A2)-All, (B1+L =< B2)-All, (A1+L =< B2)-All, (B1+L =< A2)-All]
     ;   [] ).
@@ -180,8 +180,10 @@ door_sample(entrance(R,Side), Atoms, Rooms, door(Box,R,outside)) -->
 %!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, -Door)// is det.
 %
 %   The door between two rooms R-Q of these types, or opening(Box,R,Q) where they are open to each other, in the Part From-To of
-%   the Wall Axis-At that they share.
+%   the Wall Axis-At that they share; all of it, where R is a part of Q.
 
+joint_sample(R-Q, Atoms, _, Axis-At, From-To, opening(Box,R,Q)) -->
+    { memberchk(part_of(R,Q), Atoms), !, Wall is To - From, segment(Axis, At, From, Wall, Box) }.
 joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, opening(Box,R,Q)) -->
     { memberchk(open_to(R,Q), Atoms), Wall is To - From, opening_range(T, U, Wall, Low-High), ! },
     interval_sample(Low, High, 1, Length),

@@ -38,6 +38,12 @@ fault(_, Rooms, _, _, misfit(house), [house_area]) :-
     total_area(Least-Most),
     findall(Area, ( member(room(_,W,D), Rooms), Area is W*D ), Areas), sum_list(Areas, Whole),
     ( Whole < Least - 1.0e-6 ; Whole > Most + 1.0e-6 ).
+fault(_, _, _, Types, whole(T,(L,M)), [whole_area(T)]) :-
+    clause(grammar:whole_area(_,_,_), _),
+    member(T, Types), once(grammar:whole_area(T, Least, Most)), maplist(square_millimetres, [Least,Most], [L,M]).
+fault(_, Rooms, _, _, covers(at(R),A), []) :-
+    clause(grammar:whole_area(_,_,_), _),
+    member(room(R,W,D), Rooms), Area is W*D, square_millimetres(Area, A).
 fault(_, Rooms, _, Types, misfit(at(R),T,Axis), [Clause]) :-
     member(room(R,X,Y), Rooms),
     member(T, Types),
@@ -63,6 +69,10 @@ fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)
 
 size_class(Sizes, Size, Class) :-
     aggregate_all(count, ( nextto(A, B, Sizes), B > A + 1.0e-6, B =< Size ), Class).
+
+%   square_millimetres(+Area, -Whole): of square metres, as far as a number of clingo's reaches.
+
+square_millimetres(Area, Whole) :- Whole is min(1000000000, round(1.0e6*Area)).
 
 closed(Openings, Walls, closed(at(R),at(Q),T,U), Clauses) :-
     member(opening(A,B), Openings), member(T-U, [A-B,B-A]),

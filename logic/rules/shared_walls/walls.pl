@@ -55,9 +55,9 @@ decided_answer(refuted(Conflict), _, _, _, Answer)           --> { refuted(Confl
 decided_answer(open, Atoms, _, Items, open(Reasons))         --> { findall(A, ( member(A, Atoms), A = edge(_,_,_) ; chosen_step(Items, A) ), Reasons) }.
 
 plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
-    (   { total_area(Total) }
-    ->  { indoors(Rooms, Atoms, Inside), rooms_sized(Inside, Atoms, Sized), sampling_order(Lines, Rooms, Order) },
-        total_sample(Arithmetic, Order, System, Total, Inside, Sized, Halvings)
+    (   { totals(Atoms, Rooms, Totals), Totals \== [] }
+    ->  { rooms_sized(Rooms, Atoms, Sized), sampling_order(Lines, Rooms, Order) },
+        total_sample(Arithmetic, Order, System, Totals, Rooms, Sized, Halvings)
     ;   lines_sample(Arithmetic, Lines, Rooms, System) ).
 
 %!  brief_system(+Atoms, -Plan, -System, -Items) is det.
@@ -91,23 +91,21 @@ chosen_step(Items, Step) :- member(Item, Items), item_range(Item, from(_,Low)-up
 
 %!  whole_system(+Atoms, +Given, -Plan, -System) is det.
 %
-%   As wall_system/3, with what is known of the area of the whole plan (totals.pl).
+%   As wall_system/3, with what is known of areas that are sums (totals.pl).
 
 whole_system(Atoms, Given, Plan, System) :-
     wall_system(Atoms, Given, Plan, Walls),
-    (   total_area(Total)
-    ->  Plan = plan(_,Rooms), indoors(Rooms, Atoms, Inside), rooms_sized(Inside, Atoms, Sized),
-        total_constraints(Total, Sized, Areas), append(Walls, Areas, All),
+    Plan = plan(_,Rooms),
+    (   totals(Atoms, Rooms, Totals), Totals \== []
+    ->  rooms_sized(Rooms, Atoms, Sized),
+        total_constraints(Totals, Sized, Areas), append(Walls, Areas, All),
         fewest_unknowns_first(All, System)
     ;   System = Walls ).
 
-%   indoors(+Rooms, +Atoms, -Inside): those that the area of a house is of.
+%   rooms_sized(+Rooms, +Atoms, -Sized): each R-sized(..), see room_sized/3.
 
-indoors(Rooms, Atoms, Inside) :- exclude(is_outdoor(Atoms), Rooms, Inside).
-
-is_outdoor(Atoms, room(_,T,_,_)) :- memberchk(outdoor(T), Atoms).
-
-rooms_sized(Rooms, Atoms, Sized) :- maplist(room_sized(Atoms), Rooms, Sized).
+rooms_sized([], _, []).
+rooms_sized([Room|Rooms], Atoms, [R-Sized|Others]) :- Room = room(R,_,_,_), room_sized(Atoms, Room, Sized), rooms_sized(Rooms, Atoms, Others).
 
 refuted(Conflict, infeasible(Reasons)) :-
     findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
@@ -191,7 +189,7 @@ line_place(Places, edge(_,_,Line), X) :- get_assoc(Line, Places, X).
 %   On a grid no whole numbers satisfy the System, or no plan is of the area that the grammar states.
 
 unsampled(Atoms, Plan, System) :-
-    once(( on_grid ; total_area(_) )),
+    once(( on_grid ; Plan = plan(_,Rooms), totals(Atoms, Rooms, [_|_]) )),
     \+ call(plan_sample(real-inf, Atoms, Plan, System), 0, _),
     \+ call(plan_sample(rational-0, Atoms, Plan, System), 0, _).
 

@@ -94,7 +94,7 @@ export class Grammar {
 
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
-    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["outdoor", 1], ["opening", 2], ["most_rooms", 1]];
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["outdoor", 1], ["opening", 2], ["part", 2], ["most_rooms", 1]];
     // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
     const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
     const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house"]).atoms(...signatures).map(parseTerm);
@@ -113,6 +113,7 @@ export class Grammar {
     this.lit = new Set([...of("lit"), ...of("may_be_lit")].map(([type]) => type.name));
     this.outdoor = new Set(of("outdoor").map(([type]) => type.name));
     this.openings = of("opening").map(([type, other]) => compound("opening", atom(type.name), atom(other.name)));
+    this.parts = of("part").map(([type, whole]) => compound("part", atom(type.name), atom(whole.name)));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
   }
 
@@ -179,7 +180,7 @@ export class Grammar {
     }
     const topology = compound("topology", this.sharesWalls ? "shared" : "apart", false, this.bundle.mostRooms);
     const rooms = this.types.map((type) => compound("room", atom(type), this.lit.has(type)));
-    const disagreements = this.prolog.ask("grammar_disagreements", topology, list(rooms), list(this.openings));
+    const disagreements = this.prolog.ask("grammar_disagreements", topology, list(rooms), list([...this.openings, ...this.parts]));
     if (disagreements.length) throw wrong(disagreements[0]);
   }
 
@@ -200,7 +201,7 @@ export class Grammar {
       facts.push([`reach(${[type, ...millimetres(reach)]})`, clauses]);
       for (const [name, bound, pairs] of [["upper_bound", Math.ceil, uppers], ["lower_bound", Math.floor, lowers]])
         for (const pair of pairs) facts.push([`${name}(${[type, ...pair.map((metres) => bound(1000 * metres))]})`, clauses]);
-      only.push(`window_size(${type})`);
+      only.push(`window_size(${type})`, `whole_area(${type})`);
     }
     return [...facts, ...only.map((clause) => [`sized(${clause})`, [clause]])];
   }

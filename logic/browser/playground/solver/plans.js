@@ -60,10 +60,12 @@ function apart(edges, rooms) {
 }
 
 function house({ plan: { rooms, doors, windows }, layout }, pieces) {
-  const hubs = layout.map(parseTerm).filter(({ name }) => name === "hub").map(({ args: [number] }) => `R${number}`);
+  const atoms = layout.map(parseTerm);
+  const hubs = atoms.filter(({ name }) => name === "hub").map(({ args: [number] }) => `R${number}`);
+  const wholes = new Map(atoms.filter(({ name }) => name === "part_of").map(({ args: [part, whole] }) => [part, whole]));
   const name = (each) => (typeof each === "number" ? `R${each}` : each);
   return {
-    rooms: rooms.map((room, number) => ({ ...sides(room), name: name(number), type: room.type, children: pieces[number], storey: 0 })),
+    rooms: rooms.map((room, number) => ({ ...sides(room), name: name(number), type: room.type, children: pieces[number], storey: 0, ...(wholes.has(number) && { part_of: name(wholes.get(number)) }) })),
     doors: doors.map((door) => ({ ...sides(door), between: door.between.map(name), ...(door.opening && { opening: true }) })),
     windows: windows.map((window) => ({ ...sides(window), room: name(window.room) })),
     ...(hubs.length === 1 ? { hub: hubs[0] } : {}),

@@ -8,7 +8,8 @@ MISTAKES = (
         "rooms.lp",
         old="",
         new="same_size(consultng).",
-        says="same_size(consultng): no room type has this name: see type/1",
+        at="consultng",
+        says="consultng stands nowhere else: did you mean consulting?",
         grammar="clinic",
     ),
     Mistake(
@@ -34,6 +35,32 @@ MISTAKES = (
         old="",
         new="opening(wc,kitchen).",
         says="opening(wc,kitchen): no door joins such rooms: see opens/2, loops/2",
+        grammar="home",
+    ),
+    # - rooms of several corners
+    Mistake(
+        "a part of a misspelt type",
+        "rooms.lp",
+        old="",
+        new="part(storage,livng).",
+        at="livng",
+        says="livng stands nowhere else: did you mean living?",
+        grammar="home",
+    ),
+    Mistake(
+        "a part that its whole does not open into",
+        "rooms.lp",
+        old="",
+        new="part(wc,living).",
+        says="part(wc,living): a part is entered by its whole: state that with opens/2",
+        grammar="home",
+    ),
+    Mistake(
+        "a part of a part",
+        "rooms.lp",
+        old="",
+        new="part(kitchen,dining).  part(dining,living).",
+        says="part(kitchen,dining): a room is no part of itself, nor of another part",
         grammar="home",
     ),
     # - words

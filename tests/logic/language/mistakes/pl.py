@@ -620,6 +620,11 @@ door_width(0.762).          % the paper's 2.5 feet
         "opening_size(kitchen, living, L, _) :- { L = 1.2 }.",
         "no opening joins such rooms: state opening(kitchen,living) in a .lp file",
     ),
+    appended(
+        "the area of a room with parts that has none",
+        "whole_area(living, 20.0, 30.0).",
+        "whole_area(living, 20.0, 30.0): no room is a part of a living: say which is, with part/2",
+    ),
     window(
         "a window without size",
         "L >= 0.6*Wall, L =< 0.4*Wall",

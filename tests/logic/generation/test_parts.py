@@ -1,0 +1,189 @@
+"""Rooms of several corners: a room and its parts, with no wall between them, judged by geometry."""
+
+import shutil
+from itertools import product
+from pathlib import Path
+
+import pytest
+import shapely
+from msgspec import UNSET, ValidationError, structs
+
+from logic import RequestError, Unsatisfiable, check
+from logic.drawing.labels import room_names
+from logic.drawing.palettes import style
+from logic.drawing.plan import Frame
+from logic.exports.geojson import to_geojson
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house.house import House
+from logic.house.parts import Room
+from logic.proofs.answer import house_or_proof
+from logic.request.brief import read_brief
+from logic.request.own_plan import OwnPlan
+from logic.request.request import Request
+from logic.workers.nearest_plan import nearest_plan
+
+INFERENCES = 10**8
+RULES = """
+type(bay).  part(bay,living).  opens(living,bay).  lit(bay).  empty(bay).
+#program house.
+:- not room(_,bay).
+"""
+SIZES = """
+room_size(bay, W, D) :- { W >= 1.5, W =< 3.0, D >= 1.5, D =< 3.0 }.
+whole_area(living, 24.0, 24.6).
+"""
+
+TINY = """
+topology(ring).  type(hall;bay).  empty(hall;bay).  central(hall).
+opens(outside,hall).  opens(hall,bay).  part(bay,hall).
+#program house.
+:- not room(_,bay).
+"""
+TINY_SIZES = """
+room_size(hall, W, D) :- { W >= 2.0, W =< 3.0, D >= 2.0, D =< 3.0 }.
+room_size(bay, W, D) :- { W >= 1.0, W =< 2.0, D >= 1.0, D =< 2.0 }.
+whole_area(hall, 13.01, 20.0).
+door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+"""
+"""A hall of 9 m² and a bay of 4 m² are 13 m² at most."""
+
+
+@pytest.fixture(scope="module")
+def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
+    """Of homes whose living rooms have a bay or two. A process has one grammar: the tests that load others
+    come last.
+    """
+    folder = tmp_path_factory.mktemp("bay") / "mine"
+    shutil.copytree(SHIPPED / "home", folder)
+    (folder / "bay.lp").write_text(RULES)
+    (folder / "bay.pl").write_text(SIZES)
+    return Builder(find(folder))
+
+
+@pytest.fixture(scope="module")
+def houses(builder: Builder) -> list[House]:
+    found = [builder.house(Request(n), seed, 0, INFERENCES) for seed, n in product(range(6), (7, 9))]
+    for house in found:
+        assert check(house) == []
+    return found
+
+
+def bays(house: House) -> list[tuple[Room, Room]]:
+    """Each bay and the room that it is a part of."""
+    return [(room, house.room(str(room.part_of))) for room in house.rooms if room.type == "bay"]
+
+
+def corners(house: House, whole: Room) -> int:
+    """Of the room that a whole and its parts are."""
+    parts = [room.box for room in house.rooms if room is whole or room.part_of == whole.name]
+    shape = shapely.set_precision(shapely.union_all([shapely.box(*box) for box in parts]), 1e-6)
+    assert shape.geom_type == "Polygon"
+    return len(shapely.simplify(shape, 1e-6).exterior.coords) - 1
+
+
+def test_a_room_and_its_parts_are_one_room_of_the_area_that_is_stated(houses: list[House]) -> None:
+    found = set()
+    for house in houses:
+        assert bays(house)
+        for part, whole in bays(house):
+            assert whole.type == "living"
+            found.add(corners(house, whole))
+            area = sum(room.area for room in house.rooms if whole.name in (room.name, room.part_of))
+            assert 24.0 - 1e-6 <= area <= 24.6 + 1e-6
+            (joint,) = (door for door in house.doors if {*door.between} == {part.name, whole.name})
+            meeting = shapely.box(*part.box).boundary.intersection(shapely.box(*whole.box).boundary)
+            assert joint.opening
+            assert joint.length == pytest.approx(meeting.length, abs=1e-6)
+    assert max(found) >= 8  # a T or a U
+    assert 6 in found  # an L
+
+
+def test_parts_stand_in_the_house_file_and_in_exports(houses: list[House]) -> None:
+    for house in houses:
+        again = House.from_dict(house.to_dict())
+        assert again == house
+        stated = {
+            each["properties"]["name"]: each["properties"]["part_of"]
+            for each in to_geojson(house)["features"]
+            if "part_of" in each["properties"]
+        }
+        assert stated == {part.name: whole.name for part, whole in bays(house)}
+
+
+def test_a_plan_has_one_name_and_one_area_for_both(houses: list[House]) -> None:
+    for house in houses:
+        frame = Frame(60.0, 0.0, 0.0)
+        words = [text.text for name in room_names(house, frame, style([house]), {}, 4.0) for text in name]
+        assert "bay" not in words
+        for _, whole in bays(house):
+            area = sum(room.area for room in house.rooms if whole.name in (room.name, room.part_of))
+            assert f"{area:.1f} m²" in words
+
+
+def test_check_sees_a_wall_between_them_a_wrong_area_and_a_part_of_nothing(houses: list[House]) -> None:
+    house = houses[0]
+    (part, whole), *_ = bays(house)
+    joint = next(door for door in house.doors if {*door.between} == {part.name, whole.name})
+    across = {"width": joint.width / 2} if joint.width else {"height": joint.height / 2}
+    half = [structs.replace(door, **across) if door is joint else door for door in house.doors]
+    assert "are open (must be all)" in " ".join(map(str, check(structs.replace(house, doors=tuple(half)))))
+
+    alone = [structs.replace(room, part_of=UNSET) for room in house.rooms]
+    said = " ".join(map(str, check(structs.replace(house, rooms=tuple(alone)))))
+    assert "is no part of a room (must be of a living)" in said
+    assert "m² with its parts (24 to 24.6)" in said
+
+
+def test_a_reader_refuses_parts_of_parts_and_of_nothing(houses: list[House]) -> None:
+    record = houses[0].to_dict()
+    part = next(room for room in record["rooms"] if "part_of" in room)
+    for name, said in (("R99", "there is no room R99"), (part["name"], "is itself a part")):
+        rooms = [room | {"part_of": name} if room is part else room for room in record["rooms"]]
+        with pytest.raises(ValidationError, match=said):
+            House.from_dict(record | {"rooms": rooms})
+
+
+def test_a_plan_s_parts_are_kept(builder: Builder, houses: list[House]) -> None:
+    house = houses[0]
+    plan = OwnPlan(house.rooms, house.doors, house.windows)
+    again = builder.house(Request(len(house.rooms), plan=plan), 1, 0, INFERENCES)
+    assert check(again) == []
+    assert bays(again) == [
+        (structs.replace(part, children=again.room(part.name).children), again.room(whole.name))
+        for part, whole in bays(house)
+    ]
+
+
+def test_on_a_grid_the_area_is_kept_too(builder: Builder) -> None:
+    house = Builder(builder.grammar, cell=0.3).house(Request(7), 0, 0, INFERENCES)
+    assert check(house) == []
+    for _, whole in bays(house):
+        area = sum(room.area for room in house.rooms if whole.name in (room.name, room.part_of))
+        assert 24.0 - 1e-6 <= area <= 24.6 + 1e-6
+
+
+def test_a_brief_beside_areas_of_wholes_is_refused(builder: Builder) -> None:
+    brief = read_brief({"rooms": [{"name": "A", "type": "hall"}, {"name": "B", "type": "living"}]})
+    with pytest.raises(RequestError, match="whole_area/3"):
+        Builder(builder.grammar).house(Request(2, brief=brief), 0, 0, INFERENCES)
+
+
+def test_a_plan_of_another_area_is_moved_as_little_as_can_be(builder: Builder, houses: list[House]) -> None:
+    """It is drawn three hundredths too wide; what is found keeps the area, by geometry."""
+    house = houses[0]
+    (_, whole), *_ = bays(house)
+    wide = [structs.replace(room, x=1.03 * room.x, width=1.03 * room.width) for room in house.rooms]
+    found = nearest_plan(OwnPlan(tuple(wide)), grammar=builder.grammar.directory)
+    moved = {room.name: room for room in found.plan.rooms}
+    parts = [moved[room.name] for room in house.rooms if whole.name in (room.name, room.part_of)]
+    assert 24.0 - 1e-6 <= sum(room.area for room in parts) <= 24.6 + 1e-6
+
+
+def test_a_proof_names_the_area_that_rooms_are_too_small_for(tmp_path: Path) -> None:
+    (tmp_path / "rooms.lp").write_text(TINY)
+    (tmp_path / "sizes.pl").write_text(TINY_SIZES)
+    with pytest.raises(Unsatisfiable) as caught:
+        house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
+    reasons = " ".join(reason.text for reason in caught.value.reasons)
+    assert all(each in reasons for each in ("whole_area(hall", "room_size(hall", "room_size(bay"))
