@@ -26,10 +26,11 @@ KEEPS_KERNELS = cache.provide()
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
     from taichi._lib import core
+    from taichi.graph._graph import gen_cpp_kernel
     from taichi.lang import _ndarray, impl, kernel_impl, matrix
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
-__all__ = ["KEEPS_KERNELS", "core", "impl", "kernel", "ti"]
+__all__ = ["KEEPS_KERNELS", "core", "gen_cpp_kernel", "impl", "kernel", "ti"]
 
 
 def _once(describe: Callable[[Any, Any], str]) -> Any:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.wrappers.vector import DictInfoToList
 from stable_baselines3.common.vec_env import VecEnv
 
 
@@ -19,18 +18,22 @@ class StableBaselinesVecEnv(VecEnv):
     attributes and methods: whichever environment is asked for, they are those of the one object.
     """
 
-    def __init__(self, envs: VectorEnv) -> None:
-        """``ValueError`` unless ``autoreset_mode`` is SAME_STEP, the only one Stable-Baselines3 knows."""
+    def __init__(self, envs: VectorEnv, infos: bool = False) -> None:
+        """``infos``: whether each step says the info of every environment, which takes as long as the step of
+        256; else of those whose episode ended, which is all that the library's algorithms read.
+        ``ValueError`` unless ``autoreset_mode`` is SAME_STEP, the only one Stable-Baselines3 knows.
+        """
         mode = envs.metadata.get("autoreset_mode")
         if mode is not AutoresetMode.SAME_STEP:
             raise ValueError(f"autoreset_mode is {mode}: Stable-Baselines3 needs AutoresetMode.SAME_STEP")
-        self.envs = DictInfoToList(envs)
+        self.envs, self.infos = envs, infos
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> Any:
         """Observations (N, ...); seeds and options that were set are used once."""
         seed: Any = None if self._seeds[0] is None else self._seeds
-        observation, self.reset_infos = self.envs.reset(seed=seed, options=self._options[0] or None)
+        observation, info = self.envs.reset(seed=seed, options=self._options[0] or None)
+        self.reset_infos = [_info_of(info, index) for index in range(self.num_envs)]
         self._reset_seeds()
         self._reset_options()
         return observation
@@ -49,18 +52,20 @@ class StableBaselinesVecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[Any, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Observations (N, ...), rewards (N,) float32, ends (N,) bool, and each environment's info.
+        """Observations (N, ...), rewards (N,) float32, ends (N,) bool, and an info of each environment.
 
         Where an episode has ended, its last observation is in the info, as ``terminal_observation``.
         """
-        observation, reward, terminated, truncated, infos = self.envs.step(self._actions)
+        observation, reward, terminated, truncated, info = self.envs.step(self._actions)
         done = terminated | truncated
+        infos: list[dict[str, Any]] = [{"TimeLimit.truncated": False} for _ in range(self.num_envs)]
+        for index in range(self.num_envs) if self.infos else np.flatnonzero(done):
+            infos[index] |= _info_of(info, index)
         for index in np.flatnonzero(done):
             first = infos[index]
             infos[index] = first.pop("final_info") | {"terminal_observation": first.pop("final_obs")}
-            self.reset_infos[index] = first
-        for info, cut in zip(infos, truncated & ~terminated, strict=True):
-            info["TimeLimit.truncated"] = bool(cut)
+            infos[index]["TimeLimit.truncated"] = bool(truncated[index] and not terminated[index])
+            self.reset_infos[index] = {name: first[name] for name in first if name != "TimeLimit.truncated"}
         return observation, np.asarray(reward, np.float32), done, infos
 
     def close(self) -> None:
@@ -87,3 +92,13 @@ class StableBaselinesVecEnv(VecEnv):
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
         """Wrappers of single environments wrap none of these."""
         return [False for _ in self._get_indices(indices)]
+
+
+def _info_of(infos: dict[str, Any], index: Any) -> dict[str, Any]:
+    """One environment's info, of all environments'."""
+    found = {}
+    for name, values in infos.items():
+        said = infos.get(f"_{name}")
+        if not name.startswith("_") and (said is None or said[index]):
+            found[name] = _info_of(values, index) if isinstance(values, dict) else values[index]
+    return found

@@ -12,7 +12,7 @@ from sim.world.kernels import TERMINATED, TRUNCATED
 def read_actions(actions: Any) -> np.ndarray:
     """Actions as an array. Raises ``ValueError`` for what is not of integers."""
     actions = np.asarray(actions)
-    if not np.issubdtype(actions.dtype, np.integer):
+    if actions.dtype.kind not in "iu":
         raise ValueError(f"actions must be integers 0, 1 or 2, not {actions.dtype}")
     return actions
 
@@ -51,6 +51,8 @@ def require_going_on(flags: np.ndarray) -> None:
 def _range(actions: Any) -> tuple[int, int]:
     """The least and the greatest of an array or a tensor, from a GPU in one answer."""
     if isinstance(actions, np.ndarray):
+        if actions.size == 1:  # sooner than to reduce it twice
+            return (one := actions.item()), one
         return int(actions.min()), int(actions.max())
     import torch
 

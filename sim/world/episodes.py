@@ -62,8 +62,20 @@ class States(NamedTuple):
     wholes: Wholes
 
 
-class WorldArrays(NamedTuple):
+class PlainArrays(NamedTuple):
     """What a step reads of the houses, and the states of the environments: see ``World``."""
+
+    numbers: Floats
+    indices: Ints
+    places: Ints
+    doorways: Floats
+    pushes: Bytes
+    reals: Reals
+    wholes: Wholes
+
+
+class WorldArrays(NamedTuple):
+    """The same, and what there is of distances and of what is observed beside rays."""
 
     numbers: Floats
     indices: Ints
@@ -80,6 +92,9 @@ class WorldArrays(NamedTuple):
     slots: Ints
     known: Fours
     odometer: Reals
+    extras: Floats
+    final_extras: Floats
+    last_distance: Ints
 
 
 State = ti.types.struct(
@@ -391,36 +406,36 @@ class Episodes:
                 self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
 
     @ti.func
-    def notice(self, world: ti.template(), e, state, action, blocked, extras: ti.template()):
+    def notice(self, world: ti.template(), e, state, action, blocked):
         """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet."""
         at = e * ti.static(self.config.extra_numbers)
         if ti.static("bump" in self.config.observe):
-            extras[at + ti.static(self.config.extra("bump"))] = ti.cast(blocked, ti.f32)
+            world.extras[at + ti.static(self.config.extra("bump"))] = ti.cast(blocked, ti.f32)
         if ti.static("last_action" in self.config.observe):
             for k in ti.static(range(ACTIONS)):
-                extras[at + ti.static(self.config.extra("last_action") + k)] = ti.select(
+                world.extras[at + ti.static(self.config.extra("last_action") + k)] = ti.select(
                     action == k, 1.0, 0.0
                 )
         if ti.static("odometry" in self.config.observe):
             pose = self.odometer(world, e, state, action, blocked)
             first = at + ti.static(self.config.extra("odometry"))
-            extras[first], extras[first + 1] = pose[0], pose[1]
-            extras[first + 2], extras[first + 3] = ti.cos(pose[2]), ti.sin(pose[2])
+            world.extras[first], world.extras[first + 1] = pose[0], pose[1]
+            world.extras[first + 2], world.extras[first + 3] = ti.cos(pose[2]), ti.sin(pose[2])
         if ti.static("goal" in self.config.observe):
             heading = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
             away = state.target - self.body.eye(state.origin, state.cell)
             cosine, sine = ti.cos(heading), ti.sin(heading)
             first = at + ti.static(self.config.extra("goal"))
-            extras[first] = away[0] * cosine - away[1] * sine
-            extras[first + 1] = -away[0] * sine - away[1] * cosine
-        self.notice_distance(world, e, extras)
+            world.extras[first] = away[0] * cosine - away[1] * sine
+            world.extras[first + 1] = -away[0] * sine - away[1] * cosine
+        self.notice_distance(world, e)
 
     @ti.func
-    def notice_distance(self, world: ti.template(), e, extras: ti.template()):
+    def notice_distance(self, world: ti.template(), e):
         """Write the distance to the target."""
         if ti.static("geodesic" in self.config.observe):
             at = e * ti.static(self.config.extra_numbers) + ti.static(self.config.extra("geodesic"))
-            extras[at] = ti.cast(world.distance[e], ti.f32)
+            world.extras[at] = ti.cast(world.distance[e], ti.f32)
 
     @ti.func
     def odometer(self, world: ti.template(), e, state, action, blocked):

@@ -17,6 +17,7 @@ from sim.world.episodes import (
     NOT_YET,
     OVER,
     Episodes,
+    PlainArrays,
     Reals,
     States,
     Wholes,
@@ -55,13 +56,18 @@ def kernels(
     make: type[Backend],
     mode: int,
     by_ray: bool,
+    serial: bool,
     ends_on_pick_up: bool,
     terms: Terms,
 ) -> Kernels:
-    """Kernels for a running Taichi. Arguments are named for the world's arrays."""
+    """Kernels for a running Taichi. Arguments are named for the world's arrays. ``serial``: in the calling
+    thread alone, as to wake others takes longer than to step a few environments.
+    """
     lanes = 1 if by_ray else config.rays
     backend = make(config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
+    # To set an argument takes time at each launch.
+    Arrays = WorldArrays if episodes.knows_distance or config.extras else PlainArrays
     rays, all_rays = config.rays, not by_ray
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
     Options = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
@@ -73,17 +79,12 @@ def kernels(
         flags[ti.static(BLOCKED) * count + e] = ti.cast(blocked, ti.u8)
 
     @kernel
-    def reset(
-        world: WorldArrays,
-        option_wholes: Options,
-        option_reals: Reals,
-        observation: Observation,
-        extras: Floats,
-    ):
+    def reset(world: Arrays, option_wholes: Options, option_reals: Reals, observation: Observation):
         """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
         ``option_reals`` (E, 4): origin, with the cell that is the rest of ``option_wholes``, and target; what
         is NaN is sampled.
         """
+        ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
             if option_wholes[e][0] != ti.static(KEEP):
                 state = episodes.begin(world, e, loaded(world, e), option_wholes[e][0])
@@ -95,28 +96,26 @@ def kernels(
                     state.target = ti.Vector([at[2], at[3]])
                 episodes.close_doors(world, e, state)
                 episodes.aim(world, e, state)
-                episodes.notice(world, e, state, -1, 0, extras)
+                episodes.notice(world, e, state, -1, 0)
                 store(world, e, state)
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, observation)
         if ti.static(by_ray):
+            ti.loop_config(serialize=serial)
             for e, r in ti.ndrange(world.reals.shape[0], rays):
                 if option_wholes[e][0] != ti.static(KEEP):
                     episodes.look(world, e, loaded(world, e), r, 1, observation)
 
     @kernel
     def step(
-        world: WorldArrays,
+        world: Arrays,
         action: Longs,
         observation: Observation,
         final: Observation,
-        extras: Floats,
-        final_extras: Floats,
         reward: Floats,
         flags: Bytes,
         last_reals: Reals,
         last_wholes: Wholes,
-        last_distance: Ints,
         prefetched: Ints,
     ):
         """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
@@ -124,6 +123,7 @@ def kernels(
         Fills ``observation``, ``extras``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated,
         blocked; in ``SAME_STEP`` also ``final``, ``final_extras`` and the ``last`` state.
         """
+        ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
             if ti.static(all_rays):
                 # What the next environment looks up comes from memory while this one steps.
@@ -137,7 +137,7 @@ def kernels(
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(world, e, state, SAMPLE)
-                episodes.notice(world, e, state, -1, 0, extras)
+                episodes.notice(world, e, state, -1, 0)
                 reward[e] = 0.0
                 flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
@@ -145,32 +145,35 @@ def kernels(
                     world, e, state, ti.cast(action[e], ti.i32)
                 )
                 reward[e] = earned
-                episodes.notice(world, e, state, ti.cast(action[e], ti.i32), blocked, extras)
+                episodes.notice(world, e, state, ti.cast(action[e], ti.i32), blocked)
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)
                 if ti.static(episodes.knows_distance):
-                    last_distance[e] = world.distance[e]
-                for k in range(ti.static(config.extra_numbers)):
+                    world.last_distance[e] = world.distance[e]
+                for k in ti.static(range(config.extra_numbers)):
                     at = e * ti.static(config.extra_numbers) + k
-                    final_extras[at] = extras[at]
+                    world.final_extras[at] = world.extras[at]
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = episodes.begin(world, e, state, SAMPLE)
-                    episodes.notice(world, e, state, -1, 0, extras)
+                    episodes.notice(world, e, state, -1, 0)
             store(world, e, state)
             if ti.static(all_rays):
                 episodes.look(world, e, state, 0, rays, observation)
         if ti.static(by_ray):
             if ti.static(mode == SAME_STEP):
+                ti.loop_config(serialize=serial)
                 for e, r in ti.ndrange(world.reals.shape[0], rays):
                     if world.wholes[e][ti.static(OVER)]:
                         episodes.look(world, e, loaded(world, e), r, 1, final)
+                ti.loop_config(serialize=serial)
                 for e in range(world.reals.shape[0]):
                     if world.wholes[e][ti.static(OVER)]:
                         state = episodes.begin(world, e, loaded(world, e), SAMPLE)
-                        episodes.notice(world, e, state, -1, 0, extras)
+                        episodes.notice(world, e, state, -1, 0)
                         store(world, e, state)
+            ti.loop_config(serialize=serial)
             for e, r in ti.ndrange(world.reals.shape[0], rays):
                 episodes.look(world, e, loaded(world, e), r, 1, observation)
 
@@ -179,6 +182,7 @@ def kernels(
         """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), the targets' centres (E, 2), metres,
         and the houses (E,).
         """
+        ti.loop_config(serialize=serial)
         for e in range(states.reals.shape[0]):
             state = loaded(states, e)
             eye = backend.body.eye(state.origin, state.cell)
@@ -206,14 +210,15 @@ def kernels(
             free[k] = backend.stands(numbers, indices, cells[4 * k], origin, cell)
 
     @kernel
-    def settle(world: WorldArrays, reward: Floats, extras: Floats):
+    def settle(world: WorldArrays, reward: Floats):
         """Take in the distances to new targets, now that their fields are there."""
+        ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
             if ti.static(episodes.knows_distance):  # noqa: SIM102 - decided as it is compiled
                 if world.distance[e] == NOT_YET:
                     state = loaded(world, e)
                     world.distance[e] = episodes.distance(world, e, state)
-                    episodes.notice_distance(world, e, extras)
+                    episodes.notice_distance(world, e)
                     if ti.static(terms.progress != 0):  # noqa: SIM102
                         if state.time > 0:
                             after = ti.cast(ti.max(0, world.distance[e]), ti.f32)

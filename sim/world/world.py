@@ -27,6 +27,9 @@ is as long as the bank's doors ask for."""
 TABLES = "numbers", "indices", "places"
 """Arrays of the bank."""
 
+FEW = 64
+"""Environments that one thread steps sooner than several."""
+
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
 
@@ -53,7 +56,8 @@ class World:
         check_lengths(houses)
         self.config = backend.fit(config, houses)
         ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
-        self.kernels = kernels(start(), self.config, backend, mode, by_ray, ends, terms)
+        serial = num_envs <= FEW and not by_ray
+        self.kernels = kernels(start(), self.config, backend, mode, by_ray, serial, ends, terms)
         self.backend: Backend = self.kernels.backend
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
