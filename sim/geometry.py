@@ -23,8 +23,8 @@ TOLERANCE = 1e-6
 class Geometry:
     """A house in rows of (x, y, half width, half height): a box's centre and half its sides, metres.
 
-    Walls have no thickness, so one half is zero. The original's collision rule asks for rooms and doors: in a
-    star the k-th door is that of the k-th room.
+    Walls are lines, so one half is zero: where they have a thickness, these are their faces. The original's
+    collision rule asks for rooms and doors: in a star the k-th door is that of the k-th room.
     """
 
     verticals: np.ndarray
@@ -39,6 +39,8 @@ class Geometry:
     """(D, 4) float64: the doors between rooms, but openings, segments."""
     floor: np.ndarray
     """(4,) float64: the room where bodies start, in a star the main room's rectangle."""
+    doorways: np.ndarray
+    """(W, 4) float64: the ways from room to room through walls that have a thickness."""
     overlapping: bool = False
     """Whether rooms overlap the main room's rectangle, as in the original's files."""
 
@@ -56,24 +58,35 @@ class Geometry:
         return west, north, east, south
 
     def holds(self, places: np.ndarray) -> np.ndarray:
-        """Which of the places (n, 2) are in one of the rooms, or on its boundary: (n,) bool."""
-        boxes = np.vstack([self.floor, self.rooms])
+        """Which of the places (n, 2) are in a room or a doorway, or on its boundary: (n,) bool."""
+        boxes = np.vstack([self.floor, self.rooms, self.doorways])
         return np.all(np.abs(places[:, None] - boxes[:, :2]) <= boxes[:, 2:], axis=2).any(axis=1)
 
 
 def geometry(house: House) -> Geometry:
     """A house's boxes; ``geometry(house).solids`` is what stops rays and bodies."""
     verticals, horizontals = house.walls
-    start = house.start
+    start, half = house.start, house.half_wall
     return Geometry(
         verticals=_rows((x, low, x, high) for x, low, high in verticals),
         horizontals=_rows((low, y, high, y) for y, low, high in horizontals),
         pieces=_rows(piece.box for room in house.rooms for piece in room.pieces),
         rooms=_rows(room.box for room in house.rooms if room is not start),
-        doors=_rows(door.box for door in house.doors if not (door.is_entrance or door.opening)),
+        doors=_rows(shut(house, door) for door in house.doors if not (door.is_entrance or door.opening)),
+        doorways=_rows(house.doorway(door) for door in house.doors if half and not door.is_entrance),
         floor=_rows([start.box])[0],
         overlapping=house.topology == "original",
     )
+
+
+def shut(house: House, door: Any) -> Box:
+    """Where a door is that is shut: at the face of its wall in its first room."""
+    if not house.half_wall:
+        return door.box
+    between = next(room for room in house.rooms if room.name in door.between)
+    room, axis, box = between.box, int(door.height == 0), [*door.box]
+    box[axis] = box[axis + 2] = min(room[axis::2], key=lambda face: abs(face - door.box[axis]))
+    return box[0], box[1], box[2], box[3]
 
 
 def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:

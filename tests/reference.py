@@ -17,6 +17,7 @@ from shapely import box
 
 from logic import House
 from sim.geometry import Geometry
+from tests.thick import faces
 
 CLOSE = 1e-4
 """Metres: what passes an edge nearer than this may be decided either way in float32."""
@@ -63,8 +64,10 @@ class Reference:
 
 def walls(house: House) -> shapely.Geometry:
     """All walls as lines: rooms' boundaries without the doors between them, but a star's main room's only
-    where no room is.
+    where no room is. Of walls with a thickness they are the edge of rooms and doorways.
     """
+    if house.wall_thickness:
+        return faces(house)
     # Doors and covers are a little wide, so that rounding leaves no splinter of a wall.
     if not house.main_room:
         doors = [box(*door.box).buffer(1e-9) for door in house.doors if "outside" not in door.between]

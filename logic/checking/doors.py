@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 
 from logic.checking.figures import figure, number
 from logic.checking.names import space_name
+from logic.checking.walk import way_through
 from logic.house.boxes import TOLERANCE, distance, front, overlap
 from logic.house.house import House
 from logic.house.kinds import Kind
@@ -27,7 +28,7 @@ def _near_its_own(house: House, room: Room, piece: Piece, promises: Promises) ->
 
 def _nearer(house: House, room: Room, piece: Piece, doors: tuple[Door, ...], least: float) -> Iterator[str]:
     for door in doors:
-        away = distance(piece.box, door.box)
+        away = distance(piece.box, way_through(door, house.half_wall))
         if away < least - TOLERANCE:
             yield _stands(away, "from", _whose(house, room, door), least)
 

@@ -8,9 +8,10 @@ import msgspec
 from logic.checking.fault import Fault
 from logic.checking.figures import apart, figure, number
 from logic.checking.names import named, named_pieces
+from logic.checking.walk import way_through
 from logic.house.boxes import TOLERANCE
 from logic.house.house import House
-from logic.house.promises import Promises
+from logic.house.promises import Promises, Thickness
 
 
 def cell_of(house: House) -> float:
@@ -37,10 +38,11 @@ def on_grid(promises: Promises, cell: float) -> Promises:
         for sizes in (promises.room_size, promises.piece_size)
     )
     clearance = up(promises.door_clearance)
+    thick = promises.wall_thickness and Thickness(*map(up, msgspec.structs.astuple(promises.wall_thickness)))
     # A side is rounded by itself, so a share of the room's and an area are not kept to.
     rounded = {"room_size": rooms, "piece_size": pieces, "shares": {}, "tops": {}}
     return msgspec.structs.replace(
-        promises, door_width=door, door_clearance=clearance, room_gap=gap, **rounded
+        promises, door_width=door, wall_thickness=thick, door_clearance=clearance, room_gap=gap, **rounded
     )
 
 
@@ -52,11 +54,14 @@ def off_grid(house: House, _: Promises) -> Iterator[Fault]:
     corners = [room.box[:2] for room in ([house.main_room] if house.main_room else house.rooms)]
     origins = tuple(map(min, zip(*corners, strict=True))) * 2
     for room in house.counted:
-        parts = [("the room", room), *(("its door", door) for door in house.doors_of(room.name))]
-        parts += (("its window", window) for window in house.windows if window.room == room.name)
-        parts += ((name, piece) for piece, name in named_pieces(room))
-        for name, rect in parts:
-            for edge, origin in zip(rect.box, origins, strict=True):
+        half = house.half_wall
+        doors = (("its door", way_through(door, half)) for door in house.doors_of(room.name))
+        parts = [("the room", room.box), *doors]
+        panes = (window for window in house.windows if window.room == room.name)
+        parts += (("its window", way_through(window, half)) for window in panes)
+        parts += ((name, piece.box) for piece, name in named_pieces(room))
+        for name, box in parts:
+            for edge, origin in zip(box, origins, strict=True):
                 off = abs((edge - origin) / cell - round((edge - origin) / cell)) * cell
                 if off > TOLERANCE:
                     off_it = figure(off, digits=3)

@@ -27,10 +27,15 @@ BEFORE = 0.3
 
 def plan_rooms(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms that overlap, leave a gap, lie apart, or have another area or shape than promised."""
+    between = 2 * house.half_wall
     for one, other in combinations(house.rooms, 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
             yield Fault(f"{named(one)} overlaps {named(other)} by {figure(depth)} m", (one.name, other.name))
+        elif depth + between > TOLERANCE:
+            near = f"is {figure(max(0.0, -depth), between)} m from {named(other)}"
+            yield Fault(f"{named(one)} {near} (walls are {number(between)} m thick)", (one.name, other.name))
+    yield from _other_walls(house, promises)
     if (parts := shapely.get_num_geometries(_floor(house))) > 1:
         yield Fault(f"house: its rooms lie in {parts} parts that do not touch")
     if (gap := _filled(house, promises.courts)) > 1e-3:
@@ -38,6 +43,17 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[Fault]:
     for room in house.rooms:
         for said in (_area_violations(room, promises), _size_violations(room, promises)):
             yield from (Fault(named(room) + each, (room.name,)) for each in said)
+
+
+def _other_walls(house: House, promises: Promises) -> Iterator[Fault]:
+    """Walls of another thickness than promised."""
+    wanted, has = promises.wall_thickness, house.wall_thickness
+    for kind in ("inner", "outer") if wanted else ():
+        least, thick = getattr(wanted, kind), getattr(has, kind) if has else 0.0
+        if abs(thick - least) > TOLERANCE:
+            yield Fault(
+                f"house: its {kind} walls are {figure(thick, least)} m thick (must be {number(least)})"
+            )
 
 
 def _area_violations(room: Room, promises: Promises) -> Iterator[str]:
@@ -80,14 +96,14 @@ def _filled(house: House, courts: int) -> float:
 
 
 def _floor(house: House) -> Any:
-    grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.rooms]
+    grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.tiles]
     return shapely.union_all(grown)
 
 
 def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
     least = PASSAGE if promises.door_width is None else promises.door_width
-    rooms = {room.name: room for room in house.rooms}
+    rooms = {room.name: room for room in house.tiles}
     for door in house.doors:
         name, names = _between(house, door), _joined(door)
         joined = [rooms[each] for each in names]
@@ -184,7 +200,7 @@ def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
 
 def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
     """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
-    rooms = {room.name: room for room in house.rooms}
+    rooms = {room.name: room for room in house.tiles}
     for index, window in enumerate(house.windows):
         room = rooms[window.room]
         name = f"{named(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
@@ -193,7 +209,10 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
             if any(_meet(window, other) for other in openings):
                 yield Fault(f"{name} meets {kind}", (room.name,))
         for piece in room.pieces:
-            if piece.type in promises.hides and overlap(_before(window), piece.box) > TOLERANCE:
+            if (
+                piece.type in promises.hides
+                and overlap(_before(window, house.half_wall), piece.box) > TOLERANCE
+            ):
                 yield Fault(f"{name} is behind a {piece.type}", (room.name,))
     lit = {window.room for window in house.windows}
     outside = {room.name for room in house.rooms if room.type in promises.outdoor}
@@ -209,8 +228,8 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
 
 def _at_outer_wall(house: House, room: Room) -> bool:
     """Whether no other room is behind a part of the room's boundary."""
-    others = shapely.union_all([shapely.box(*other.box) for other in house.rooms if other is not room])
-    border = shapely.box(*room.box).exterior
+    others = shapely.union_all([shapely.box(*other.box) for other in house.tiles if other.name != room.name])
+    border = shapely.box(*room.grown(house.half_wall).box).exterior
     return border.difference(others.buffer(TOLERANCE, join_style="mitre")).length > PASSAGE
 
 
@@ -235,9 +254,26 @@ def _not_outer(
     """Why an opening of a room, of this name, does not lead outside, or to a room of the types that are."""
     if not any(is_on_wall(opening, room, wall) for wall in range(4)):
         yield Fault(f"{name} is not on a wall of the room", (room.name,))
-    for other in house.rooms:
-        if other is not room and other.type not in outdoor and _shared(opening.box, other.box) > TOLERANCE:
+    others = [other for other in house.tiles if other.name != room.name]
+    into = [other for other in others if _shared(opening.box, other.box) > TOLERANCE]
+    for other in into:
+        if other.type not in outdoor:
             yield Fault(f"{name} leads into {named(other)}, not outside", (room.name, other.name))
+    if house.wall_thickness and not into:
+        outside = house.wall_thickness.outer - house.half_wall
+        before = _outside(opening, room, outside)
+        for other in others:
+            if overlap(other.grown(outside).box, before) > TOLERANCE:
+                yield Fault(f"{name} is behind an outer wall of {named(other)}", (room.name, other.name))
+
+
+def _outside(opening: Rect, room: Room, off: float) -> Box:
+    """A centimetre of the outside before an opening of a room, so far off (m), where its wall ends."""
+    box, axis = [*opening.box], 1 - _along(opening)
+    way = 1 if box[axis] > (room.box[axis] + room.box[axis + 2]) / 2 else -1
+    ends = sorted((box[axis] + way * off, box[axis] + way * (off + 0.01)))
+    box[axis], box[axis + 2] = ends
+    return box[0], box[1], box[2], box[3]
 
 
 def _shared(segment: Box, box: Box) -> float:
@@ -260,10 +296,10 @@ def _along(opening: Rect) -> int:
     return int(opening.height > opening.width)
 
 
-def _before(window: Window) -> Box:
-    """What is before a window and behind it."""
+def _before(window: Window, half: float) -> Box:
+    """What is before a window and behind it, in a wall of which half is so thick, metres."""
     west, north, east, south = window.box
-    by_x, by_y = (BEFORE, 0.0) if _along(window) else (0.0, BEFORE)
+    by_x, by_y = (BEFORE + half, 0.0) if _along(window) else (0.0, BEFORE + half)
     return west - by_x, north - by_y, east + by_x, south + by_y
 
 

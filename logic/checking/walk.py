@@ -23,8 +23,16 @@ def spaces(house: House, *sides: float) -> Iterator[list[Polygon]]:
     Squares pass where there is room for the side to within the tolerance.
     """
     # Floors that touch within the tolerance are joined; the walls around them are far thicker, once grown.
+    half, standing = house.half_wall, [piece.box for room in house.rooms for piece in room.pieces]
+    if half:
+        ways = [way_through(door, half) for door in house.doors if not door.is_entrance]
+        inside = _grown([*(room.box for room in house.rooms), *ways], TOLERANCE)
+        for side in sides:
+            places = inside.buffer(-side / 2, join_style="mitre")
+            yield list(_polygons(shapely.difference(places, _grown(standing, side / 2 - TOLERANCE))))
+        return
     floors = _grown([rect.box for rect in house.rooms], TOLERANCE)
-    solids = [*_walls(house), *(piece.box for room in house.rooms for piece in room.pieces)]
+    solids = [*_walls(house), *standing]
     for side in sides:
         yield list(_polygons(shapely.difference(floors, _grown(solids, side / 2 - TOLERANCE))))
 
@@ -56,17 +64,24 @@ def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
     return max(inside, key=lambda space: space.intersection(places).area, default=Polygon())
 
 
-def doorway(door: Door, side: float) -> BaseGeometry:
+def way_through(opening: Rect, half: float) -> Box:
+    """What a door or window takes of its wall, of which half is so thick, metres."""
+    x, y = (half, 0.0) if opening.width < opening.height else (0.0, half)
+    west, north, east, south = opening.box
+    return west - x, north - y, east + x, south + y
+
+
+def doorway(door: Door, side: float, half: float = 0.0) -> BaseGeometry:
     """Where the centre of a square is that goes through a door: the door itself, or as near as it comes to an
-    entrance, which is shut, or to a door that is narrower.
+    entrance, which is shut, or to a door that is narrower. ``half``: of the thickness of its wall, metres.
     """
     west, north, east, south = door.box
     line = shapely.LineString([(west, north), (east, south)])
     shut = door.is_entrance or side > door.length + TOLERANCE
-    return line.buffer(side / 2, cap_style="flat") if shut else line
+    return line.buffer(side / 2 + half, cap_style="flat") if shut else line
 
 
-def joins_all(room: Room, doorways: Iterable[BaseGeometry], spaces: Iterable[Polygon]) -> bool:
+def joins_all(room: Rect, doorways: Iterable[BaseGeometry], spaces: Iterable[Polygon]) -> bool:
     """Whether a square, whose ``spaces`` in the house these are, can go from each of a room's doorways to
     each other without leaving the room.
     """

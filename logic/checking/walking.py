@@ -49,9 +49,12 @@ def impassable(house: House, promises: Promises) -> Iterator[Fault]:
             yield _unentered(house, room)
             continue
         doors = house.doors_of(room.name)
-        ways = shapely.union_all([doorway(door, BODY) for door in doors])
+        ways = shapely.union_all([doorway(door, BODY, house.half_wall) for door in doors])
         reached = shapely.union_all([floor for space, floor in covered if space.intersects(ways)])
-        for said in (_unreached(room, doors, reached), _narrow(room, doors, squares, passage)):
+        for said in (
+            _unreached(room, doors, reached),
+            _narrow(room, doors, squares, passage, house.half_wall),
+        ):
             yield from (Fault(f"{named(room)}: {fault}", (room.name,)) for fault in said)
 
 
@@ -75,9 +78,11 @@ def _unreached(room: Room, doors: Sequence[Door], reached: BaseGeometry) -> Iter
         yield f"the body reaches {reach} (at least {percent(REACHABLE)})"
 
 
-def _narrow(room: Room, doors: Sequence[Door], squares: Sequence[Polygon], passage: float) -> Iterator[str]:
+def _narrow(
+    room: Room, doors: Sequence[Door], squares: Sequence[Polygon], passage: float, half: float
+) -> Iterator[str]:
     """A room with places that a square gets to from no door, or from one door and not from the others."""
-    free, by_square = free_floor(room), [doorway(door, passage) for door in doors]
+    free, by_square = free_floor(room), [doorway(door, passage, half) for door in doors]
     wide = shapely.union_all(by_square)
     closed = [space for space in squares if space.intersection(free).area > SLIVER]
     closed = [space for space in closed if not space.intersects(wide)]
@@ -85,5 +90,5 @@ def _narrow(room: Room, doors: Sequence[Door], squares: Sequence[Polygon], passa
         area = shapely.union_all([swept(space, passage) for space in closed]).intersection(free).area
         behind = f"{figure(area)} m² of its floor lie"
         yield f"{behind} behind passages narrower than {number(passage)} m"
-    elif not joins_all(room, by_square, squares):
+    elif not joins_all(room.grown(half), by_square, squares):
         yield f"no passage of {number(passage)} m joins its doors inside it"

@@ -87,7 +87,10 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
     ways = []
     for name, sign in zip(names, (1, -1), strict=False):
         for hinge, jamb in (ends, ends[::-1]):
-            ways.append(Leaf(name, hinge, (hinge[0] + sign * reach[0], hinge[1] + sign * reach[1]), jamb))
+            tip = (hinge[0] + sign * reach[0], hinge[1] + sign * reach[1])
+            off = sign * side * house.half_wall  # at the face of the wall
+            points = ((x, y + off) if across else (x + off, y) for x, y in (hinge, tip, jamb))
+            ways.append(Leaf(name, *points))
     return ways
 
 

@@ -54,6 +54,13 @@ class Frame:
         return *self.at(*box[:2]), *self.at(*box[2:])
 
 
+def _thickness(house: House) -> tuple[float, float]:
+    """Half of an inner wall, and how far beyond its middle an outer one would reach: metres."""
+    if thick := house.wall_thickness:
+        return house.half_wall, thick.outer - house.half_wall
+    return INNER / 2, BEYOND
+
+
 def extent(house: House) -> Box:
     """The box around the rooms of a house: (west, north, east, south), metres."""
     boxes = [room.box for room in house.rooms]
@@ -64,7 +71,7 @@ def extent(house: House) -> Box:
 
 def drawn_extent(house: House) -> Box:
     """The same with the outer walls."""
-    return grown(extent(house), BEYOND)
+    return grown(extent(house), house.half_wall + _thickness(house)[1])
 
 
 def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf] = ()) -> list[Shape]:
@@ -73,8 +80,8 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
 
     ``leaves``: see ``door_leaves``, or none, as in films, whose bodies and rays pass.
     """
-    inks, beyond = style.inks, max(BEYOND * frame.scale, 2.0)
-    shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.rooms]
+    inks, beyond = style.inks, max(_thickness(house)[1] * frame.scale, 2.0)
+    shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.tiles]
     if main := house.main_room:
         shapes.append(Part(main.name, (Block(frame.box(main), inks.paper),)))
     made = house.provenance
@@ -91,7 +98,8 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
             if has_mark(house, piece, style):
                 drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, inks))
             shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
-    shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
+    if not house.wall_thickness:
+        shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
     left = iter(leaves)
     for name, door in doors_by_name(house).items():
         leaf = None if door.opening else next(left, None)
@@ -121,7 +129,7 @@ def grown(box: Box, by: float) -> Box:
 
 
 def wall_boxes(house: House) -> Iterator[Box]:
-    """The walls as thick as inner ones, without the doorways between rooms: metres."""
+    """Walls without a thickness as thick as inner ones, without the doorways between rooms: metres."""
     half, walls = INNER / 2, house.walls
     for axis, lines in enumerate(walls):
         for at, low, high in lines:
@@ -132,16 +140,16 @@ def wall_boxes(house: House) -> Iterator[Box]:
 
 def opening(house: House, segment: Door | Window) -> Box:
     """The place in its wall of a door or a window, as wide as it is: metres."""
-    across = int(segment.height == 0)
+    across, (half, beyond) = int(segment.height == 0), _thickness(house)
     x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
     depths = []
     for way in (-1, 1):
         near = (x, y + 0.01 * way) if across else (x + 0.01 * way, y)
         indoors = any(
             box[0] < near[0] < box[2] and box[1] < near[1] < box[3]
-            for box in (room.box for room in house.rooms)
+            for box in (room.box for room in house.tiles)
         )
-        depths.append(INNER / 2 if indoors else BEYOND)
+        depths.append(half if indoors else beyond)
     west, north, east, south = segment.box
     if across:
         return west, north - depths[0], east, south + depths[1]

@@ -32,7 +32,8 @@ def to_geojson(house: House) -> dict[str, Any]:
         for piece in room.pieces:
             properties = {"type": piece.type, "room": room.name, "orientation": piece.orientation}
             features.append(_feature(piece, "piece", **properties))
-    return {"type": "FeatureCollection", "features": features}
+    thick = msgspec.to_builtins({"wall_thickness": house.wall_thickness} if house.wall_thickness else {})
+    return {"type": "FeatureCollection", **thick, "features": features}
 
 
 def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:

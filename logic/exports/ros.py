@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from logic.drawing.plan import extent
+from logic.drawing.plan import drawn_extent, extent
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.files import write_whole
 from logic.house.house import House
+from logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
 """Metres of a cell."""
@@ -49,7 +50,7 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
 
     A cell that a wall or a piece touches is occupied, one within rooms alone is free, all others are unknown.
     """
-    west, north, east, south = extent(house)
+    west, north, east, south = drawn_extent(house) if house.wall_thickness else extent(house)
     left, up = west - MARGIN * RESOLUTION, north - MARGIN * RESOLUTION
     columns, rows = (
         int(np.ceil(length / RESOLUTION)) + 2 * MARGIN for length in (east - west, south - north)
@@ -65,6 +66,8 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
     for room in house.rooms:
         for piece in room.pieces:
             fill(piece.box, OCCUPIED)
+    for kind, box in wall_parts(house) if house.wall_thickness else ():
+        fill(box, FREE if kind in ("door", "opening") else OCCUPIED)
     verticals, horizontals = house.walls
     for x, low, high in verticals:
         fill((x, low, x, high), OCCUPIED)

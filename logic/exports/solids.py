@@ -13,6 +13,7 @@ from logic.drawing.palettes import Inks, style
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.house import House
 from logic.house.looks import looks_of
+from logic.house.wall_parts import wall_parts
 from logic.house.walls import Interval, Line, crossing, remaining
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
@@ -31,6 +32,16 @@ INKS = Inks()
 """Of walls, furniture and a star's main room: those of plans."""
 
 COLOURS = {"wall": INKS.wall, "window": "#a9cfe0", "entrance": "#9a7b56"}
+
+
+PARTS = {
+    "wall": [("wall", 0.0, WALL_HEIGHT)],
+    "door": [("floor", -FLOOR, 0.0), ("wall", DOOR_HEIGHT, WALL_HEIGHT)],
+    "opening": [("floor", -FLOOR, 0.0)],
+    "entrance": [("entrance", 0.0, DOOR_HEIGHT), ("wall", DOOR_HEIGHT, WALL_HEIGHT)],
+    "window": [("wall", 0.0, SILL), ("window", SILL, HEAD), ("wall", HEAD, WALL_HEIGHT)],
+}
+"""What stands in each part of a wall that has a thickness, from and to so many metres above the floor."""
 
 
 class Solid(NamedTuple):
@@ -52,10 +63,12 @@ class Solid(NamedTuple):
 def solids(house: House, thickness: float = 0.1) -> list[Solid]:
     """The solids of a house: floors, walls around doorways and windows, panes, entrances and furniture.
 
-    ``thickness``: metres, of the walls; half of it lies on each side of the line where a wall stands.
+    ``thickness``: metres, of walls that have none of their own; half of it lies on each side of the line
+    where a wall stands.
     Entrances and windows are shut. Names are unique, and a function of the house.
     """
-    found = [*_floors(house), *_walls(house, thickness), *_pieces(house)]
+    walls = _thick_walls(house) if house.wall_thickness else _walls(house, thickness)
+    found = [*_floors(house), *walls, *_pieces(house)]
     several, numbers = Counter(each.name for each in found), Counter[str]()
     for index, each in enumerate(found):
         if several[each.name] > 1:
@@ -79,6 +92,13 @@ def _pieces(house: House) -> Iterator[Solid]:
         for piece in room.pieces:
             height = looks.heights.get(piece.type, PIECE_HEIGHT)
             yield Solid(f"{room.name}.{piece.type}", "piece", piece.box, 0.0, height, INKS.wood)
+
+
+def _thick_walls(house: House) -> Iterator[Solid]:
+    """Walls that have a thickness, with the floors of doorways."""
+    for kind, box in wall_parts(house):
+        for name, bottom, top in PARTS[kind]:
+            yield Solid(name, name, box, bottom, top, COLOURS.get(name, INKS.paper))
 
 
 def _walls(house: House, thickness: float) -> Iterator[Solid]:

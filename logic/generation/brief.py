@@ -46,6 +46,11 @@ class BriefMaker(SharedWallsMaker):
                 f"brief: the grammar {grammar.name} states whole_area/3, the area of rooms with their parts, "
                 "which a brief cannot keep: say the areas in the brief, and take a grammar without it"
             )
+        if loaded.has_area and loaded.placer.wall_thickness:
+            raise RequestError(
+                f"brief: the grammar {grammar.name} states house_area/2 and wall_thickness/2, and no brief "
+                "has both: take another grammar"
+            )
         self.brief = brief
         rules = grammar.for_brief()
         on_request = not grammar.names_contacts

@@ -14,7 +14,7 @@ from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, HouseFacts
 from logic.generation.furnish import Unfurnishable
 from logic.generation.movable_doors import MOST_LAYOUTS, LooseRoom, OneDoor, Refuted
-from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, given_room
+from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, at_face, given_room
 from logic.grammar import Grammar
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect
@@ -24,7 +24,7 @@ from logic.layout.program import Nogood
 from logic.layout.programs import Programs
 from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
-from logic.placement.given_plan import openings, plan_faults
+from logic.placement.given_plan import inner_span, openings, plan_faults
 from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
 from logic.request.own_plan import OwnPlan
 from logic.request.request import Request
@@ -95,7 +95,12 @@ class GivenPlanMaker(SharedWallsMaker):
         doors = plan.doors_of(place)
         if any(door.opening for door in doors):  # It may be of another width, too.
             return False
-        room = LooseRoom(given_room(plan, place), [self._span(plan, door) for door in doors])
+        within = plan.rooms[place]
+        spans = [
+            span and at_face(span, within, plan.half_wall)
+            for span in (self._span(plan, door) for door in doors)
+        ]
+        room = LooseRoom(given_room(plan, place), spans)
         furniture: list[Symbol] | None = None
         doors_elsewhere = f"the furniture of {room.room}, its doors elsewhere (clingo and CLP(Q))"
         self._placer.account.at(FURNITURE, doors_elsewhere)
@@ -113,7 +118,10 @@ class GivenPlanMaker(SharedWallsMaker):
                 nogoods += [each.atoms for each in refuted]
                 return False
         starts = self._placer.loose_starts(room.loose_term(furniture or ()), int(rng.integers(2**63)))
-        moved = {door: sides(rect) for door, rect in zip(doors, room.moved(starts), strict=True)}
+        moved: dict[PlanDoor, tuple[float, float, float, float]] = {}
+        for door, rect in zip(doors, room.moved(starts), strict=True):
+            x, y = (rect.x, door.y) if door.width > door.height else (door.x, rect.y)
+            moved[door] = x, y, rect.width, rect.height
         plan.doors = [PlanDoor(*moved.get(door, sides(door)), door.between) for door in plan.doors]
         return True
 
@@ -124,10 +132,11 @@ class GivenPlanMaker(SharedWallsMaker):
             return None
         wall = self.plan.wall_of(Door(*sides(door), between))
         assert wall
-        length = wall.end - wall.start
+        start, end = inner_span(self.plan, wall, self._placer.wall_thickness)
+        length = end - start
         if door.width > door.height:
-            return Rect(wall.start, wall.place, length, 0.0)
-        return Rect(wall.place, wall.start, 0.0, length)
+            return Rect(start, wall.place, length, 0.0)
+        return Rect(wall.place, start, 0.0, length)
 
     def _anywhere(self, request: Request, plan: Plan, place: int) -> list[Refuted]:
         """That a room has no furniture at its size, wherever its doors and windows are; nothing if it may."""
@@ -185,9 +194,11 @@ class GivenPlanMaker(SharedWallsMaker):
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         """The plan's own rooms with their types, and doors and windows in their walls."""
         types = {atom.arguments[0].number: str(atom.arguments[1]) for atom in layout if atom.name == "room"}
+        thick = self._placer.wall_thickness
+        half = thick.inner / 2 if thick else 0.0
         rooms = [
             PlanRoom(
-                *sides(room),
+                *sides(room.grown(-half)),
                 number,
                 types[number],
                 room.name,
@@ -195,7 +206,7 @@ class GivenPlanMaker(SharedWallsMaker):
             )
             for number, room in enumerate(self.plan.rooms)
         ]
-        plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed))
+        plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed), wall_thickness=thick)
         # What the plan has stays in its place.
         kept = {frozenset(door.between): door for door in self.plan.doors}
         opened = [{each.number for each in atom.arguments} for atom in layout if atom.name == "open_to"]

@@ -8,7 +8,7 @@ import msgspec
 from clingo import Symbol
 
 from logic.house.parts import OUTSIDE
-from logic.house.promises import Promises, Sizes
+from logic.house.promises import Promises, Sizes, Thickness
 from logic.layout.program import Program
 
 
@@ -38,6 +38,7 @@ def promised(
         whole_area={name: (float(least), float(most)) for name, least, most in metres["wholes"]},
         house_area=(float(metres["total"][0]), float(metres["total"][1])) if metres["total"] else None,
         same_size={name: name in oblong for name in _required(program, "same_size")} if shares_walls else {},
+        wall_thickness=Thickness(*metres["walls"]) if metres["walls"] else None,
         opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
         openings={one: tuple(others) for one, others in sorted(_pairs(program, "opening").items())},
         parts={one: tuple(others) for one, others in sorted(_pairs(program, "part").items())},

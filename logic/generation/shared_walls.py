@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 from clingo import Symbol
+from msgspec import structs
 
 from logic.errors import LimitReached, OutOfInferences, RequestError
 from logic.generation.evidence import NoLayout
@@ -17,6 +18,7 @@ from logic.generation.maker import Maker
 from logic.generation.tiling import require_tiling
 from logic.grammar import DISSECTION, GUARD
 from logic.house.house import House
+from logic.house.parts import Rect
 from logic.layout.account import LAYOUT, PROOF
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import granted, room_requirements, to_furnish
@@ -33,6 +35,7 @@ on in an order that clasp learns: to take the picks one after the other is up to
 """
 
 S = TypeVar("S", Plan, UnitRange)
+R = TypeVar("R", bound=Rect)
 
 
 class Making(NamedTuple):
@@ -190,5 +193,16 @@ class SharedWallsMaker(Maker):
 
 def given_room(plan: Plan, place: int) -> GivenRoom:
     """A room of a plan to be furnished; the door by which it is entered is the first."""
-    room = plan.rooms[place]
-    return GivenRoom(room.type, room, plan.doors_of(place), plan.windows_of(place), room.pieces)
+    room, half = plan.rooms[place], plan.half_wall
+    doors = [at_face(door, room, half) for door in plan.doors_of(place)]
+    windows = [at_face(window, room, half) for window in plan.windows_of(place)]
+    return GivenRoom(room.type, room, doors, windows, room.pieces)
+
+
+def at_face(segment: R, room: Rect, half: float) -> R:
+    """A door or window that lies so far outside of a room (m), at the face of the room's wall."""
+    if not half:
+        return segment
+    axis = int(segment.height == 0)
+    at = min(room.box[axis::2], key=lambda face: abs(face - segment.box[axis]))
+    return structs.replace(segment, **{"xy"[axis]: at})

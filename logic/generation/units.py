@@ -249,7 +249,7 @@ class UnitsMaker(SharedWallsMaker):
         """The public rooms, and the rooms of each unit in its place, furnished."""
         boxes = {room.number: room for room in whole.rooms}
         rooms = [room for room in whole.rooms if room.type != "unit"]
-        plan = Plan(rooms, whole.doors, whole.windows, hub="R0")
+        plan = Plan(rooms, whole.doors, whole.windows, hub="R0", wall_thickness=whole.wall_thickness)
         pieces: list[Pieces] = [() for _ in rooms]
         for maker in makers:
             maker.within(boxes[maker.unit.number])

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import msgspec
 
+from logic.house.boxes import Box
 from logic.house.kinds import Kind, kind_of
 from logic.house.parts import (
     FORMAT,
@@ -20,9 +21,10 @@ from logic.house.parts import (
     Room,
     Window,
 )
+from logic.house.promises import Thickness
 from logic.house.records import Record, read
 from logic.house.star import Star, star_record
-from logic.house.walls import Line, walls_of_rooms, walls_of_star
+from logic.house.walls import Line, doorway, walls_of_rooms, walls_of_star
 from logic.spelling import unknown
 
 
@@ -41,6 +43,8 @@ class House(msgspec.Struct, frozen=True):
     topology: str = ""
     format: Literal["vitruvius-1", "original", "vitruvius-2"] = FORMAT
     provenance: Provenance | None = None
+    wall_thickness: Thickness | None = None
+    """Of the walls around its rooms, whose rectangles end at their faces; None: they have none."""
 
     plan: ClassVar[Callable[[House, int], str]]
     """Draws it, as SVG so many CSS pixels wide: set by the package, since what draws houses imports this."""
@@ -61,6 +65,20 @@ class House(msgspec.Struct, frozen=True):
     def main(self) -> Room:
         """The hub. Raises ``ValueError`` where the house names none."""
         return self.room(self.hub)
+
+    @property
+    def half_wall(self) -> float:
+        """Half of an inner wall's thickness, metres: so far from a room are its doors and windows."""
+        return self.wall_thickness.inner / 2 if self.wall_thickness else 0.0
+
+    @property
+    def tiles(self) -> tuple[Room, ...]:
+        """The rooms, each with half of an inner wall around it: rooms that share a wall share an edge."""
+        return tuple(room.grown(self.half_wall) for room in self.rooms)
+
+    def doorway(self, door: Door) -> Box:
+        """All of a door within the wall between two rooms: (west, north, east, south), metres."""
+        return doorway(door, self.half_wall)
 
     @property
     def start(self) -> Room:
@@ -116,7 +134,10 @@ class House(msgspec.Struct, frozen=True):
         left = {OUTSIDE, *(room.name for room in rooms)}
         doors = tuple(door for door in self.doors if left.issuperset(door.between))
         windows = tuple(window for window in self.windows if window.room in left)
-        return House(rooms, doors, windows, self.hub if self.hub in left else "", self.topology, self.format)
+        hub = self.hub if self.hub in left else ""
+        return House(
+            rooms, doors, windows, hub, self.topology, self.format, wall_thickness=self.wall_thickness
+        )
 
     @property
     def star(self) -> Star:
@@ -131,7 +152,7 @@ class House(msgspec.Struct, frozen=True):
         ``walls.py``.
         """
         if self.kind is Kind.SHARED_WALLS:
-            return walls_of_rooms(self.rooms, self.doors)
+            return walls_of_rooms(self.rooms, self.doors, self.half_wall)
         return walls_of_star(self.star.floor, self.star.rooms)
 
     def converted(self) -> House:
@@ -156,7 +177,8 @@ class House(msgspec.Struct, frozen=True):
         """
         found, format_ = read(record)
         openings = found.doors, found.windows
-        return cls(found.rooms, *openings, found.hub or "", found.topology, format_, found.provenance)
+        about = found.hub or "", found.topology, format_, found.provenance, found.wall_thickness
+        return cls(found.rooms, *openings, *about)
 
     def to_dict(self) -> dict[str, Any]:
         """Write the house in its JSON form, in metres; ``from_dict`` gives the same house back.
@@ -166,5 +188,6 @@ class House(msgspec.Struct, frozen=True):
         if self.format != FORMAT:
             return star_record(self.star, self.format, self.provenance)
         openings = self.doors, self.windows
-        record = Record(FORMAT, "m", self.rooms, *openings, self.hub or None, self.topology, self.provenance)
+        about = self.hub or None, self.topology, self.provenance, self.wall_thickness
+        record = Record(FORMAT, "m", self.rooms, *openings, *about)
         return msgspec.to_builtins(record)

@@ -6,7 +6,7 @@ Metres; x grows east and y grows south, so a rectangle's ``x, y`` is its north-w
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import msgspec
 from msgspec import UNSET, Meta, UnsetType
@@ -72,6 +72,18 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def area(self) -> float:
         """Square metres."""
         return self.width * self.height
+
+    def grown(self, by: float) -> Self:
+        """The same with so much more on each side, metres."""
+        if not by:
+            return self
+        sides = {
+            "x": self.x - by,
+            "y": self.y - by,
+            "width": self.width + 2 * by,
+            "height": self.height + 2 * by,
+        }
+        return msgspec.structs.replace(self, **sides)
 
     @property
     def length(self) -> float:

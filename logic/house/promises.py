@@ -19,6 +19,14 @@ PASSAGE = 0.42
 
 Metres = Annotated[float, Meta(ge=0, le=1000)]
 
+
+class Thickness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How thick walls are, metres: between rooms, and to the outside. Outer ones are no thinner."""
+
+    inner: Metres
+    outer: Metres
+
+
 Sizes = tuple[float, float, float, float]
 """Least and greatest width (or length), least and greatest depth, metres."""
 
@@ -54,6 +62,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Room types whose rooms are equally large in other houses, or in a unit: whether some may lie across."""
     narrowest: dict[str, float] = {}
     """Of each room type in other houses: the least of its shorter side, metres."""
+    wall_thickness: Thickness | None = None
+    """Metres: how thick walls are; None for any thickness."""
     opens: dict[str, tuple[str, ...]] = {}
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
     openings: dict[str, tuple[str, ...]] = {}

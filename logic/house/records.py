@@ -28,6 +28,7 @@ from logic.house.parts import (
     Room,
     Window,
 )
+from logic.house.promises import Thickness
 from logic.house.star import Star, read_star
 from logic.spelling import unknown
 
@@ -43,6 +44,7 @@ class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fie
     hub: Name | None = None
     topology: str = ""
     provenance: Provenance | None = None
+    wall_thickness: Thickness | None = None
 
 
 def read(record: dict[str, Any]) -> tuple[Record, Any]:
@@ -136,6 +138,13 @@ def _require_sizes(house: Record, in_star: bool) -> None:
         if rect.width < 0 or rect.height < 0 or (rect.area == 0 and not isinstance(rect, Door | Window)):
             raise msgspec.ValidationError(f"{name} is {rect.width} by {rect.height}: sizes must be positive")
 
+    if thick := house.wall_thickness:
+        if kind_of(house.topology) is not Kind.SHARED_WALLS:
+            raise msgspec.ValidationError("wall_thickness: the walls of a star have none: leave it out")
+        if not 0 < thick.inner <= thick.outer <= FARTHEST:
+            said = f"{thick.inner} and {thick.outer}"
+            why = "must be more than 0 m, and no more for inner walls than for outer ones"
+            raise msgspec.ValidationError(f"wall_thickness: {why}, not {said}")
     for room in house.rooms:
         require(room, "floor" if in_star and room.name == house.hub else room.name)
         if len(room.pieces) > MOST_PIECES:

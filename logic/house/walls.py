@@ -1,11 +1,12 @@
-"""Where the walls of a house stand: segments without thickness, each once, that the doors between rooms open.
+"""Where the walls of a house stand: segments, each once, that the doors between rooms open. Of walls with a
+thickness they are the faces around all that a body may walk on, rooms and doorways.
 
 Windows and the doors to the outside are shut: neither a ray nor a body passes there.
 """
 
 from collections.abc import Iterable, Sequence
 
-from logic.house.boxes import TOLERANCE
+from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import Door, Rect, Room
 from logic.house.star import StarRoom
 
@@ -15,11 +16,16 @@ Line = tuple[float, float, float]
 """Where a wall is across its own axis, and where along it begins and ends, metres."""
 
 
-def walls_of_rooms(rooms: Iterable[Room], doors: Iterable[Door]) -> tuple[list[Line], list[Line]]:
+def walls_of_rooms(
+    rooms: Iterable[Room], doors: Iterable[Door], half: float = 0.0
+) -> tuple[list[Line], list[Line]]:
     """The walls of rooms side by side: those that run north to south (at an x), then west to east (at a y).
 
     Walls on one line are joined, so a wall that two rooms share stands once, and each door is cut out of it.
+    ``half``: of the thickness of inner walls, metres; where they have one, these are their faces.
     """
+    if half:
+        return _faces(list(rooms), [door for door in doors if not door.is_entrance], half)
     boxes, found = [room.box for room in rooms], []
     open_doors = [door.box for door in doors if not door.is_entrance]
     for axis in (0, 1):
@@ -39,6 +45,35 @@ def walls_of_rooms(rooms: Iterable[Room], doors: Iterable[Door]) -> tuple[list[L
             walls += [(at, *left) for span in _joined(spans) for left in remaining(span, gaps)]
         found.append(walls)
     return found[0], found[1]
+
+
+def doorway(door: Rect, half: float) -> Box:
+    """All of a door or window within its wall, half of which lies on each side, metres."""
+    west, north, east, south = door.box
+    return (
+        (west - half, north, east + half, south) if door.height else (west, north - half, east, south + half)
+    )
+
+
+def _faces(rooms: list[Room], doors: list[Door], half: float) -> tuple[list[Line], list[Line]]:
+    """The sides of rooms without their doors, and the jambs of each door."""
+    found: tuple[list[Line], list[Line]] = [], []
+    ways = [(int(not door.height), doorway(door, half)) for door in doors]
+    for axis in (0, 1):
+        for box in (room.box for room in rooms):
+            for at in box[axis::2]:
+                gaps = [_span(way, axis) for k, way in ways if k == axis and near(at, way[axis::2])]
+                found[axis].extend((at, *left) for left in remaining(_span(box, axis), gaps))
+        for low, high, jambs in (
+            (way[axis], way[axis + 2], _span(way, axis)) for k, way in ways if k == axis
+        ):
+            found[1 - axis].extend((at, low, high) for at in jambs)
+    return found
+
+
+def near(at: float, places: Iterable[float]) -> bool:
+    """Whether a line is one of those at these places."""
+    return any(abs(at - place) <= TOLERANCE for place in places)
 
 
 def walls_of_star(floor: Rect, rooms: Sequence[StarRoom]) -> tuple[list[Line], list[Line]]:

@@ -200,6 +200,7 @@ def wall_facts(
     contact: float,
     openings: Iterable[tuple[str, str, float, Sequence[str]]],
     extremes: Iterable[Sequence[Any]],
+    thickness: float,
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``differences.lp``), each fact with the clauses it comes from.
 
@@ -213,6 +214,10 @@ def wall_facts(
     for one, other, metres, stated in openings:
         wall = Function("opening_wall", [Function(one), Function(other), Number(floor(1000 * metres))])
         facts.append((wall, tuple(map(parse_term, stated))))
+    if thickness:
+        thick = [Number(bound(round(1000 * thickness, 6))) for bound in (floor, ceil)]
+        inner = Function("length", [Function("inner_wall")])
+        facts.append((Function("inner_wall", thick), (inner,)))
     only = [Function("house_size")]
     for type_, reach, uppers, lowers in extremes:
         kind = Function(type_)

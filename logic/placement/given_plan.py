@@ -5,11 +5,13 @@ from collections.abc import Iterable, Sequence
 import msgspec
 from clingo import Symbol, parse_term
 
+from logic.house.boxes import TOLERANCE, WALLS
 from logic.house.parts import OUTSIDE
+from logic.house.promises import Thickness
 from logic.placement.placer import Placer
 from logic.placement.plan import PlanDoor, PlanWindow
 from logic.placement.prolog import Term
-from logic.request.own_plan import OwnPlan
+from logic.request.own_plan import OwnPlan, Wall
 
 
 def plan_faults(
@@ -18,17 +20,19 @@ def plan_faults(
     """What the lengths forbid in a user's plan: facts of ``own.lp``, each with its clauses. ``openings`` are
     terms ``opening(Type,Other)``.
     """
+    thick = placer.wall_thickness.inner if placer.wall_thickness else 0.0
     rooms = [
-        Term("room", number, float(room.width), float(room.height)) for number, room in enumerate(plan.rooms)
+        Term("room", number, float(room.width - thick), float(room.height - thick))
+        for number, room in enumerate(plan.rooms)
     ]
     west, north, east, south = plan.outline
-    size = Term("size", float(east - west), float(south - north))
+    size = Term("size", float(east - west - thick), float(south - north - thick))
     doors = []
     for door in plan.doors:
         if wall := plan.wall_of(door):
             behind = wall.side if wall.behind is None else wall.behind
             doors.append(Term("door", wall.room, behind, float(door.length)))
-    found = placer.ask("own_plan_faults", size, rooms, _walls(plan), doors, types, openings)
+    found = placer.ask("own_plan_faults", size, rooms, _walls(placer, plan), doors, types, openings)
     return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
 
 
@@ -37,18 +41,35 @@ def openings(
 ) -> tuple[list[PlanDoor], list[PlanWindow]]:
     """Doors and windows with their places in a plan of the user's, metres: see ``own_plan.pl``."""
     types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
-    found = placer.ask("own_openings", layout, types, _walls(plan), seed)
+    found = placer.ask("own_openings", layout, types, _walls(placer, plan), seed)
     return msgspec.convert((found["doors"], found["windows"]), tuple[list[PlanDoor], list[PlanWindow]])
 
 
-def _walls(plan: OwnPlan) -> list[Term]:
+def inner_span(plan: OwnPlan, wall: Wall, thick: Thickness | None) -> tuple[float, float]:
+    """Where a wall of a plan, whose rooms meet in the middle of walls that are so thick, begins and ends
+    within: at the faces of the walls across, metres.
+    """
+    if thick is None:
+        return wall.start, wall.end
+    axis, box = 1 - WALLS.index(wall.side) % 2, plan.rooms[wall.room].box
+    half = thick.inner / 2
+
+    def across(own: float, end: float) -> float:
+        """Of the wall across: where an outer wall ends and its side goes on, it is an outer one."""
+        whole = wall.behind is not None or abs(own - end) <= TOLERANCE
+        return half if whole else thick.outer - half
+
+    return wall.start + across(box[axis], wall.start), wall.end - across(box[axis + 2], wall.end)
+
+
+def _walls(placer: Placer, plan: OwnPlan) -> list[Term]:
     return [
         Term(
             "wall",
             wall.room,
             wall.side,
             OUTSIDE if wall.behind is None else wall.behind,
-            *map(float, (wall.place, wall.start, wall.end)),
+            *map(float, (wall.place, *inner_span(plan, wall, placer.wall_thickness))),
         )
         for wall in plan.walls
     ]

@@ -4,6 +4,7 @@ One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,6 +14,7 @@ from clingo import Symbol, parse_term
 
 from logic.errors import GrammarError, OutOfInferences, Reason
 from logic.grammar import RULES, Grammar
+from logic.house.promises import Thickness
 from logic.includes import height
 from logic.layout import account
 from logic.layout.account import Account
@@ -127,7 +129,15 @@ class Placer:
         """
         self.account.at(account.LENGTHS, "the lengths of walls (CLP(R))")
         plan = Term("plan", layout, list(given), seed, "minimal")
-        return self._solved("plan_placed", plan, inferences, Plan)
+        placed = self._solved("plan_placed", plan, inferences, Plan)
+        placed.wall_thickness = self.wall_thickness
+        return placed
+
+    @cached_property
+    def wall_thickness(self) -> Thickness | None:
+        """How thick walls are that rooms share; None where they have no thickness."""
+        inner, outer = self.ask("wall_thicknesses")
+        return Thickness(inner, outer) if outer else None
 
     def unit_range(self, layout: Iterable[Symbol], axis: str, depth: float, inferences: int) -> UnitRange:
         """How long a unit may be that is this deep along an axis, metres.

@@ -7,6 +7,7 @@ from msgspec import UNSET
 
 from logic.house.house import House
 from logic.house.parts import Door, Piece, Rect, Room, Window
+from logic.house.promises import Thickness
 from logic.house.star import StarRoom
 
 Pieces = tuple[Piece, ...]
@@ -47,6 +48,12 @@ class Plan(msgspec.Struct):
     inferences: int = 0
     """Of Prolog, that it took."""
     hub: str = ""
+    wall_thickness: Thickness | None = None
+
+    @property
+    def half_wall(self) -> float:
+        """Half of an inner wall's thickness, metres: so far from a room are its doors and windows."""
+        return self.wall_thickness.inner / 2 if self.wall_thickness else 0.0
 
     def join(self, parts: Mapping[int, int]) -> None:
         """Say of rooms, by their numbers, of which others they are parts."""
@@ -87,7 +94,14 @@ class Plan(msgspec.Struct):
         ]
         doors = [Door(*sides(door), self.between(door), door.opening) for door in self.doors]
         windows = [Window(*sides(window), self.name(window.room)) for window in self.windows]
-        return House(tuple(rooms), tuple(doors), tuple(windows), hub=self.hub, topology=topology)
+        return House(
+            tuple(rooms),
+            tuple(doors),
+            tuple(windows),
+            hub=self.hub,
+            topology=topology,
+            wall_thickness=self.wall_thickness,
+        )
 
 
 class UnitRange(msgspec.Struct):

@@ -12,7 +12,9 @@ from logic.generation.feasibility import HouseFacts
 from logic.generation.given_plan import GivenPlanMaker
 from logic.house.boxes import WALLS
 from logic.house.parts import OUTSIDE, Door, Window
+from logic.house.promises import Thickness
 from logic.language.loaded import LoadedGrammar
+from logic.placement.given_plan import inner_span
 from logic.placement.prolog import Term
 from logic.proofs.answer import unsatisfiable
 from logic.request.own_plan import OwnPlan, Wall
@@ -40,7 +42,7 @@ class LoosePlanMaker(GivenPlanMaker):
                 off = sum(np.abs(np.subtract(a, b)).sum() for a, b in zip(found, lines, strict=True))
                 if off < least - 1e-6:
                     best, least = places, off
-        return best and _on_lines(self.plan, best[:2], best[2])
+        return best and _on_lines(self.plan, best[:2], best[2], self._placer.wall_thickness)
 
     def _places(
         self, layout: list[Symbol], lines: tuple[list[float], list[float]]
@@ -77,19 +79,21 @@ def _lines(plan: OwnPlan) -> tuple[list[float], list[float]]:
     return [found[0][at] for at in sorted(found[0])], [found[1][at] for at in sorted(found[1])]
 
 
-def _on_lines(plan: OwnPlan, lines: tuple[list[float], list[float]], least: float) -> OwnPlan:
+def _on_lines(
+    plan: OwnPlan, lines: tuple[list[float], list[float]], least: float, thick: Thickness | None
+) -> OwnPlan:
     """The plan on other lines. Doors and windows go with their walls; doors are at least so wide, metres."""
     rooms = []
     for room, at in zip(plan.rooms, plan.lines, strict=True):
         west, north, east, south = (round(lines[k % 2][at[side][1]], 12) for k, side in enumerate(WALLS))
         rooms.append(replace(room, x=west, y=north, width=east - west, height=south - north))
     empty = OwnPlan(tuple(rooms))
-    doors = [_in_wall(empty, plan.wall_of(door), door, least) for door in plan.doors]
-    windows = [_in_wall(empty, plan.wall_of(window), window) for window in plan.windows]
+    doors = [_in_wall(empty, plan.wall_of(door), door, thick, least) for door in plan.doors]
+    windows = [_in_wall(empty, plan.wall_of(window), window, thick) for window in plan.windows]
     return replace(plan, rooms=empty.rooms, doors=tuple(doors), windows=tuple(windows))
 
 
-def _in_wall(plan: OwnPlan, old: Wall | None, opening: R, least: float = 0.0) -> R:
+def _in_wall(plan: OwnPlan, old: Wall | None, opening: R, thick: Thickness | None, least: float = 0.0) -> R:
     """A door or window in the wall that it was in."""
     assert old
     k = WALLS.index(old.side) % 2
@@ -97,7 +101,8 @@ def _in_wall(plan: OwnPlan, old: Wall | None, opening: R, least: float = 0.0) ->
         wall for wall in plan.walls if (wall.room, wall.side, wall.behind) == (old.room, old.side, old.behind)
     ]
     wall = max(same, key=lambda each: min(each.end, old.end) - max(each.start, old.start))
-    length = min(max(opening.length, least), wall.end - wall.start)
-    start = max(wall.start, min(opening.box[1 - k], wall.end - length))
+    first, last = inner_span(plan, wall, thick)
+    length = min(max(opening.length, least), last - first)
+    start = max(first, min(opening.box[1 - k], last - length))
     x, y, width, height = (start, wall.place, length, 0.0) if k else (wall.place, start, 0.0, length)
     return replace(opening, x=x, y=y, width=width, height=height)

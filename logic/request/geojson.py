@@ -6,9 +6,12 @@ from itertools import pairwise
 from statistics import median
 from typing import Any, NamedTuple
 
+import msgspec
+
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import LONGEST_NAME, Room
+from logic.house.promises import Thickness
 from logic.readers.regular import unlike
 from logic.readers.units import metres_to
 from logic.spelling import numbered
@@ -75,8 +78,19 @@ def from_geojson(
         # Edges are rounded, not sizes: what two rooms share stays shared.
         x, right, y, bottom = (round(m, 6) for m in (west - left, east - left, top - north, top - south))
         rooms.append(Room(x, y, round(right - x, 6), round(bottom - y, 6), name=name, type=each.type))
+    if thick := record.get("wall_thickness"):  # our own export: rooms end at the faces of their walls
+        inner = _inner_wall(thick)
+        rooms = [room.grown(inner / 2) for room in rooms]
     notes = [f"passed over beside the rooms: {_counted(passed)}"] if passed else []
     return rooms, notes
+
+
+def _inner_wall(thick: Any) -> float:
+    """How thick walls between rooms are, metres."""
+    try:
+        return msgspec.convert(thick, Thickness).inner
+    except msgspec.ValidationError as error:
+        raise RequestError(f"plan: wall_thickness: {error}") from None
 
 
 def _features(record: Mapping[str, Any]) -> list[Any]:

@@ -63,7 +63,7 @@ def read_plan(
         return source
     found, drawn = _read(source), None
     if isinstance(found, House):
-        rooms = [msgspec.structs.replace(room, children=()) for room in found.rooms]
+        rooms = [msgspec.structs.replace(room, children=()) for room in found.tiles]
         doors, windows, notes = found.doors, found.windows, list[str]()
     elif isinstance(found, Sketch):
         drawn = regular(found, unit, snap)
@@ -93,7 +93,7 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
     Raises ``RequestError`` where the plan has another room in the place of one of them, or no doors: what is
     kept stands clear of the doors that there were.
     """
-    rooms = {room.name: room for room in house.rooms}
+    rooms = {room.name: room for room in house.tiles}
     places = {room.name: room.box for room in plan.rooms}
     if not rooms:
         raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')

@@ -47,7 +47,8 @@ disagreement(topology(shared,Units,_), Types, Wrong) :-
     ;   member(room(Type,_), Types), stated_for(room_area(Type,_,_)), area_wrong(Type, Wrong)
     ;   member(room(Type,Lit), Types), window_wrong(Type, Lit, Wrong)
     ;   stated(house_size(_,_)), house_wrong(Types, Wrong)
-    ;   stated(unit_depth(_)), unit_wrong(Units, Types, Wrong) ).
+    ;   stated(unit_depth(_)), unit_wrong(Units, Types, Wrong)
+    ;   stated(wall_thickness(_,_)), once(thickness_wrong(Types, Wrong)) ).
 
 stated(Head) :- \+ \+ clause(grammar:Head, _).
 
@@ -141,6 +142,37 @@ window_found(Type, Short-Long, Found) :-
     sizes_found(window_size(Type,Length,Wall), [Length], [Wall], Found).
 
 window_fits(Type, Margin, Long) :- \+ \+ ( grammar:window_size(Type, Length, Wall), {Wall =< Long, Length + 2*Margin =< Wall} ).
+
+% - walls -------------------------------------------------------------------------------------------------------
+
+%   thickness_wrong(+Types, -Wrong): of no walls that there are, no thickness, an outer one less than an inner one, or more than a room.
+
+thickness_wrong(_, Wrong) :-
+    findall(Kind, clause(grammar:wall_thickness(Kind,_), _), Kinds),
+    nth0(Number, Kinds, Kind), \+ ( member(Known, [inner,outer]), Kind == Known ),
+    clash_at(Number, wall_thickness(_,_), "walls are inner or outer ones, and these ~w"-[Kind], Wrong).
+thickness_wrong(_, Wrong) :-
+    member(Kind, [inner,outer]),
+    judged(thickness_found(Kind, Found), Found, []-wall_thickness(Kind,_), Wrong), Wrong = wrong(_,_,_,_).
+thickness_wrong(_, Wrong) :-
+    \+ stated(wall_thickness(inner,_)),
+    clash(wall_thickness(outer,_), "inner walls have none: state wall_thickness(inner, 0.1), too", [], Wrong).
+thickness_wrong(_, Wrong) :-
+    maplist(stated_length, [inner_wall,outer_wall], [Inner,Outer]), ( Outer < Inner ; Inner =:= 0, Outer > 0 ),
+    clash(wall_thickness(outer,_), "outer walls are at least as thick as inner ones, which ~w says are ~w m thick, and more than 0 m if outer ones are",
+          [clause(wall_thickness(inner,_)),metres(Inner)], Wrong).
+thickness_wrong(Types, Wrong) :-
+    member(Kind-Name, [inner-inner_wall,outer-outer_wall]), stated(wall_thickness(Kind,_)), stated_length(Name, Thick),
+    smallest(Types, Least), shortest_wall(Least, Short), Thick > Short,
+    clash(wall_thickness(Kind,_), "walls thicker than rooms: ~w allows rooms of ~w m", [clause(room_size(Least,_,_)),metres(Short)], Wrong).
+
+thickness_found(Kind, Found) :-
+    findnsols(2, M, grammar:wall_thickness(Kind, M), Stated), !,
+    (   Stated = [] -> Found = fault(empty)
+    ;   Stated = [_,_] -> Found = fault(several)
+    ;   Stated = [M], number(M), M >= 0
+    ->  ( M < 1 000 000 000 -> Found = M ; Found = fault(too_large) )
+    ;   Found = fault(not_metres) ).
 
 % - a free square -----------------------------------------------------------------------------------------------
 

@@ -1,5 +1,6 @@
 """Why a part of a plan is as it is: a room, a door, the entrance, a window, a piece."""
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from functools import cache, cached_property
@@ -15,6 +16,7 @@ from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import OUTSIDE, Door, Provenance, Window
 from logic.placement.bounds import open_lengths, opening_lengths, wall_bounds
+from logic.placement.given_plan import inner_span
 from logic.request.own_plan import OwnPlan, Wall
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
@@ -187,9 +189,11 @@ class PlanWitness(Witness):
 
     def _wall(self, opening: Door | Window) -> Wall:
         """The part of a wall that a door or window may lie in."""
-        wall = OwnPlan(self._house.rooms).wall_of(opening)
+        plan = OwnPlan(self._house.tiles)
+        wall = plan.wall_of(opening)
         assert wall is not None
-        return wall
+        start, end = inner_span(plan, wall, self._house.wall_thickness)
+        return dataclasses.replace(wall, start=start, end=end)
 
     def _named(self, name: str) -> str:
         return f"{name}, a {self._house.room(name).type}"

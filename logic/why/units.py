@@ -130,7 +130,14 @@ class UnitsWitness(PlanWitness):
             if names & {*door.between}
         )
         windows = tuple(window for window in self._house.windows if window.room in names)
-        return UnitWitness(self, maker, House(rooms, tuple(doors), windows, topology=self._house.topology))
+        house = House(
+            rooms,
+            tuple(doors),
+            windows,
+            topology=self._house.topology,
+            wall_thickness=self._house.wall_thickness,
+        )
+        return UnitWitness(self, maker, house)
 
     @staticmethod
     def _within(door: Door, unit: UnitWitness) -> tuple[str, ...]:

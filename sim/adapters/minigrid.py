@@ -21,6 +21,7 @@ from sim.backends.backend import PIECE, WALL
 from sim.backends.grid.cells import Cells
 from sim.environment.arguments import Houses
 from sim.environment.vector import HouseVectorEnv
+from sim.geometry import shut
 from sim.tasks.tasks import Targets
 
 MISSION = "get to the green goal square"
@@ -147,7 +148,7 @@ def tiles(house: House, cells: Cells) -> np.ndarray:
     for door in house.doors:
         if door.opening:
             continue
-        west, north, east, south = _in_cells(cells, door.box)
+        west, north, east, south = _in_cells(cells, shut(house, door))
         # All along it, but for the corners at its ends, which are the wall's.
         across = slice(2 * west + (west < east), 2 * east + (west == east))
         along = slice(2 * north + (north < south), 2 * south + (north == south))

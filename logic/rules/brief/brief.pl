@@ -21,6 +21,7 @@ is one around it, of which more shapes are refuted at once. All is in metres: a 
 :- use_module('../linear/exact').
 :- use_module('../linear/linear').
 :- use_module('../language/grammar_files').
+:- use_module('../language/lengths').
 :- use_module('../shared_walls/areas').
 :- use_module('../shared_walls/contacts').
 :- use_module('../shared_walls/lines').
@@ -130,10 +131,12 @@ width_range(Away, B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
 
 item_range(item(_,_,_,_,Range,_), Range).
 
-%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states.
+%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states. With walls it is less than that of the outline,
+%   and no brief has both (logic/generation/brief.py).
 
 house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],Range,Range)) :-
     clause(grammar:house_area(_,_), _), grammar:house_area(Least, Most), !,
+    length_of(inner_wall, T), T =:= 0,
     memberchk(room(outline,_,sides(X1,X2,Y1,Y2),_), Boxes),
     least_side(Slit), High is Most/Slit,
     Range = from(Slit,[])-upto(High,[]).

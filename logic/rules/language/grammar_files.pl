@@ -46,6 +46,13 @@ or several.
 %
 %       whole_area(cellar, 18.0, 24.0).
 
+%!  wall_thickness(?Kind, -Thickness)
+%
+%   how thick walls are, in metres, where rooms share walls: inner ones, between rooms, and outer ones, which are at least as thick, and
+%   as thick where nothing is stated. All sizes and areas are those within the walls. Without it, walls have no thickness.
+%
+%       wall_thickness(inner, 0.1). wall_thickness(outer, 0.3).
+
 %!  house_size(-Width, -Depth)
 %
 %   how large a whole plan is, in metres, where rooms share walls: Width from west to east, Depth from north to south.
@@ -124,7 +131,7 @@ or several.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 :- dynamic grammar:turning/2.
 
-:- dynamic grammar:room_area/3, grammar:whole_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1.
+:- dynamic grammar:room_area/3, grammar:whole_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1, grammar:wall_thickness/2.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

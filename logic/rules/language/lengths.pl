@@ -23,6 +23,10 @@ stated_length(passage,        M) :- grammar:passage(M).
 stated_length(room_gap,       M) :- grammar:room_gap(M).
 stated_length(door_margin,    M) :- ( clause(grammar:door_margin(_), _) -> grammar:door_margin(M) ; M = 0.0 ).
 stated_length(window_margin,  M) :- ( clause(grammar:window_margin(_), _) -> grammar:window_margin(M) ; M = 0.0 ).
+stated_length(inner_wall,     M) :- ( stated_wall(inner) -> grammar:wall_thickness(inner, M) ; M = 0.0 ).
+stated_length(outer_wall,     M) :- ( stated_wall(outer) -> grammar:wall_thickness(outer, M) ; stated_length(inner_wall, M) ).
+
+stated_wall(Kind) :- \+ \+ ( clause(grammar:wall_thickness(K, _), _), K == Kind ).
 
 %!  length_of(+Name, -Length) is det.
 %

@@ -41,7 +41,7 @@ role(room_size/3).   role(piece_size/4).
 role(door_width/1).  role(door_clearance/1).  role(passage/1).  role(room_gap/1).  role(house_area/2).  role(turning/2).
 role(Indicator) :- nb_getval(grammar_walls, shared), plan_role(Indicator).
 
-plan_role(room_area/3).  plan_role(whole_area/3).  plan_role(house_size/2).  plan_role(unit_depth/1).  plan_role(window_size/3).  plan_role(opening_size/4).  plan_role(door_margin/1).  plan_role(window_margin/1).
+plan_role(room_area/3).  plan_role(whole_area/3).  plan_role(house_size/2).  plan_role(unit_depth/1).  plan_role(window_size/3).  plan_role(opening_size/4).  plan_role(door_margin/1).  plan_role(window_margin/1).  plan_role(wall_thickness/2).
 
 problems(Heads, Calls, term(Source,Position,Kind), Problems) :-
     Source = source(File,_),
@@ -67,7 +67,11 @@ problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text))
     functor(Head, Name, Arity),
     \+ role(Name/Arity), \+ memberchk(Name/Arity, Calls),
     findall(Known, ( role(Known) ; member(Known, Heads), Known \== Name/Arity ), Others),
-    ( parted_number(Source, Head, At, Hint) -> true ; meant(Name/Arity, Others, Hint) ),
+    (   parted_number(Source, Head, At, Hint)
+    ->  true
+    ;   plan_role(Name/Arity)
+    ->  Hint = " in a star: state a topology/1 whose rooms share walls, or leave it out"
+    ;   meant(Name/Arity, Others, Hint) ),
     format(string(Text), "nothing uses ~w/~w~w", [Name, Arity, Hint]).
 problem(clause(_,Body,_,P,Names,_), Source, Heads-_, _, At, Fault) :-
     goal_in(Body, P, Goal, GoalAt),

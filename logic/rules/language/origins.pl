@@ -52,6 +52,7 @@ named(Head, Body, Type, Name) :-
     Result \== inference_limit_exceeded,
     sort(Types, Distinct), member(Each, Distinct), nonvar(Each), ( atom(Each) -> Name = Each ; term_to_atom(Each, Name) ).
 
+clause_head(length(inner_wall), Head) :- !, Head = wall_thickness(inner,_).
 clause_head(length(Name), Head) :- Head =.. [Name,_].
 clause_head(size(Type),    room_size(Type,_,_)).
 clause_head(size(_,Piece), piece_size(Piece,_,_,_)).

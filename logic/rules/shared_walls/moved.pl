@@ -76,7 +76,11 @@ on_line(y, K, Rooms) :- member(room(_,_,_,N,S), Rooms), ( K =:= N ; K =:= S ).
 
 indexed(List, Term) :- Term =.. [line|List].
 
-extent([First|Rest], Last-First) :- last(Rest, Last).
+extent([First|Rest], Length) :- last(Rest, Last), within(Last-First, Length).
+
+%   within(+Length, -Within): between the middles of two walls, and between their faces.
+
+within(Length, Within) :- length_of(inner_wall, T), ( T =:= 0 -> Within = Length ; Within = Length-T ).
 
 place(Number, Lines, X) :- Arg is Number + 1, arg(Arg, Lines, X).
 
@@ -88,9 +92,10 @@ rooms([], _, _, _) --> [].
 rooms([Room|Rooms], Atoms, At, Near) -->
     { Room = room(R,_,_,_,_), memberchk(room(R,Type), Atoms),
       sides(Room, At, X1, X2, Y1, Y2), sides(Room, Near, A1, A2, B1, B2),
+      maplist(within, [X2-X1,Y2-Y1,A2-A1,B2-B1], [X,Y,A,B]),
       (   memberchk(runs(R,x), Atoms)
-      ->  W = Y2-Y1, D = X2-X1, W0 is B2-B1, D0 is A2-A1
-      ;   W = X2-X1, D = Y2-Y1, W0 is A2-A1, D0 is B2-B1 ),
+      ->  W = Y, D = X, W0 is B, D0 is A
+      ;   W = X, D = Y, W0 is A, D0 is B ),
       ( room_size_system(Type, W, D, Sizes) -> true ; Sizes = [] ) },
     list(Sizes),
     ( { memberchk(runs(R,_), Atoms) } -> [(W =< D)-[]] ; [] ),
@@ -164,12 +169,12 @@ doors_of([R-Q|Doors], Rooms, At, Least) -->
     overlap(Along, Least),
     doors_of(Doors, Rooms, At, Least).
 
-overlap(A1-A2/(B1-B2), M) --> [(A1+M =< A2)-[], (B1+M =< B2)-[], (A1+M =< B2)-[], (B1+M =< A2)-[]].
+overlap(A1-A2/(B1-B2), M0) --> { length_of(inner_wall, T), M is M0 + T }, [(A1+M =< A2)-[], (B1+M =< B2)-[], (A1+M =< B2)-[], (B1+M =< A2)-[]].
 
 %   The longest part of an outer side has room for its window or the entrance, as in own_plan.pl.
 
 outer(Atoms, Walls, At) -->
-    { doorway(Door),
+    { length_of(door_width, Width), outer_margin(door_margin, Margin), Door is Width + 2*Margin,
       findall(R-S-Door, member(entrance(R,S), Atoms), Entrances),
       findall(R-S-L, ( member(window(R,S), Atoms), memberchk(room(R,T), Atoms), window_walls(T, L, _) ), Windows),
       append(Entrances, Windows, Openings) },
@@ -178,7 +183,8 @@ outer(Atoms, Walls, At) -->
 parts([], _, _) --> [].
 parts([R-S-Least|Openings], Walls, At) -->
     { findall(part(R,S,F,T), member(wall(R,S,outside,F,T), Walls), Parts), longest(Parts, At, X1, X2) }, !,
-    [(X1+Least =< X2)-[]],
+    { length_of(outer_wall, T), Long is Least + T },       % what walls across take of it, at most
+    [(X1+Long =< X2)-[]],
     parts(Openings, Walls, At).
 parts([_|Openings], Walls, At) --> parts(Openings, Walls, At).
 
@@ -195,5 +201,5 @@ lines_along(S, at(X,Y), Lines) :- side_axis(S, Axis), ( Axis == x -> Lines = X ;
 
 touching([], _, _) --> [].
 touching([wall(R,S,Q,F,T)|Walls], Rooms, At) -->
-    ( { integer(Q), R < Q } -> { least_contact(M), lines_along(S, At, Lines), place(F, Lines, X1), place(T, Lines, X2) }, [(X1+M =< X2)-[]] ; [] ),
+    ( { integer(Q), R < Q } -> { least_contact(M0), length_of(inner_wall, Thick), M is M0 + Thick, lines_along(S, At, Lines), place(F, Lines, X1), place(T, Lines, X2) }, [(X1+M =< X2)-[]] ; [] ),
     touching(Walls, Rooms, At).

@@ -1,9 +1,10 @@
-:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//6, side_axis/2, span/6]).
+:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//6, side_axis/2, span/6, beyond_outline/1, outer_margin/2]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
 A door joins two rooms in the wall that they share, or a room and the outside. Each takes a part of a wall that belongs to
-no other room there, so that two never overlap. Rooms are those of walls.pl.
+no other room there, so that two never overlap. Rooms are those of walls.pl. Where walls have a thickness, a door or window lies half
+an inner one away from the face of its room.
 */
 
 :- use_module(library(apply)).
@@ -47,8 +48,9 @@ opening_constraints(door(R,Q,Line), Atoms, Rooms, W) -->
     ->  { opening_wall(T, U, L, Clauses), append([[open_to(R,Q),room(R,T),room(Q,U)|Door],Clauses,WhyR,WhyQ], All) },
         [(A1+L =< A2)-All, (B1+L =< B2)-All, (A1+L =< B2)-All, (B1+L =< A2)-All]
     ;   [] ).
-opening_constraints(entrance(R,Side), Atoms, Rooms, W) -->
-    { outer_wall(R, Side, Atoms, Rooms, _, Starts, Ends) },
+opening_constraints(entrance(R,Side), Atoms, Rooms, _) -->
+    { outer_wall(R, Side, Atoms, Rooms, _, Starts, Ends),
+      length_of(door_width, Width), outer_margin(door_margin, Margin), W is Width + 2*Margin },
     reaching(Starts, Ends, W, [entrance(R,Side),length(door_width),length(door_margin)]).
 opening_constraints(window(R,Side), Atoms, Rooms, _) -->
     { outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends), window_walls(Type, Least, Most),
@@ -105,14 +107,34 @@ room_beyond(Axis, Rooms, beyond(R,Side,Q,How), Starts-Ends, More) :-
     memberchk(room(Q,_,Sides,Edges), Rooms),
     span(Axis, Sides, Edges, B1, B2, Lines),
     Why = [beyond(R,Side,Q,How)|Lines],
-    ( How == before -> More = [B2-Why|Starts]-Ends ; More = Starts-[B1-Why|Ends] ).
+    length_of(outer_wall, Thick),
+    (   Thick =:= 0
+    ->  Start = B2, End = B1
+    ;   Start = B2+Thick, End = B1-Thick ),
+    ( How == before -> More = [Start-Why|Starts]-Ends ; More = Starts-[End-Why|Ends] ).
+
+%!  outer_margin(+Name, -Margin) is det.
+%
+%   So far from the ends of its wall is a door, or a window, in an outer wall: of a neighbour, an outer wall may begin there.
+
+outer_margin(Name, Margin) :-
+    length_of(Name, Stated), beyond_outline(Beyond),
+    ( Beyond > Stated -> Margin = Beyond ; Margin = Stated ).
+
+%!  beyond_outline(-Metres) is det.
+%
+%   So much of an outer wall lies outside of where an inner one would end.
+
+beyond_outline(Beyond) :- maplist(length_of, [inner_wall,outer_wall], [Inner,Outer]), Beyond is Outer - Inner.
 
 %   outer_part(+Room, +Side, +Atoms, +Rooms, -Type, -Start, -End): the part of the side that is left for it, of known walls.
 
 outer_part(R, Side, Atoms, Rooms, Type, Start, End) :-
     outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends),
-    pairs_keys(Starts, As), max_list(As, Start),
-    pairs_keys(Ends, Bs), min_list(Bs, End).
+    pairs_keys(Starts, As0), maplist(number_of, As0, As), max_list(As, Start),
+    pairs_keys(Ends, Bs0), maplist(number_of, Bs0, Bs), min_list(Bs, End).
+
+number_of(Expression, X) :- X is Expression.
 
 side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west, y).
 
@@ -122,7 +144,7 @@ side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west,
 %   its margins fit in it.
 
 window_walls(Type, Least, Most) :-
-    length_of(window_margin, Margin),
+    outer_margin(window_margin, Margin),
     metres(Margin, M),
     (   \+ stated_for(window_size(Type,_,_))
     ->  Least is 2*Margin, Most = any
@@ -153,13 +175,17 @@ least_wall(_, _, Least, Least).
 %   A Box is box(X,Y,Width,Height); every wall is known.
 
 plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
-    { maplist(room_box, Rooms, Boxes),
+    { thickness_known(Rooms), maplist(room_box, Rooms, Boxes),
       findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Joins),
       findall(window(R,S), member(window(R,S), Atoms), Panes) },
     doors_sample(Joins, Atoms, Rooms, Doors),
     windows_sample(Panes, Atoms, Rooms, Windows).
 
-room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X1,Y1,W,H))) :- W is X2-X1, H is Y2-Y1.
+%   thickness_known(+Rooms): that of the walls, which was an unknown of the constraints.
+
+thickness_known([room(_,_,sides(X,_,_,_),_)|_]) :- ( compound(X), X = _+T, var(T) -> length_of(inner_wall, T) ; true ).
+
+room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X,Y,W,H))) :- X is X1, Y is Y1, W is X2-X1, H is Y2-Y1.
 
 doors_sample([], _, _, []) --> [].
 doors_sample([Join|Joins], Atoms, Rooms, [Door|Doors]) -->
@@ -171,10 +197,10 @@ door_sample(door(R,Q,Line), Atoms, Rooms, Door) -->
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, _), span(Axis, SidesQ, EdgesQ, B1, B2, _),
       From is max(A1, B1), To is min(A2, B2),
-      line_side(Line, EdgesR, Side), side_place(Side, SidesR, At) },
+      line_side(Line, EdgesR, Side), wall_place(Side, SidesR, At) },
     joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, Door).
 door_sample(entrance(R,Side), Atoms, Rooms, door(Box,R,outside)) -->
-    { length_of(door_width, Width), length_of(door_margin, Margin), outer_part(R, Side, Atoms, Rooms, _, Start, End) },
+    { length_of(door_width, Width), outer_margin(door_margin, Margin), outer_part(R, Side, Atoms, Rooms, _, Start, End) },
     wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
 
 %!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, -Door)// is det.
@@ -198,10 +224,16 @@ joint_sample(R-Q, _, _, Axis-At, From-To, door(Box,R,Q)) -->
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
     ( Line == W -> Side = west ; Line == E -> Side = east ; Line == N -> Side = north ; Side = south ).
 
-side_place(west,  sides(X,_,_,_), X).
-side_place(east,  sides(_,X,_,_), X).
-side_place(north, sides(_,_,Y,_), Y).
-side_place(south, sides(_,_,_,Y), Y).
+%   wall_place(+Side, +Sides, -At): the middle of an inner wall at this side.
+
+wall_place(Side, Sides, At) :-
+    side_place(Side, Sides, Way, Face), length_of(inner_wall, T),
+    ( T =:= 0 -> At = Face ; At is Face + Way*T/2 ).
+
+side_place(west,  sides(X,_,_,_), -1, X).
+side_place(east,  sides(_,X,_,_),  1, X).
+side_place(north, sides(_,_,Y,_), -1, Y).
+side_place(south, sides(_,_,_,Y),  1, Y).
 
 segment(x, Y, X, Length, box(X,Y,Length,0.0)).
 segment(y, X, Y, Length, box(X,Y,0.0,Length)).
@@ -209,7 +241,7 @@ segment(y, X, Y, Length, box(X,Y,0.0,Length)).
 %   wall_sample(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Box)//: somewhere along this part, so far from its ends.
 
 wall_sample(R, Side, Rooms, A1-A2, Length, Margin, Box) -->
-    { memberchk(room(R,_,Sides,_), Rooms), side_place(Side, Sides, At), side_axis(Side, Axis),
+    { memberchk(room(R,_,Sides,_), Rooms), wall_place(Side, Sides, At), side_axis(Side, Axis),
       Low is A1 + Margin, High is A2 - Length - Margin },
     interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
@@ -217,7 +249,7 @@ wall_sample(R, Side, Rooms, A1-A2, Length, Margin, Box) -->
 windows_sample([], _, _, []) --> [].
 windows_sample([window(R,Side)|Panes], Atoms, Rooms, [window(Box,R)|Windows]) -->
     { outer_part(R, Side, Atoms, Rooms, Type, A1, A2),
-      length_of(window_margin, Margin),
+      outer_margin(window_margin, Margin),
       Most is A2 - A1 - 2*Margin,
       window_range(Type, A1-A2, Most, Low-High) },
     interval_sample(Low, High, 1, Length),

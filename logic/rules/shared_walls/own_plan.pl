@@ -44,11 +44,13 @@ fault(_, _, _, Types, whole(T,(L,M)), [whole_area(T)]) :-
 fault(_, Rooms, _, _, covers(at(R),A), []) :-
     clause(grammar:whole_area(_,_,_), _),
     member(room(R,W,D), Rooms), Area is W*D, square_millimetres(Area, A).
-fault(_, Rooms, _, Types, misfit(at(R),T,Axis), [Clause]) :-
+fault(_, Rooms, _, Types, misfit(at(R),T,Axis), [Clause|Walls]) :-
     member(room(R,X,Y), Rooms),
     member(T, Types),
     member(Axis-W-D, [x-Y-X,y-X-Y]),
-    unfit(T, W, D, Clause).
+    unfit(T, W, D, Clause),
+    length_of(inner_wall, Thick),
+    ( Thick =\= 0, W1 is W+Thick, D1 is D+Thick, \+ unfit(T, W1, D1, _) -> Walls = [length(inner_wall)] ; Walls = [] ).
 fault(_, Rooms, _, _, squat(at(R),Axis), []) :-
     member(room(R,X,Y), Rooms),
     member(Axis-W-D, [x-Y-X,y-X-Y]),
@@ -60,7 +62,7 @@ fault(_, _, Walls, _, narrow(at(R),at(Q)), [length(door_width),length(door_margi
     member(wall(R,_,Q,_,A,B), Walls), Q \== outside,
     doorway(Least), \+ reaches(A-B, Least).
 fault(_, _, Walls, _, shut(at(R),S), [length(door_width),length(door_margin)]) :-
-    outer_side(Walls, R, S, A-B), doorway(Least), \+ reaches(A-B, Least).
+    outer_side(Walls, R, S, A-B), entry(Least), \+ reaches(A-B, Least).
 fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)]) :-
     outer_side(Walls, R, S, A-B), member(T, Types), window_walls(T, Least, Most),
     \+ ( reaches(A-B, Least), ( Most == any -> true ; B - A =< Most + 1.0e-6 ) ).
@@ -84,6 +86,8 @@ thin(Doors, thin(at(R),Q), [length(door_width)]) :- member(door(R,Q,L), Doors), 
 
 unfit(T, W, D, size(T)) :- room_size_system(T, W, D, System), \+ posted(System), !.
 unfit(T, W, D, room_area(T)) :- grammar:room_area(T, Least, Most), Area is W*D, ( Area < Least - 1.0e-6 ; Area > Most + 1.0e-6 ), !.
+
+entry(Least) :- length_of(door_width, Width), outer_margin(door_margin, Margin), Least is Width + 2*Margin.
 
 doorway(Least) :- length_of(door_width, Width), length_of(door_margin, Margin), Least is Width + 2*Margin.
 
@@ -120,10 +124,10 @@ opening_sample(door(R,Q,_), Atoms-Types, Walls, Door) -->
     { memberchk(wall(R,Side,Q,At,A,B), Walls), side_axis(Side, Axis), memberchk(R-T, Types), memberchk(Q-U, Types) },
     joint_sample(R-Q, Atoms, T-U, Axis-At, A-B, Door).
 opening_sample(entrance(R,Side), _, Walls, door(Box,R,outside)) -->
-    { once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), length_of(door_margin, Margin) },
+    { once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), outer_margin(door_margin, Margin) },
     segment_sample(Side, At, Span, Width, Margin, Box).
 opening_sample(window(R,Side), _-Types, Walls, window(Box,R)) -->
-    { once(outer_wall(Walls, R, Side, At, A-B)), memberchk(R-Type, Types), length_of(window_margin, Margin),
+    { once(outer_wall(Walls, R, Side, At, A-B)), memberchk(R-Type, Types), outer_margin(window_margin, Margin),
       Most is B - A - 2*Margin,
       window_range(Type, A-B, Most, Low-High) },
     interval_sample(Low, High, 1, Length),

@@ -1,5 +1,5 @@
 :- module(plans, [answer_record/2, plan_placed/3, unit_extremes/3, unit_depths/1, plan_lengths/3, brief_lengths/3, plan_conflict/3,
-                  plan_system/2]).
+                  plan_system/2, wall_thicknesses/1]).
 
 /** <module> Plans where rooms share walls: the goals that Python asks
 
@@ -65,9 +65,9 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, +Openings, -Json) is det.
 %
-%   Json is [Doorway,Contact,Openings,Extremes]: the wall that a door takes with its margins, what rooms share at least that share
+%   Json is [Doorway,Contact,Openings,Extremes,Thickness]: the wall that a door takes with its margins, what rooms share at least that share
 %   a wall, [Type,Other,Wall,Clauses] of each of the Openings, opening(Type,Other): the wall that it takes, for these clauses; and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of the type.
-%   It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers.
+%   It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers. Thickness is that of inner walls.
 
 plan_lengths(Types, Openings, Json) :- lengths_as_json(type_extremes, Types, Openings, Json).
 
@@ -78,7 +78,16 @@ lengths_as_json(Extremes, Types, Openings, Json) :-
     maplist(Extremes, Types, Records),
     maplist(opening_record, Openings, Open),
     least_contact(Contact),
-    as_json([Doorway,Contact,Open,Records], Json).
+    length_of(inner_wall, Inner), metres(Inner, Thickness),
+    as_json([Doorway,Contact,Open,Records,Thickness], Json).
+
+%!  wall_thicknesses(-Json) is det.
+%
+%   Json is [Inner,Outer], how thick walls are, metres.
+
+wall_thicknesses(Json) :-
+    maplist(length_of, [inner_wall,outer_wall], Lengths), maplist(metres, Lengths, Thicknesses),
+    as_json(Thicknesses, Json).
 
 opening_record(opening(T,U), [T,U,Wall,Texts]) :-
     opening_wall(T, U, Least, Clauses), metres(Least, Wall), maplist(term_string, Clauses, Texts).

@@ -3,10 +3,13 @@
 /** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
 
 A topology says on which line each side of a room lies: edge(R,Side,Line). The unknowns are the places of these lines: x
-where they run from north to south, y where they run from west to east, and the plan's north-west corner is (0,0). All
+where they run from north to south, y where they run from west to east. All
 constraints are linear (areas.pl), each with the atoms and clauses that make it. A room is here
 
     room(R,Type,sides(X1,X2,Y1,Y2),edges(West,East,North,South))     with its edge/3 atoms
+
+A wall on a line reaches from there to the east or south, as thick as an inner wall; what an outer one has more lies outside. The sides
+are the faces of its walls, so a room begins at X1 = Line+Thickness. The first rooms begin at (0,0).
 
 Of a house of units, these are placed first, as rooms of the type `unit`, and then the rooms of each. What is Given says so:
 
@@ -78,9 +81,10 @@ of_brief(Atoms) :- memberchk(granted(_), Atoms).
 %   plan_boxes(+Atoms, +Lines, +Rooms, -Boxes): the rooms, the voids and the outline.
 
 plan_boxes(Atoms, Lines, Rooms, [room(outline,none,sides(West,East,North,South),none)|Boxes]) :-
-    maplist(outline_place(Lines), [west,east,north,south], [West,East,North,South]),
+    maplist(outline_place(Lines), [west,east,north,south], [West0,East,North0,South]),
+    thickness_of(Rooms, T), maplist(wall_face(T), [West0,North0], [West,North]),
     list_to_assoc(Lines, Places),
-    placed_voids(Atoms, Places, Free),
+    placed_voids(Atoms, Places, T, Free),
     append(Rooms, Free, Boxes).
 
 outline_place(Lines, Side, X) :- memberchk(outline(Side)-X, Lines).
@@ -122,20 +126,21 @@ wall_system(Atoms, Given, plan(Lines,All), System) :-
     findall(Line, member(edge(_,_,Line), Atoms), Names0), sort(Names0, Names),
     pairs_keys(Lines, Names),
     list_to_assoc(Lines, Places),
+    thickness(T, Thick),
     forall_given(Given, Places),
-    maplist(get_assoc_of(Places), [outline(west),outline(east),outline(north),outline(south)], [West,East,North,South]),
-    maplist(zero_unless_known, [West,North]),
-    findall(T-R, member(room(R,T), Atoms), Types), placed_rooms(Types, Atoms, Places, Rooms),
-    findall(unit-B, member(unit(B,_), Atoms), Units0), placed_rooms(Units0, Atoms, Places, Units),
+    maplist(get_assoc_of(Places), [outline(west),outline(east),outline(north),outline(south)], [West0,East,North0,South]),
+    maplist(first_unless_known, [West0,North0]), maplist(wall_face(T), [West0,North0], [West,North]),
+    findall(Type-R, member(room(R,Type), Atoms), Types), placed_rooms(Types, Atoms, Places, T, Rooms),
+    findall(unit-B, member(unit(B,_), Atoms), Units0), placed_rooms(Units0, Atoms, Places, T, Units),
     append(Rooms, Units, All),
     ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
-    placed_voids(Atoms, Places, Voids),
+    placed_voids(Atoms, Places, T, Voids),
     phrase(( all_rooms(Rooms, Atoms), all_voids(Voids, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms),
              all_same_sizes(Atoms, Rooms) ), Each),
     ( memberchk(bounded, Atoms) -> foldl(within(West-East, North-South), Rooms, Each, Within) ; Within = Each ),
     findall(court(L,M), member(court(L,M), Atoms), Courts),
     foldl(court_between(Places), Courts, Within, Inside),
-    append(Whole, Inside, Constraints),
+    append([Thick,Whole,Inside], Constraints),
     fewest_unknowns_first(Constraints, System).
 
 %   within(+Along, +Down, +Room, +Constraints, -More): the room lies between the lines of the outline.
@@ -145,28 +150,45 @@ within(West-East, North-South, room(_,_,sides(X1,X2,Y1,Y2),edges(W,E,N,S)), Cons
 
 %   court_between(+Places, +Court, +Constraints, -More): a narrower court is a slit.
 
-court_between(Places, court(L,M), Constraints, [(X+Least =< Y)-[court(L,M)]|Constraints]) :-
+court_between(Places, court(L,M), Constraints, [(X+Apart =< Y)-[court(L,M)]|Constraints]) :-
     get_assoc(L, Places, X), get_assoc(M, Places, Y), !,
-    in_unit(0.5, Least).
+    in_unit(0.5, Least), maplist(length_of, [inner_wall,outer_wall], [Inner,Outer]), Apart is Least + 2*Outer - Inner.
 court_between(_, _, Constraints, Constraints).
 
 forall_given([], _).
-forall_given([at(Line,X)|Given], Places) :- !, get_assoc(Line, Places, X), forall_given(Given, Places).
+forall_given([at(Line,Face)|Given], Places) :- !,
+    length_of(inner_wall, T),
+    ( T =\= 0, memberchk(Line, [outline(west),outline(north)]) -> X is Face - T ; X = Face ),
+    get_assoc(Line, Places, X), forall_given(Given, Places).
 forall_given([_|Given], Places) :- forall_given(Given, Places).
 
 get_assoc_of(Places, Line, X) :- get_assoc(Line, Places, X).
 
-zero_unless_known(X) :- ( var(X) -> X = 0.0 ; true ).
+first_unless_known(X) :- ( var(X) -> length_of(inner_wall, T), X is 0.0 - T ; true ).
 
-placed_rooms(Types, Atoms, Places, Rooms) :-
-    findall(r(R,T,[edge(R,west,W),edge(R,east,E),edge(R,north,N),edge(R,south,S)]),
-            ( member(T-R, Types),
+%   thickness(-T, -Constraints): of inner walls. It is an unknown, so that a conflict says whether it takes the thickness.
+
+thickness(T, Constraints) :-
+    length_of(inner_wall, Thick),
+    ( Thick =:= 0 -> T = 0, Constraints = [] ; Constraints = [(T = Thick)-[length(inner_wall)],(0 =< T)-[]] ).
+
+%   thickness_of(+Rooms, -T): the unknown.
+
+thickness_of([room(_,_,sides(X,_,_,_),_)|_], T) :- ( compound(X), X = _+T0 -> T = T0 ; T = 0 ).
+
+%   wall_face(+Thickness, +Line, -Face): the face to the east or south of a wall on this line.
+
+wall_face(T, X, Face) :- ( T == 0 -> Face = X ; Face = X+T ).
+
+placed_rooms(Types, Atoms, Places, T, Rooms) :-
+    findall(r(R,Type,[edge(R,west,W),edge(R,east,E),edge(R,north,N),edge(R,south,S)]),
+            ( member(Type-R, Types),
               memberchk(edge(R,west,W), Atoms), memberchk(edge(R,east,E), Atoms),
               memberchk(edge(R,north,N), Atoms), memberchk(edge(R,south,S), Atoms) ),
             Found),
-    maplist(room_sides(Places), Found, Rooms).
+    maplist(room_sides(Places, T), Found, Rooms).
 
-placed_voids(Atoms, Places, Voids) :- findall(void-V, member(void(V), Atoms), Free), placed_rooms(Free, Atoms, Places, Voids).
+placed_voids(Atoms, Places, T, Voids) :- findall(void-V, member(void(V), Atoms), Free), placed_rooms(Free, Atoms, Places, T, Voids).
 
 %   unit_sizes(+Given, +Atoms, +Units, -Constraints): the size of each unit, because of it and its place.
 
@@ -178,9 +200,10 @@ unit_sizes([size(B,Axis,Depth,Low,High)|Given], Atoms, Units, [(D = Depth)-Why,(
     Why = [unit(B,K),E1,E2,E3,E4],
     unit_sizes(Given, Atoms, Units, Constraints).
 
-room_sides(Places, r(R,T,Edges), room(R,T,Sides,AsTerm)) :-
-    maplist(line_place(Places), Edges, Xs),
-    Sides =.. [sides|Xs], AsTerm =.. [edges|Edges].
+room_sides(Places, T, r(R,Type,Edges), room(R,Type,sides(X1,X2,Y1,Y2),AsTerm)) :-
+    maplist(line_place(Places), Edges, [West,X2,North,Y2]),
+    maplist(wall_face(T), [West,North], [X1,Y1]),
+    AsTerm =.. [edges|Edges].
 
 line_place(Places, edge(_,_,Line), X) :- get_assoc(Line, Places, X).
 

@@ -49,7 +49,12 @@ solved_room(Boxes, room(R,_,sides(X1,X2,Y1,Y2),_)) :-
     maplist(solved, [West,East,North,South], [X1,X2,Y1,Y2]).
 
 % Rooms on a line agree on its place but for a rounding error.
-solved(Metres, Place) :- ( var(Place) -> rounded_up(Metres, Place) ; true ).
+solved(Metres, Place) :-
+    (   var(Place)
+    ->  rounded_up(Metres, Place)
+    ;   compound(Place), Place = Line+T
+    ->  length_of(inner_wall, T), ( var(Line) -> rounded_up(Metres, Face), Line is Face - T ; true )
+    ;   true ).
 
 %!  open_lengths(+Type, +Other, +Wall, -Json) is det.
 %
@@ -68,7 +73,7 @@ open_lengths(Type, Other, Metres, Json) :-
 %   the least and greatest length, and its "frame", the margin.
 
 opening_lengths(Type, Start, End, Json) :-
-    maplist(length_of, [door_width,door_margin,window_margin], [Width,Margin,Frame]),
+    maplist(length_of, [door_width,door_margin], [Width,Margin]), outer_margin(window_margin, Frame),
     maplist(rounded_up, [Start,End], [A,B]),
     Most is B - A - 2*Frame,
     window_range(Type, A-B, Most, Low-High),

@@ -88,7 +88,7 @@ class Cells:
         # Where they lie, as the house says it: what is computed from a corner would be rounded otherwise.
         self.lines = west + cell * np.arange(columns + 1), north + cell * np.arange(rows + 1)
         inside, self.filled = np.zeros((columns, rows), bool), np.zeros((columns, rows), bool)
-        for box in [shape.floor, *shape.rooms]:
+        for box in [shape.floor, *shape.rooms, *shape.doorways]:
             x, y, x_end, y_end = self._span(box)
             inside[x:x_end, y:y_end] = True
         for box, kind in zip(shape.pieces, kinds or [PIECE] * len(shape.pieces), strict=True):

@@ -18,6 +18,7 @@ from sim.adapters.minigrid import MiniGridHouseEnv, Tile, tile
 from sim.backends.grid.cells import Cells
 from tests.sim.backends import test_grid
 from tests.sim.backends.test_grid import CELL
+from tests.thick import thickened
 
 LEFT, RIGHT, FORWARD, PICK_UP, TOGGLE = 0, 1, 2, 3, 5
 """MiniGrid's actions, as its documentation numbers them."""
@@ -47,7 +48,8 @@ HOME = House(
     hub="R0",
     topology="ring",
 )
-HOUSES = [test_grid.replace_cell(house, CELL) for house in (*test_grid.HOUSES, HOME)]
+THICK = thickened(HOME, CELL, 2 * CELL)
+HOUSES = [test_grid.replace_cell(house, CELL) for house in (*test_grid.HOUSES, HOME, THICK)]
 EACH_HOUSE = pytest.mark.parametrize("number", range(len(HOUSES)))
 
 

@@ -1,0 +1,83 @@
+"""Walls with a thickness as boxes: what solids and maps are made of."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from logic.house.boxes import TOLERANCE, Box, overlap
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door, Rect, Window
+from logic.house.walls import doorway
+
+WALL_PARTS = ("", "wall", "door", "opening", "entrance", "window")
+"""What ``wall_parts`` tells apart."""
+
+
+def wall_parts(house: House) -> Iterator[tuple[str, Box]]:
+    """The walls of a house, where these have a thickness, as boxes that do not overlap (west, north, east,
+    south), metres: each with what it is, one of ``WALL_PARTS``.
+    """
+    assert house.wall_thickness
+    half, outer = house.half_wall, house.wall_thickness.outer
+    painted = [("wall", room.grown(outer).box) for room in house.rooms]
+    painted += [("wall", room.grown(half).box) for room in house.rooms]
+    rooms, tiles = {room.name: room for room in house.rooms}, house.tiles
+    for opening in (*house.doors, *house.windows):
+        kind, name = _kind(opening)
+        through = doorway(opening, half)
+        if name and not any(overlap(through, tile.box) > TOLERANCE for tile in tiles if tile.name != name):
+            through = _through(opening, rooms[name], half, outer)
+        painted.append((kind, through))
+    painted += [("", room.box) for room in house.rooms]
+    lines = [_lines(edge for _, box in painted for edge in box[axis::2]) for axis in (0, 1)]
+    cells = np.zeros([len(line) - 1 for line in lines], np.uint8)
+    for kind, box in painted:
+        (x0, x1), (y0, y1) = (
+            np.searchsorted(line, np.array(box[axis::2]) - TOLERANCE) for axis, line in enumerate(lines)
+        )
+        cells[x0:x1, y0:y1] = WALL_PARTS.index(kind)
+    for (x0, x1, y0, y1), code in _boxes(cells):
+        yield WALL_PARTS[code], (lines[0][x0], lines[1][y0], lines[0][x1], lines[1][y1])
+
+
+def _kind(opening: Door | Window) -> tuple[str, str]:
+    """What an opening is, and the room that it leads outside of, if it does."""
+    if not isinstance(opening, Door):
+        return "window", opening.room
+    if opening.is_entrance:
+        return "entrance", next(name for name in opening.between if name != OUTSIDE)
+    return "opening" if opening.opening else "door", ""
+
+
+def _through(opening: Rect, room: Rect, half: float, outer: float) -> Box:
+    """All of a window or an entrance of a room within its outer wall."""
+    axis = int(not opening.height)
+    box, at = [*opening.box], opening.box[axis]
+    if at < room.box[axis] + (room.box[axis + 2] - room.box[axis]) / 2:
+        box[axis], box[axis + 2] = at + half - outer, at + half
+    else:
+        box[axis], box[axis + 2] = at - half, at - half + outer
+    return box[0], box[1], box[2], box[3]
+
+
+def _lines(edges: Iterable[float]) -> list[float]:
+    """Edges in order, those that are one within the tolerance once."""
+    found: list[float] = []
+    for edge in sorted(edges):
+        if not found or edge - found[-1] > TOLERANCE:
+            found.append(float(edge))
+    return found
+
+
+def _boxes(cells: np.ndarray) -> Iterator[tuple[tuple[int, int, int, int], int]]:
+    """Boxes of cells (X, Y) that are alike and not 0: from, to, from, to, and what they are."""
+    left = cells.copy()
+    for x, y in np.argwhere(cells):
+        if code := left[x, y]:
+            run = left[x:, y] == code
+            end = x + int(np.argmin(run)) if not run.all() else len(left)
+            low = y + 1
+            while low < left.shape[1] and (left[x:end, low] == code).all():
+                low += 1
+            left[x:end, y:low] = 0
+            yield (int(x), int(end), int(y), int(low)), int(code)
