@@ -55,6 +55,8 @@ _sources: dict[CodeType, tuple[list[str], int]] = {}
 
 def _source(function: Any) -> tuple[list[str], int]:
     """A function's lines, and the number of the first one."""
+    if "__source__" in vars(function):
+        return vars(function)["__source__"]
     if function.__code__ not in _sources:
         _sources[function.__code__] = inspect.getsourcelines(function)
     return _sources[function.__code__]
@@ -82,7 +84,8 @@ def kernel(function: Callable[..., None]) -> Any:
         definition.args.args = [ast.arg(name) for name in arguments]
         made = [f"{name} = ti.static({each.__name__}{each._fields})" for name, each in records.items()]
         definition.body[:0] = ast.parse("\n".join(made).replace("'", "")).body
-        _sources[function.__code__] = ast.unparse(tree).splitlines(keepends=True), first
+        # The function's own: the same code may have other records where a function defines it twice.
+        vars(function)["__source__"] = ast.unparse(tree).splitlines(keepends=True), first
         named = inspect.Parameter.POSITIONAL_OR_KEYWORD
         parameters = [inspect.Parameter(name, named, annotation=each) for name, each in arguments.items()]
         vars(function)["__signature__"] = inspect.Signature(parameters)

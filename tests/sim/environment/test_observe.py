@@ -83,6 +83,13 @@ def test_rays_and_all_else_are_what_they_are_without_the_other_parts():
     assert flat.single_observation_space.shape == (80 + sum(EXTRAS.values()),)
 
 
+def test_kinds_of_environments_are_made_in_any_order():
+    """Kernels are compiled when they first run: one with more arrays is no other one's."""
+    rays = replace(DEFAULT, range=5.0)
+    many = [made(replace(rays, observe=each)) for each in (("rays",), ("rays", "bump"), ("goal",))]
+    assert [type(envs.reset(seed=1)[0]) for envs in many] == [np.ndarray, dict, dict]
+
+
 def test_drift_adds_up_and_blocked_moves_do_not_count():
     envs = made(replace(ALL, drift=0.1))
     true = made()
