@@ -50,7 +50,11 @@ NOT_YET = -2
 """In place of the distance to a target that is new."""
 
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
-Fours = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
+FIELD = 6
+"""Numbers of an environment's field: where its tiles begin, first i and j, tiles in a column; then the tile
+where the body was last and what it is, so that most looks read one number.
+"""
+Fields = ti.types.ndarray(ti.types.vector(FIELD, ti.i32), 1)
 Steps = ti.types.ndarray(ti.i16, 1)
 Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
@@ -84,13 +88,13 @@ class WorldArrays(NamedTuple):
     pushes: Bytes
     reals: Reals
     wholes: Wholes
-    fields: Fours
+    fields: Fields
     tiles: Ints
     profiles: Steps
     distance: Ints
     pending: Ints
     slots: Ints
-    known: Fours
+    known: Fields
     odometer: Reals
     extras: Floats
     final_extras: Floats
@@ -220,16 +224,36 @@ class Episodes:
     def distance(self, world: ti.template(), e, state):
         """The fewest actions to the target, -1 where no path leads there: ``sim.world.geodesic``."""
         field = world.fields[e]
-        i, j = state.cell[0] - field[1], state.cell[1] - field[2]
-        found, bits = -1, ti.static(TILE_BITS)
+        found, at = -1, self.tile(field, state.cell)
         if field[0] >= 0:
-            tile = world.tiles[field[0] + (i >> bits) * field[3] + (j >> bits)]
-            number, last = tile & ti.static((1 << PROFILE_BITS) - 1), ti.static(TILE - 1)
-            place = ((number << bits) + (i & last) << bits) + (j & last)
-            further = ti.cast(world.profiles[8 * place + state.cell[2]], ti.i32)
+            entry = field[5]
+            if field[4] != at:
+                entry = world.tiles[at]
+                world.fields[e][4], world.fields[e][5] = at, entry
+            further = ti.cast(world.profiles[self.pose(field, entry, state.cell)], ti.i32)
             if further >= 0:
-                found = (tile >> ti.static(PROFILE_BITS) & ti.static(MOST_DISTANCE)) + further
+                found = (entry >> ti.static(PROFILE_BITS) & ti.static(MOST_DISTANCE)) + further
         return found
+
+    @ti.func
+    def tile(self, field, cell):
+        """Where the tile of a cell is."""
+        bits = ti.static(TILE_BITS)
+        return field[0] + ((cell[0] - field[1]) >> bits) * field[3] + ((cell[1] - field[2]) >> bits)
+
+    @ti.func
+    def pose(self, field, entry, cell):
+        """Where the pose of a cell is among profiles, in its tile's."""
+        bits, last = ti.static(TILE_BITS), ti.static(TILE - 1)
+        i, j = (cell[0] - field[1]) & last, (cell[1] - field[2]) & last
+        number = entry & ti.static((1 << PROFILE_BITS) - 1)
+        return 8 * ((((number << bits) + i) << bits) + j) + cell[2]
+
+    @ti.func
+    def touch(self, world: ti.template(), e, state):
+        """Read what ``distance`` reads next, most often; any number."""
+        field = world.fields[e]
+        return ti.cast(world.profiles[self.pose(field, field[5], state.cell)], ti.i32)
 
     @ti.func
     def aim(self, world: ti.template(), e, state):
@@ -238,7 +262,7 @@ class Episodes:
         if ti.static(self.knows_distance):
             corner, step = self.point(world, 1 + HEADER * state.house), ti.static(self.config.step)
             place = ti.cast(ti.round((state.target - corner) / step), ti.i32)
-            slot, field = -1, ti.Vector([-1, 0, 0, 0])
+            slot, field = -1, ti.Vector([-1, 0, 0, 0, -1, 0])
             whole = corner + ti.cast(place, ti.f32) * step == state.target
             if whole.all() and (state.origin == corner).all():
                 at = world.slots[2 * state.house] + place[0] * world.slots[2 * state.house + 1] + place[1]

@@ -6,7 +6,8 @@ first has that target, by a search backwards from all poses that pick it up, and
 tiles of 8 x 8 places: each is its least distance and the number of a profile, which is what its poses are
 further than that. Profiles repeat, in a field and among fields: a distance is two numbers looked up.
 
-    fields    for each environment: where the tiles of its field begin, first i and j, tiles in a column
+    fields    for each environment: where the tiles of its field begin, first i and j, tiles in a column, and
+              the tile where the body was last
     tiles     fields, one after the other; least distance << 20 | number of a profile
     profiles  512 numbers each, by column, row and heading; -1 where no path leads from
     distance  for each environment, in actions; -1 where no path leads to its target
@@ -25,6 +26,7 @@ import numpy as np
 from sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
 from sim.tasks.survey import DIAGONAL, STRAIGHT, survey
 from sim.world.episodes import (
+    FIELD,
     HOUSE,
     MOST_DISTANCE,
     NOT_YET,
@@ -62,14 +64,14 @@ def distance_arrays(num_envs: int, asked: bool) -> dict[str, Array]:
     """A world's arrays of distances; where nobody asks for them, arrays that nothing reads."""
     count = num_envs if asked else 1
     return {
-        "fields": Array(ti.i32, count, 4),
+        "fields": Array(ti.i32, count, FIELD),
         "tiles": Array(ti.i32, 1 << 16 if asked else 1),
         "profiles": Array(ti.i16, PROFILE << 10 if asked else 1),
         "distance": Array(ti.i32, count),
         "last_distance": Array(ti.i32, count),
         "pending": Array(ti.i32, 1),
         "slots": Array(ti.i32, 1),
-        "known": Array(ti.i32, 1024 if asked else 1, 4),
+        "known": Array(ti.i32, 1024 if asked else 1, FIELD),
     }
 
 
@@ -187,7 +189,7 @@ class Distances:
         entries = (least.astype(np.uint32) << PROFILE_BITS | numbers.astype(np.uint32)).view(np.int32)
         for s, (key, row) in enumerate(zip(keys, rows.tolist(), strict=False)):
             columns, height = row[0] // TILE, row[1] // TILE
-            self._take(key, (self._used, row[2], row[3], height))
+            self._take(key, (self._used, row[2], row[3], height, -1, 0))
             self._write("tiles", self._used, entries[s, : columns * height])
             self._used += columns * height
 

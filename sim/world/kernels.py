@@ -133,7 +133,7 @@ def kernels(
                 )
                 if ti.static(episodes.knows_distance):
                     at = ti.min(e + 1, world.reals.shape[0] - 1)
-                    prefetched[e] &= episodes.distance(world, at, after)
+                    prefetched[e] &= episodes.touch(world, at, after)
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(world, e, state, SAMPLE)
