@@ -9,8 +9,10 @@ from weakref import ref
 
 import msgspec
 import pytest
+from scipy.cluster.hierarchy import DisjointSet
 
 import logic
+from benchmarks.briefs.bank import frozen
 from benchmarks.generator.verdicts import brief_systems, until_refuted, verdicts
 from logic import House, RequestError, Unsatisfiable
 from logic.checking.check import violations
@@ -296,3 +298,20 @@ def test_no_layout_of_a_brief_is_refuted_falsely() -> None:
     systems = until_refuted(brief_systems(in_process._builder(find("plain"), 0.0), (5,)), 8)
     found = verdicts(systems)
     assert set(found) == {(False, False, False), (True, True, True)}
+
+
+def test_a_brief_alone_gets_the_doors_that_it_asks_for_and_one_into_each_group_of_rooms() -> None:
+    """In a frozen brief all rooms are joined; of ours some doors are left out, so that there are groups."""
+    (entry,) = (each for each in frozen() if each.name == "home-12-05")
+    fewer = {**entry.brief, "doors": entry.brief["doors"][2:-3]}
+    for brief in (entry.brief, fewer):
+        asked = [*map(frozenset, brief["doors"])]
+        groups = DisjointSet(room["name"] for room in brief["rooms"])
+        for one, other in asked:
+            groups.merge(one, other)
+        for house in generate(brief=brief, grammar=None, count=2):
+            doors = [frozenset(door.between) for door in house.doors if not door.is_entrance]
+            others = [door for door in doors if door not in asked]
+            assert {*asked} <= {*doors}
+            assert len(others) == groups.n_subsets - 1
+            assert not any(groups.connected(*door) for door in others)
