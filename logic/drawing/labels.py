@@ -102,7 +102,7 @@ def abbreviations(types: Iterable[str]) -> dict[str, str]:
 
 def title(house: House, width: float) -> str:
     """Where the house comes from and how large it is; the first words go where there is no room."""
-    area = sum(room.area for room in house.rooms)
+    area = sum(room.area for room in house.rooms if room.type not in house.outdoor)
     parts = [numbered(len(house.counted), "room")]
     parts = ["original", *parts] if house.topology == ORIGINAL else [*parts, f"{area:.0f} m²"]
     if house.provenance is not None:

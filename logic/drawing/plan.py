@@ -84,11 +84,9 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.tiles]
     if main := house.main_room:
         shapes.append(Part(main.name, (Block(frame.box(main), inks.paper),)))
-    made = house.provenance
-    outdoor = made.promises.outdoor if made and made.promises else ()
     for room in house.counted:
         fill = style.fill(house.whole(room).type)
-        if room.type in outdoor:  # Boards, and no colour: there is no roof.
+        if room.type in house.outdoor:  # Boards, and no colour: there is no roof.
             fill = structs.replace(fill, colour=inks.paper, hatch="|")
         shapes.append(Part(room.name, tuple(floor(frame.box(room), fill, inks))))
     for room in house.counted:

@@ -98,6 +98,12 @@ class House(msgspec.Struct, frozen=True):
         main = self.main_room
         return tuple(room for room in self.rooms if room is not main)
 
+    @property
+    def outdoor(self) -> tuple[str, ...]:
+        """The types of rooms that are outside, by what the house promises."""
+        made = self.provenance
+        return made.promises.outdoor if made and made.promises else ()
+
     def cut_from(self, room: Room) -> tuple[Room, ...]:
         """The rooms that are cut out of a room's rectangle: of a star's main room all others."""
         return self.counted if room is self.main_room else ()

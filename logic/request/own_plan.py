@@ -67,14 +67,13 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
         names = [room.name for room in self.rooms]
         between = opening.between if isinstance(opening, Door) else (opening.room, OUTSIDE)
         room, behind = sorted((names.index(name) if name != OUTSIDE else None for name in between), key=str)
-        for wall in self.walls:
-            k = WALLS.index(wall.side) % 2
-            start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
-            along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE
-            on = abs(place - wall.place) + abs(opening.box[k + 2] - wall.place) <= TOLERANCE
-            if (wall.room, wall.behind) == (room, behind) and along and on:
-                return wall
-        return None
+        walls = (wall for wall in self.walls if (wall.room, wall.behind) == (room, behind))
+        return next((wall for wall in walls if _holds(wall, opening)), None)
+
+    def wall_around(self, window: Window) -> Wall | None:
+        """The same, whatever is behind the wall: a window may be towards a room that is outside."""
+        walls = (wall for wall in self.walls if self.rooms[wall.room].name == window.room)
+        return next((wall for wall in walls if _holds(wall, window)), None)
 
     def _side(self, number: int, side: str) -> Iterator[Wall]:
         k = WALLS.index(side)
@@ -104,3 +103,11 @@ def _numbers(values: Iterable[float]) -> dict[float, int]:
 
 def _common(one: Box, other: Box, axis: int) -> tuple[float, float]:
     return max(one[axis], other[axis]), min(one[axis + 2], other[axis + 2])
+
+
+def _holds(wall: Wall, opening: Door | Window) -> bool:
+    """Whether all of an opening lies in a wall."""
+    k = WALLS.index(wall.side) % 2
+    start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
+    along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE
+    return along and abs(place - wall.place) + abs(opening.box[k + 2] - wall.place) <= TOLERANCE

@@ -190,7 +190,7 @@ class PlanWitness(Witness):
     def _wall(self, opening: Door | Window) -> Wall:
         """The part of a wall that a door or window may lie in."""
         plan = OwnPlan(self._house.tiles)
-        wall = plan.wall_of(opening)
+        wall = plan.wall_of(opening) if isinstance(opening, Door) else plan.wall_around(opening)
         assert wall is not None
         start, end = inner_span(plan, wall, self._house.wall_thickness)
         return dataclasses.replace(wall, start=start, end=end)

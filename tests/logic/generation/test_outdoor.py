@@ -15,6 +15,7 @@ from logic.house.house import House
 from logic.house.parts import Room, Window
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
+from logic.why.shared_walls import PlanWitness
 from tests.logic.request.test_given_plan import Box, geojson
 
 INFERENCES = 10**8
@@ -174,3 +175,15 @@ def test_a_body_finds_targets_on_a_patio_and_its_boards_are_drawn(tmp_path: Path
         assert north <= y <= south
     boarded, plain = plan_svg(house), plan_svg(structs.replace(house, provenance=None))
     assert len(boarded) > len(plain) + 200
+    inside = sum(room.area for room in house.rooms if room.type != "patio")
+    assert f"{inside:.0f} m²" in boarded
+    assert f"{inside:.0f} m²" not in plain
+
+
+def test_why_a_window_is_towards_a_patio_is_derived(tmp_path: Path) -> None:
+    builder = Builder(find(grammar(tmp_path / "mine", PATIO + ":- room(R,den), not toward(R,_,_).\n")))
+    house = builder.house(Request(3), 0, 0, INFERENCES)
+    den = of_type(house, "den")
+    why = str(PlanWitness(builder, house, INFERENCES).why(f"{den.name}.window"))
+    assert "toward(" in why
+    assert "outdoor(patio)" in why
