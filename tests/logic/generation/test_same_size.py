@@ -98,3 +98,29 @@ def test_a_plan_with_two_sizes_is_refuted_and_the_nearest_with_one_has_its_house
     assert check(house) == []
     (one, deep), (two, as_deep) = sizes(house, "cell")
     assert (one, deep) == pytest.approx((two, as_deep), abs=1e-6)
+
+
+@pytest.mark.usefixtures("hotel")
+def test_both_sides_of_a_hotel_are_mirror_images_by_same_size_and_rules(tmp_path: Path) -> None:
+    rule = """
+#program house.
+:- in_row(R,north,K), in_row(Q,south,K), room(R,T), not room(Q,T).
+:- in_row(R,north,K), not in_row(_,south,K).
+:- in_row(R,south,K), not in_row(_,north,K).
+:- niche(_).
+"""
+    folder = tmp_path / "hotel"
+    (folder / "more.lp").write_text("same_size(guest; bath).\n" + rule)
+    builder = Builder(find(folder))
+    for rooms in (9, 13):
+        house = builder.house(Request(rooms), 0, 0, INFERENCES)
+        assert check(house) == []
+        (corridor,) = [room for room in house.rooms if room.type == "corridor"]
+        middle = 2 * corridor.y + corridor.height
+        for room in house.rooms:
+            mirrored = (room.x, middle - room.y - room.height, room.width, room.height)
+            assert any(
+                other.type == room.type
+                and (other.x, other.y, other.width, other.height) == pytest.approx(mirrored, abs=1e-6)
+                for other in house.rooms
+            )

@@ -17,7 +17,7 @@ from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, TOPOLOGIES, find
 from logic.house.boxes import BACK, TOLERANCE, WALLS, is_on_wall, walls_touched
 from logic.house.house import House
-from logic.house.parts import Piece
+from logic.house.parts import Piece, Room
 from logic.house.star import StarRoom
 from logic.language.linter import all_warnings, errors
 from logic.language.loaded import LoadedGrammar
@@ -253,6 +253,22 @@ def proportions(room: StarRoom) -> bool:
 @claim(rooms("cell", "chapel"))
 def square_rooms(room: StarRoom) -> bool:
     return abs(room.width - room.height) < TOLERANCE
+
+
+@claim(pieces("bureau"))
+def chair_at_a_desk(bureau: Standing) -> bool:
+    """At the middle of its front, and touching it."""
+    (chair,) = bureau.piece.children
+    front = (BACK[bureau.piece.orientation] + 2) % 4
+    across = 1 - front % 2
+    middles = [(each.box[across] + each.box[across + 2]) / 2 for each in (bureau.piece, chair)]
+    touching = abs(chair.box[(front + 2) % 4] - bureau.piece.box[front]) < TOLERANCE
+    return chair.type == "chair" and touching and abs(middles[0] - middles[1]) < TOLERANCE
+
+
+@claim(lambda houses: [room for house in houses for room in house.rooms if room.type.startswith("office")])
+def desks_by_area(room: Room) -> bool:
+    return sum(piece.type == "desk" for piece in room.children) == room.area // 6
 
 
 @claim(list)
