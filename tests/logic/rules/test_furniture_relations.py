@@ -108,8 +108,9 @@ def test_pieces_stand_at_the_walls_that_rules_say_in_their_order(rooms: list[See
         for place, some in placed.items():
             wall = seen.at(place)
             k = 1 - seen.wall(wall) % 2
-            # From the front on the left and right wall; else from the left.
-            near = seen.wall("front" if wall in ("left", "right") else "left")
+            # From the corner beside a door; else from the front on the left and right wall, or from the left.
+            _, parted, corner = place.partition("_")
+            near = seen.wall(corner if parted else "front" if wall in ("left", "right") else "left")
             starts = [piece.box[k] for _, piece in sorted(some, key=lambda each: each[0])]
             assert starts == sorted(starts, reverse=near >= 2)
     assert count > 25
