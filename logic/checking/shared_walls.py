@@ -148,7 +148,10 @@ def plan_parts(house: House, promises: Promises) -> Iterator[Fault]:
         if whole is None:
             continue
         joints = [door for door in house.doors if {*door.between} == {room.name, whole.name}]
-        shared, length = _wall(room.box, whole.box), sum(door.length for door in joints if door.opening)
+        shared, length = (
+            _wall(room.box, whole.box, 2 * house.half_wall),
+            sum(door.length for door in joints if door.opening),
+        )
         if abs(length - shared) > TOLERANCE or not joints:
             said = f"of {figure(shared, length, digits=3)} m of wall {number(length)} are open (must be all)"
             yield Fault(f"{named(room)}: is a part of {whole.name}, and {said}", (room.name, whole.name))
@@ -285,10 +288,10 @@ def _shared(segment: Box, box: Box) -> float:
     return along if across >= -TOLERANCE else across
 
 
-def _wall(one: Box, other: Box) -> float:
-    """How much wall two rooms side by side share, metres; 0 where they do not."""
+def _wall(one: Box, other: Box, thickness: float) -> float:
+    """How much wall so thick two rooms side by side share, metres; 0 where they do not."""
     spans = [min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in (0, 1)]
-    return max(*spans, 0.0) if abs(min(spans)) <= TOLERANCE else 0.0
+    return max(*spans, 0.0) if abs(min(spans) + thickness) <= TOLERANCE else 0.0
 
 
 def _along(opening: Rect) -> int:

@@ -187,3 +187,16 @@ def test_a_proof_names_the_area_that_rooms_are_too_small_for(tmp_path: Path) -> 
         house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
     assert all(each in reasons for each in ("whole_area(hall", "room_size(hall", "room_size(bay"))
+
+
+def test_walls_with_a_thickness_leave_them_open_and_their_insides_of_that_area(
+    builder: Builder, tmp_path: Path
+) -> None:
+    shutil.copytree(builder.grammar.directory, tmp_path / "thick")
+    (tmp_path / "thick" / "walls.pl").write_text("wall_thickness(inner, 0.1).  wall_thickness(outer, 0.3).\n")
+    house = Builder(find(tmp_path / "thick")).house(Request(7), 0, 0, INFERENCES)
+    assert check(house) == []
+    for part, whole in bays(house):
+        assert shapely.distance(shapely.box(*part.box), shapely.box(*whole.box)) == pytest.approx(0.1)
+        area = sum(room.area for room in house.rooms if whole.name in (room.name, room.part_of))
+        assert 24.0 - 1e-6 <= area <= 24.6 + 1e-6
