@@ -50,7 +50,7 @@ LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
 
 IN_PROLOG = {
     **dict.fromkeys((*LENGTHS, "door_margin", "window_margin", "unit_depth"), 1),
-    **dict.fromkeys(("house_size", "house_area", "turning"), 2),
+    **dict.fromkeys(("house_size", "house_area", "turning", "wall_thickness"), 2),
     **dict.fromkeys(("room_size", "room_area", "whole_area", "window_size"), 3),
     **dict.fromkeys(("piece_size", "opening_size"), 4),
 }

@@ -28,6 +28,10 @@ def on_grid(promises: Promises, cell: float) -> Promises:
     def down(length: float) -> float:
         return math.floor(length / cell + TOLERANCE) * cell
 
+    doors = {
+        one: {other: up(width) for other, width in widths.items()}
+        for one, widths in promises.door_widths.items()
+    }
     door = None if promises.door_width is None else up(promises.door_width)
     gap = None if promises.room_gap is None else up(promises.room_gap)
     rooms, pieces = (
@@ -42,7 +46,13 @@ def on_grid(promises: Promises, cell: float) -> Promises:
     # A side is rounded by itself, so a share of the room's and an area are not kept to.
     rounded = {"room_size": rooms, "piece_size": pieces, "shares": {}, "tops": {}}
     return msgspec.structs.replace(
-        promises, door_width=door, wall_thickness=thick, door_clearance=clearance, room_gap=gap, **rounded
+        promises,
+        door_width=door,
+        door_widths=doors,
+        wall_thickness=thick,
+        door_clearance=clearance,
+        room_gap=gap,
+        **rounded,
     )
 
 

@@ -102,11 +102,13 @@ def _floor(house: House) -> Any:
 
 def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
-    least = PASSAGE if promises.door_width is None else promises.door_width
     rooms = {room.name: room for room in house.tiles}
     for door in house.doors:
         name, names = _between(house, door), _joined(door)
         joined = [rooms[each] for each in names]
+        one, other = (rooms[each].type if each in rooms else OUTSIDE for each in door.between)
+        least = promises.least_door(one, other)
+        least = PASSAGE if least is None else least
         if door.length < least - TOLERANCE:
             width = figure(door.length, least, digits=3)
             yield Fault(f"{name}: is {width} m wide (at least {number(least)})", names)
@@ -114,7 +116,6 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             yield from _not_outer(house, door, joined[0], f"{name}:")
         elif not _is_shared(door, *joined):
             yield Fault(f"{name}: is not on a wall that they share", names)
-        one, other = (rooms[each].type if each in rooms else OUTSIDE for each in door.between)
         if promises.opens and not (
             other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
         ):

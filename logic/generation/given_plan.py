@@ -25,6 +25,7 @@ from logic.layout.programs import Programs
 from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
 from logic.placement.given_plan import inner_span, openings, plan_faults
+from logic.placement.lengths import metres as lengths_of
 from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
 from logic.request.own_plan import OwnPlan
 from logic.request.request import Request
@@ -43,6 +44,9 @@ class GivenPlanMaker(SharedWallsMaker):
         if loaded.has_area and loaded.outdoor:
             raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
         self.plan = plan
+        if lengths_of(loaded.placer, loaded.furniture)["doors"]:
+            why = "states door_width/3, widths by the types of both rooms: no plan of your own has them yet"
+            raise RequestError(f"plan: the grammar {grammar.name} {why}: leave these clauses out")
         rules = grammar.for_own_plan()
         facts: HouseFacts = [*_meetings(plan), *self._faults(plan, loaded)]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))

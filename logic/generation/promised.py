@@ -28,6 +28,7 @@ def promised(
     companions = [*_atoms(program, "beside", 4), *_atoms(program, "around", 4)]
     return Promises(
         door_width=lengths["door_width"],
+        door_widths=_widths(metres["doors"]),
         door_clearance=lengths["door_clearance"],
         # Furniture stands a clearance away from a door, though a passage be wider.
         passage=min(lengths["passage"], lengths["door_clearance"]),
@@ -65,6 +66,14 @@ def labelled(promises: Promises, labels: Iterable[str]) -> Promises:
     empty = (*promises.empty, *sorted(labels))
     counts = promises.counts | {label: {} for label in sorted(labels)}
     return msgspec.structs.replace(promises, opens={}, empty=tuple(dict.fromkeys(empty)), counts=counts)
+
+
+def _widths(doors: Iterable[tuple[str, str, float]]) -> dict[str, dict[str, float]]:
+    """The widths of doors by the types of both ends."""
+    found: dict[str, dict[str, float]] = {}
+    for one, other, width in doors:
+        found.setdefault(one, {})[other] = float(width)
+    return found
 
 
 def _atoms(program: Program, name: str, arity: int) -> list[tuple[Any, ...]]:

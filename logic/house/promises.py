@@ -38,6 +38,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Metres: the width of a star's every door (None where it need only be the same throughout a house), the
     least width of others.
     """
+    door_widths: dict[str, dict[str, Metres]] = {}
+    """For room types, and those of the other room or ``outside``: the width of doors, metres."""
     door_clearance: Metres = CLEARANCE
     """Metres: nothing stands nearer to a door."""
     passage: Metres = PASSAGE
@@ -123,6 +125,11 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
             return True
         tops = self.counts[room]
         return piece in tops or any(piece in self.companions.get(top, {}) for top in tops)
+
+    def least_door(self, one: str, other: str) -> float | None:
+        """The least width of a door between rooms of these types, metres."""
+        by_pair = self.door_widths.get(one, {}).get(other), self.door_widths.get(other, {}).get(one)
+        return next((width for width in by_pair if width is not None), self.door_width)
 
     def are_open(self, one: str, other: str) -> bool:
         """Whether a door between rooms of these types may be without a leaf."""

@@ -201,6 +201,7 @@ def wall_facts(
     openings: Iterable[tuple[str, str, float, Sequence[str]]],
     extremes: Iterable[Sequence[Any]],
     thickness: float,
+    doors: Iterable[str],
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``differences.lp``), each fact with the clauses it comes from.
 
@@ -218,7 +219,7 @@ def wall_facts(
         thick = [Number(bound(round(1000 * thickness, 6))) for bound in (floor, ceil)]
         inner = Function("length", [Function("inner_wall")])
         facts.append((Function("inner_wall", thick), (inner,)))
-    only = [Function("house_size")]
+    only = [Function("house_size"), *map(parse_term, doors)]
     for type_, reach, uppers, lowers in extremes:
         kind = Function(type_)
         clauses = Function("size", [kind]), Function("room_area", [kind])

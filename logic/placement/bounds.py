@@ -63,6 +63,6 @@ def open_lengths(placer: Placer, types: tuple[str, str], wall: float) -> tuple[f
     return least, greatest, clauses
 
 
-def opening_lengths(placer: Placer, type_: str, start: float, end: float) -> dict[str, Any]:
-    """Lengths (m) of a door, and of a window of a room of this type, in a wall: ``plan_bounds.pl``."""
-    return placer.ask("opening_lengths", type_, float(start), float(end))
+def opening_lengths(placer: Placer, type_: str, other: str, start: float, end: float) -> dict[str, Any]:
+    """Lengths (m) of a door between rooms of these types, and of a window of the first: ``plan_bounds``."""
+    return placer.ask("opening_lengths", type_, other, float(start), float(end))

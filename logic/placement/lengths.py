@@ -71,8 +71,8 @@ def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
 
 def wall_lengths(placer: Placer, types: Iterable[str], openings: Iterable[Term]) -> list[Any]:
     """How much wall a door takes, how much rooms share that share one, how much wall each of the openings
-    (terms ``opening(Type,Other)``) takes by which clauses, the extremes of each room type's size, and how
-    thick inner walls are, metres: ``plans.pl``.
+    (terms ``opening(Type,Other)``) takes by which clauses, the extremes of each room type's size, how thick
+    inner walls are, metres, and the clauses of widths of doors: ``plans.pl``.
     """
     return placer.ask("plan_lengths", types, openings)
 

@@ -48,6 +48,7 @@ disagreement(topology(shared,Units,_), Types, Wrong) :-
     ;   member(room(Type,Lit), Types), window_wrong(Type, Lit, Wrong)
     ;   stated(house_size(_,_)), house_wrong(Types, Wrong)
     ;   stated(unit_depth(_)), unit_wrong(Units, Types, Wrong)
+    ;   stated(door_width(_,_,_)), once(pair_wrong(Units, Types, Wrong))
     ;   stated(wall_thickness(_,_)), once(thickness_wrong(Types, Wrong)) ).
 
 stated(Head) :- \+ \+ clause(grammar:Head, _).
@@ -142,6 +143,27 @@ window_found(Type, Short-Long, Found) :-
     sizes_found(window_size(Type,Length,Wall), [Length], [Wall], Found).
 
 window_fits(Type, Margin, Long) :- \+ \+ ( grammar:window_size(Type, Length, Wall), {Wall =< Long, Length + 2*Margin =< Wall} ).
+
+% - doors by the types of both ends ---------------------------------------------------------------------------------
+
+%   pair_wrong(+Units, +Types, -Wrong): of a type that there is not, no width, stated twice, or wider than the walls of such rooms.
+
+pair_wrong(true, _, Wrong) :- clash(door_width(_,_,_), "units have no doors of other widths: state door_width/1 alone", [], Wrong).
+pair_wrong(false, Types, Wrong) :-
+    findall(A/B/W, ( clause(grammar:door_width(A,B,W0), Body), ( Body == true -> W = W0 ; W = none ) ), Pairs),
+    nth0(Number, Pairs, A/B/W),
+    (   member(End, [A,B]), \+ ( End == outside ; member(room(Type,_), Types), Type == End )
+    ->  ( var(End) -> Said = "a pair is of two names of types"-[] ; Said = "no room is of type ~w"-[End] )
+    ;   A-B == outside-outside
+    ->  Said = "a door leads from a room"-[]
+    ;   \+ ( number(W), W > 0 )
+    ->  Said = "is not a number of metres more than 0"-[]
+    ;   nth0(Other, Pairs, C/D/_), Other < Number, memberchk(C-D, [A-B,B-A])
+    ->  Said = "such doors have a width already: state one"-[]
+    ;   stated_length(door_margin, Margin), number(Margin), Door is W + 2*Margin,
+        member(End, [A,B]), End \== outside, longest_wall(shared, End, Long), Long < Door - 1.0e-9,
+        Said = "it takes ~w m of a wall with its margins, and ~w allows ~w m at most"-[metres(Door),clause(room_size(End,_,_)),metres(Long)] ), !,
+    clash_at(Number, door_width(_,_,_), Said, Wrong).
 
 % - walls -------------------------------------------------------------------------------------------------------
 

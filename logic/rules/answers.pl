@@ -32,5 +32,5 @@ answer_within(Limit, Goal, Answer, Recorded, Json) :-
 
 reason_record(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
 reason_record(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
-reason_record(Clause, [clause,Text])       :- functor(Clause, Name, _), memberchk(Name, [size,room_area,whole_area,house_size,house_area,window_size,opening_size,turning]), !, term_string(Clause, Text).
+reason_record(Clause, [clause,Text])       :- functor(Clause, Name, _), memberchk(Name, [size,room_area,whole_area,house_size,house_area,window_size,opening_size,door_width,turning]), !, term_string(Clause, Text).
 reason_record(Atom, [holds,Text])          :- term_string(Atom, Text).

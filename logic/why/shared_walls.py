@@ -155,7 +155,10 @@ class PlanWitness(Witness):
         """How long a door or window could be in its wall, and where it could begin at its length."""
         wall = self._wall(opening)
         type_ = self._house.rooms[wall.room].type
-        found = opening_lengths(self._builder.placer, type_, wall.start, wall.end)
+        ends = opening.between if isinstance(opening, Door) else (OUTSIDE,)
+        names = [name for name in ends if name != self._house.rooms[wall.room].name]
+        other = OUTSIDE if names[0] == OUTSIDE else self._house.room(names[0]).type
+        found = opening_lengths(self._builder.placer, type_, other, wall.start, wall.end)
         axis = "y" if wall.side in ("west", "east") else "x"
         place = Reason(f"a wall from {axis} {wall.start:.3f} to {wall.end:.3f} m")
         if isinstance(opening, Door) and opening.opening:
@@ -173,7 +176,7 @@ class PlanWitness(Witness):
         elif isinstance(opening, Door):
             margin, least, greatest = found["margin"], found["door"], found["door"]
             near = (*self._clause("length(door_margin)"), place)
-            no_less = no_more = self._clause("length(door_width)")
+            no_less = no_more = self._clause(found["clause"])
         else:
             margin, (least, greatest) = found["frame"], found["window"]
             near = (*self._clause("length(window_margin)"), place)

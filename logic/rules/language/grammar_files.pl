@@ -102,6 +102,13 @@ or several.
 %
 %       door_width(0.762).
 
+%!  door_width(?Type, ?Other, -Width)
+%
+%   how wide a door is between rooms of these types, either way round, in metres, where rooms share walls; `outside` is one of them for
+%   an entrance. Without it, as door_width/1 says. Not for plans of your own.
+%
+%       door_width(cellar, hall, 0.7). door_width(hall, outside, 1.0).
+
 %!  door_clearance(-Distance)
 %
 %   how far furniture stands from a door at least, in metres, on either side of the wall.
@@ -131,7 +138,7 @@ or several.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 :- dynamic grammar:turning/2.
 
-:- dynamic grammar:room_area/3, grammar:whole_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1, grammar:wall_thickness/2.
+:- dynamic grammar:room_area/3, grammar:whole_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:opening_size/4, grammar:door_margin/1, grammar:window_margin/1, grammar:wall_thickness/2, grammar:door_width/3.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

@@ -1,4 +1,4 @@
-:- module(lengths, [stated_length/2, length_of/2, stated_for/1, sized/1, turning_side/2, piece_sized/4, given_walls/3, room_range/3, always_longer/1, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+:- module(lengths, [stated_length/2, length_of/2, door_width_of/4, stated_for/1, sized/1, turning_side/2, piece_sized/4, given_walls/3, room_range/3, always_longer/1, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
 
 /** <module> A grammar's lengths and the extremes of its sizes
 
@@ -33,6 +33,15 @@ stated_wall(Kind) :- \+ \+ ( clause(grammar:wall_thickness(K, _), _), K == Kind 
 %   Length is that of the grammar, in the house's unit.
 
 length_of(Name, Length) :- stated_length(Name, M), rounded_up(M, Length).
+
+%!  door_width_of(+Type, +Other, -Width, -Why) is det.
+%
+%   Width is that of a door between rooms of these types, or a room and `outside`, in the house's unit, for this clause.
+
+door_width_of(T, U, Width, Why) :-
+    (   member(A-B, [T-U,U-T]), once(( clause(grammar:door_width(A0,B0,_), _), A0-B0 == A-B )), grammar:door_width(A, B, M)
+    ->  rounded_up(M, Width), Why = door_width(A,B)
+    ;   length_of(door_width, Width), Why = length(door_width) ).
 
 %!  stated_for(+Head) is semidet.
 %

@@ -41,7 +41,7 @@ role(room_size/3).   role(piece_size/4).
 role(door_width/1).  role(door_clearance/1).  role(passage/1).  role(room_gap/1).  role(house_area/2).  role(turning/2).
 role(Indicator) :- nb_getval(grammar_walls, shared), plan_role(Indicator).
 
-plan_role(room_area/3).  plan_role(whole_area/3).  plan_role(house_size/2).  plan_role(unit_depth/1).  plan_role(window_size/3).  plan_role(opening_size/4).  plan_role(door_margin/1).  plan_role(window_margin/1).  plan_role(wall_thickness/2).
+plan_role(room_area/3).  plan_role(whole_area/3).  plan_role(house_size/2).  plan_role(unit_depth/1).  plan_role(window_size/3).  plan_role(opening_size/4).  plan_role(door_margin/1).  plan_role(door_width/3).  plan_role(window_margin/1).  plan_role(wall_thickness/2).
 
 problems(Heads, Calls, term(Source,Position,Kind), Problems) :-
     Source = source(File,_),

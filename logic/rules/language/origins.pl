@@ -54,6 +54,7 @@ named(Head, Body, Type, Name) :-
 
 clause_head(length(inner_wall), Head) :- !, Head = wall_thickness(inner,_).
 clause_head(length(Name), Head) :- Head =.. [Name,_].
+clause_head(door_width(T,U),    door_width(T,U,_)).
 clause_head(size(Type),    room_size(Type,_,_)).
 clause_head(size(_,Piece), piece_size(Piece,_,_,_)).
 clause_head(room_area(Type),   room_area(Type,_,_)).

@@ -10,7 +10,7 @@
 %
 %   Json gives [Name,Metres] of the lengths of these names, and [Type,Least,Most] of the areas of rooms of these types, square
 %   metres, of those that are stated, the same of `wholes` with their parts, the `total` area of the house, [Least,Most] or null, [Type,Metres] of the free squares, and
-%   the thickness of `walls`, [Inner,Outer] or null.
+%   the thickness of `walls`, [Inner,Outer] or null; of `doors` [Type,Other,Metres].
 
 grammar_metres(Names, Types, Json) :-
     findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),
@@ -19,4 +19,5 @@ grammar_metres(Names, Types, Json) :-
     ( clause(grammar:house_area(_,_), _), once(grammar:house_area(L, M)), number(L), number(M) -> Total = [L,M] ; Total = null ),
     findall([T,M], ( member(T, Types), once(turning_side(T, M)), number(M) ), Turning),
     ( stated_length(inner_wall, Inner), stated_length(outer_wall, Outer), number(Inner), number(Outer), Inner > 0 -> Walls = [Inner,Outer] ; Walls = null ),
-    as_json(_{lengths:Lengths, areas:Areas, wholes:Wholes, total:Total, turning:Turning, walls:Walls}, Json).
+    findall([T,U,M], ( clause(grammar:door_width(T,U,M), true), ground(T-U-M), number(M) ), Doors),
+    as_json(_{lengths:Lengths, areas:Areas, wholes:Wholes, total:Total, turning:Turning, walls:Walls, doors:Doors}, Json).

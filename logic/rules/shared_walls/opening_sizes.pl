@@ -26,14 +26,14 @@ opening_clause(T, U, opening_size(A,B,L,Wall)) :-
 %   Least is the shortest part of a wall, in the house's unit, that has an opening between rooms of these types, for these clauses.
 
 opening_wall(T, U, Least, Why) :-
-    length_of(door_width, Width),
+    door_width_of(T, U, Width, Clause),
     (   opening_clause(T, U, opening_size(A,B,L,Wall))
-    ->  Why = [opening_size(A,B),length(door_width)],
+    ->  Why = [opening_size(A,B),Clause],
         metres(Width, W),
         (   findall(Low, ( sized(opening_size(A,B,L,Wall)), {L >= W, L =< Wall}, inf(Wall, Low) ), [Shortest])
         ->  rounded_up(Shortest, First), some_opening(T-U, First, Least)
         ;   Least = 1000000 )                       % there is none
-    ;   Why = [length(door_width)], Least = Width ).
+    ;   Why = [Clause], Least = Width ).
 
 %   some_opening(+Types, +From, -Least): on a grid the first wall from this length on that has an opening of whole cells.
 
@@ -51,7 +51,7 @@ some_opening(_, _, 1000000).
 
 opening_range(T, U, Wall, Low-High) :-
     opening_clause(T, U, opening_size(A,B,L,Long)), !,
-    length_of(door_width, Width),
+    door_width_of(T, U, Width, _),
     maplist(metres, [Wall,Width], [M,W]),
     Long is M + 1.0e-6,
     findall(Least-Most, ( sized(opening_size(A,B,L,Long)), {L >= W, L =< Long}, extremes(L, Least-Most) ), [Range]),
@@ -59,4 +59,4 @@ opening_range(T, U, Wall, Low-High) :-
     maplist(in_unit, [Least,Most], [From,To]),
     inner_range(From-To, First-Last), First =< Last,
     Low is min(First, Wall), High is min(Last, Wall).
-opening_range(_, _, Wall, Wall-Wall) :- length_of(door_width, Width), Wall >= Width - 1.0e-6.
+opening_range(T, U, Wall, Wall-Wall) :- door_width_of(T, U, Width, _), Wall >= Width - 1.0e-6.

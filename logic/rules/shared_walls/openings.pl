@@ -24,35 +24,37 @@ an inner one away from the face of its room.
 %!  all_openings(+Atoms, +Rooms)// describes the constraints: both rooms reach past both ends of a door.
 
 all_openings(Atoms, Rooms) -->
-    { length_of(door_width, Width), length_of(door_margin, Margin), Door is Width + 2*Margin,
-      findall(A, ( member(A, Atoms), opening(A) ), Openings) },
-    openings(Openings, Atoms, Rooms, Door).
+    { findall(A, ( member(A, Atoms), opening(A) ), Openings) },
+    openings(Openings, Atoms, Rooms).
 
 opening(door(_,_,_)).
 opening(entrance(_,_)).
 opening(window(_,_)).
 
-openings([], _, _, _) --> [].
-openings([Opening|Openings], Atoms, Rooms, Door) -->
-    opening_constraints(Opening, Atoms, Rooms, Door),
-    openings(Openings, Atoms, Rooms, Door).
+openings([], _, _) --> [].
+openings([Opening|Openings], Atoms, Rooms) -->
+    opening_constraints(Opening, Atoms, Rooms),
+    openings(Openings, Atoms, Rooms).
 
-opening_constraints(door(R,Q,Line), Atoms, Rooms, W) -->
+opening_constraints(door(R,Q,Line), Atoms, Rooms) -->
     { memberchk(room(R,T,SidesR,EdgesR), Rooms), memberchk(room(Q,U,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesQ, EdgesQ, B1, B2, WhyQ),
       door_reasons(door(R,Q,Line), Atoms, EdgesR, EdgesQ, Door),
-      append([[length(door_width),length(door_margin)|Door],WhyR,WhyQ], Why) },
+      door_width_of(T, U, Width, Clause), length_of(door_margin, Margin), W is Width + 2*Margin,
+      ( Clause = length(_) -> Types = [] ; Types = [room(R,T),room(Q,U)] ),
+      append([[Clause,length(door_margin)|Door],Types,WhyR,WhyQ], Why) },
     [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why],
     (   { memberchk(open_to(R,Q), Atoms), \+ memberchk(part_of(R,Q), Atoms) }
     ->  { opening_wall(T, U, L, Clauses), append([[open_to(R,Q),room(R,T),room(Q,U)|Door],Clauses,WhyR,WhyQ], All) },
         [(A1+L =< A2)-All, (B1+L =< B2)-All, (A1+L =< B2)-All, (B1+L =< A2)-All]
     ;   [] ).
-opening_constraints(entrance(R,Side), Atoms, Rooms, _) -->
-    { outer_wall(R, Side, Atoms, Rooms, _, Starts, Ends),
-      length_of(door_width, Width), outer_margin(door_margin, Margin), W is Width + 2*Margin },
-    reaching(Starts, Ends, W, [entrance(R,Side),length(door_width),length(door_margin)]).
-opening_constraints(window(R,Side), Atoms, Rooms, _) -->
+opening_constraints(entrance(R,Side), Atoms, Rooms) -->
+    { outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends),
+      door_width_of(Type, outside, Width, Clause), outer_margin(door_margin, Margin), W is Width + 2*Margin,
+      ( Clause = length(_) -> Types = [] ; Types = [room(R,Type)] ) },
+    reaching(Starts, Ends, W, [entrance(R,Side),Clause,length(door_margin)|Types]).
+opening_constraints(window(R,Side), Atoms, Rooms) -->
     { outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends), window_walls(Type, Least, Most),
       Why = [window(R,Side),room(R,Type),window_size(Type),length(window_margin)] },
     reaching(Starts, Ends, Least, Why),
@@ -200,7 +202,7 @@ door_sample(door(R,Q,Line), Atoms, Rooms, Door) -->
       line_side(Line, EdgesR, Side), wall_place(Side, SidesR, At) },
     joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, Door).
 door_sample(entrance(R,Side), Atoms, Rooms, door(Box,R,outside)) -->
-    { length_of(door_width, Width), outer_margin(door_margin, Margin), outer_part(R, Side, Atoms, Rooms, _, Start, End) },
+    { outer_part(R, Side, Atoms, Rooms, Type, Start, End), door_width_of(Type, outside, Width, _), outer_margin(door_margin, Margin) },
     wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
 
 %!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, -Door)// is det.
@@ -216,8 +218,8 @@ joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, opening(Box,R,Q)) -->
     { Latest is To - Length },
     interval_sample(From, Latest, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
-joint_sample(R-Q, _, _, Axis-At, From-To, door(Box,R,Q)) -->
-    { length_of(door_width, Width), length_of(door_margin, Margin), Low is From + Margin, High is To - Width - Margin },
+joint_sample(R-Q, _, T-U, Axis-At, From-To, door(Box,R,Q)) -->
+    { door_width_of(T, U, Width, _), length_of(door_margin, Margin), Low is From + Margin, High is To - Width - Margin },
     interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Width, Box) }.
 

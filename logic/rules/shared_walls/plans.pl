@@ -65,21 +65,25 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, +Openings, -Json) is det.
 %
-%   Json is [Doorway,Contact,Openings,Extremes,Thickness]: the wall that a door takes with its margins, what rooms share at least that share
+%   Json is [Doorway,Contact,Openings,Extremes,Thickness,Doors]: the wall that a door takes with its margins, what rooms share at least that share
 %   a wall, [Type,Other,Wall,Clauses] of each of the Openings, opening(Type,Other): the wall that it takes, for these clauses; and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Uppers,Lowers], what size and area leave to a room of the type.
-%   It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers. Thickness is that of inner walls.
+%   It is at most W wide or at most D deep for each [W,D] of the Uppers, at least so for each of the Lowers. Thickness is that of inner walls, Doors
+%   are the clauses of door_width/3; Doorway is by the least width.
 
 plan_lengths(Types, Openings, Json) :- lengths_as_json(type_extremes, Types, Openings, Json).
 
 :- meta_predicate lengths_as_json(2, +, +, -).
 
 lengths_as_json(Extremes, Types, Openings, Json) :-
-    length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
+    length_of(door_width, Stated), length_of(door_margin, Margin),
+    findall(W, ( clause(grammar:door_width(_,_,M), true), rounded_up(M, W) ), Others), min_list([Stated|Others], Width),
+    metres(Width + 2*Margin, Doorway),
     maplist(Extremes, Types, Records),
     maplist(opening_record, Openings, Open),
     least_contact(Contact),
     length_of(inner_wall, Inner), metres(Inner, Thickness),
-    as_json([Doorway,Contact,Open,Records,Thickness], Json).
+    findall(Text, ( clause(grammar:door_width(T,U,_), _), ground(T-U), term_string(door_width(T,U), Text) ), Doors),
+    as_json([Doorway,Contact,Open,Records,Thickness,Doors], Json).
 
 %!  wall_thicknesses(-Json) is det.
 %

@@ -1,4 +1,4 @@
-:- module(plan_bounds, [plan_room_lengths/5, opening_lengths/4, open_lengths/4]).
+:- module(plan_bounds, [plan_room_lengths/5, opening_lengths/5, open_lengths/4]).
 
 /** <module> Why the lengths of a plan are as they are: what else they could have been, and which constraints bind
 
@@ -67,15 +67,15 @@ open_lengths(Type, Other, Metres, Json) :-
     maplist(metres, [Low,High], [Least,Greatest]), maplist(term_string, Clauses, Texts),
     as_json([Least,Greatest,Texts], Json).
 
-%!  opening_lengths(+Type, +Start, +End, -Json) is det.
+%!  opening_lengths(+Type, +Other, +Start, +End, -Json) is det.
 %
-%   Json has, in metres, the "door" and its "margin", and of a "window" in the wall from Start to End of a room of this Type
+%   Json has, in metres, the "door" between rooms of these types, for which "clause", and its "margin", and of a "window" in the wall from Start to End of a room of this Type
 %   the least and greatest length, and its "frame", the margin.
 
-opening_lengths(Type, Start, End, Json) :-
-    maplist(length_of, [door_width,door_margin], [Width,Margin]), outer_margin(window_margin, Frame),
+opening_lengths(Type, Other, Start, End, Json) :-
+    door_width_of(Type, Other, Width, Clause), term_string(Clause, Text), length_of(door_margin, Margin), outer_margin(window_margin, Frame),
     maplist(rounded_up, [Start,End], [A,B]),
     Most is B - A - 2*Frame,
     window_range(Type, A-B, Most, Low-High),
     maplist(metres, [Width,Margin,Frame,Low,High], [W,M,F,L,H]),
-    as_json(_{door:W, margin:M, frame:F, window:[L,H]}, Json).
+    as_json(_{door:W, clause:Text, margin:M, frame:F, window:[L,H]}, Json).
