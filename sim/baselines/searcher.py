@@ -153,15 +153,15 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     def act(world: WorldArrays, search: SearcherArrays, answer: Longs):
         """Look, strike out what is seen, plan again where a plan is at its end, and say the next action."""
         count = world.reals.shape[0]
-        slots = ti.min(ti.static(AT_ONCE), count)
+        lanes = ti.min(ti.static(AT_ONCE), count)
         ti.loop_config(block_dim=1)
-        for slot in range(slots):
-            for turn in range((count - slot + slots - 1) // slots):
-                e = slot + turn * slots
+        for slot in range(lanes):
+            for turn in range((count - slot + lanes - 1) // lanes):
+                e = slot + turn * lanes
                 state, note = loaded(world, e), planner.watched(world, search, e)
                 if note[DONE] >= note[LENGTH]:
                     note[DONE] = 0
-                    note[LENGTH] = planner.plan(world, search, e, slot, slots, state, note[KNOWN])
+                    note[LENGTH] = planner.plan(world, search, e, slot, lanes, state, note[KNOWN])
                 answer[e] = 0
                 if note[LENGTH] > 0:
                     answer[e] = ti.cast(search.plan[e * ti.static(REPLAN) + note[DONE]], ti.i64)

@@ -88,16 +88,16 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
     def value(world: WorldArrays, search: SearcherArrays, asked: Ints, frames: Ints, worth: Floats):
         """Search for paths to all poses, and value what is asked."""
         count = asked.shape[0]
-        slots = ti.min(ti.static(AT_ONCE), count)
-        words = search.sampled.shape[0] // slots
+        lanes = ti.min(ti.static(AT_ONCE), count)
+        words = search.sampled.shape[0] // lanes
         ti.loop_config(block_dim=1)
-        for slot in range(slots):
-            for turn in range((count - slot + slots - 1) // slots):
-                n = slot + turn * slots
+        for slot in range(lanes):
+            for turn in range((count - slot + lanes - 1) // lanes):
+                n = slot + turn * lanes
                 e, at = asked[n], n * ti.static(8 * side * side)
                 if e >= 0:
                     state = loaded(world, e)
-                    row, base = search.rows[state.house], slot * (search.queue.shape[0] // slots)
+                    row, base = search.rows[state.house], slot * (search.queue.shape[0] // lanes)
                     total = ti.max(1e-9, planner.sample(search, row, e, slot, words))
                     head, tail = 0, planner.source(search, row, base, state)
                     while head < tail:
