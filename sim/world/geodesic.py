@@ -19,10 +19,11 @@ further than that. Profiles repeat, in a field and among fields: a distance is t
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from sim.backends.backend import Lattice
 from sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
 from sim.tasks.survey import DIAGONAL, STRAIGHT, survey
 from sim.world.episodes import (
@@ -36,10 +37,6 @@ from sim.world.episodes import (
     Episodes,
     Steps,
 )
-
-if TYPE_CHECKING:
-    from sim.backends.backend import Lattice
-    from sim.world.world import World
 
 AT_ONCE = 16
 """Searches at a time: they take 50 bytes a pose."""
@@ -78,8 +75,8 @@ def distance_arrays(num_envs: int, asked: bool) -> dict[str, Array]:
 class Distances:
     """The fields of a world, and the distances of its environments."""
 
-    def __init__(self, world: "World") -> None:
-        """Fields are found as environments need them."""
+    def __init__(self, world: Any) -> None:
+        """Of a ``World``: fields are found as environments need them."""
         self.world, self.kernels = world, _kernels(start(), world.kernels.episodes)
         self._numbers: dict[int, int] = {}
         self._arrays: dict[str, Array] = {}
@@ -146,7 +143,7 @@ class Distances:
         fields[waiting] = [self._known[key] for key in keys]
         arrays["fields"].fill(fields)
 
-    def _surveyed(self, key: Key) -> "tuple[Lattice, np.ndarray]":
+    def _surveyed(self, key: Key) -> tuple[Lattice, np.ndarray]:
         """The lattice of a field, and what a body can do at its places, in whole tiles with a border
         where it cannot be.
         """
