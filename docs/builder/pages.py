@@ -58,7 +58,9 @@ def _words(docstring: str) -> str:
 
 
 def _default(field: str, kind: dict[str, Any], owner: dict[str, Any]) -> str:
-    return "required" if field in owner["required"] else f"by default `{json.dumps(kind['default'])}`"
+    if field in owner["required"]:
+        return "required"
+    return f"by default `{json.dumps(kind['default'])}`" if "default" in kind else "optional"
 
 
 def _kind(kind: dict[str, Any]) -> str:

@@ -212,17 +212,17 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
         """Note what each environment sees from where it is, and how much it has seen."""
         for e in range(world.reals.shape[0]):
             state, words = loaded(world, e), seen.shape[0] // world.reals.shape[0]
-            distance = sight.distances(world, state.house, state.origin, state.cell)
+            reach = sight.distances(world, state.house, state.origin, state.cell)
             first, end = starts[state.house], starts[state.house + 1]
             corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-            window, count = sight.window(distance, corner, state.origin, state.cell), 0
+            window, count = sight.window(reach, corner, state.origin, state.cell), 0
             for k in range(end - first):
                 word = e * words + k // ti.static(WORD)
                 if not (seen[word] & bit(k)):
                     i, j = spots[2 * (first + k)], spots[2 * (first + k) + 1]
                     # Nested: Taichi's ``and`` computes both sides.
                     if window[0] <= i <= window[1] and window[2] <= j <= window[3]:  # noqa: SIM102
-                        if sight.meets(distance, state.origin, state.cell, sight.spot(corner, i, j)):
+                        if sight.meets(reach, state.origin, state.cell, sight.spot(corner, i, j)):
                             seen[word] |= bit(k)
                 count += ti.cast((seen[word] & bit(k)) != 0, ti.i32)
             counts[e] = count

@@ -16,7 +16,7 @@ export const MOST = 2 ** 31 - 1;
 /** clingo-dl's theory, as far as the rules use it. program.lua has what it means. */
 const THEORY = {
   name: "theory",
-  text: `#theory dl { term { - : 3, unary; - : 1, binary, left }; &diff/0 : term, {<=}, term, head }.`,
+  text: `#theory dl { term { - : 3, unary; - : 1, binary, left; + : 1, binary, left }; &diff/0 : term, {<=}, term, head }.`,
 };
 
 /** A core file and what it includes, as [{ name, text }], from all texts by path. */
@@ -191,11 +191,15 @@ export class Grammar {
   /** What stage 1 knows of walls that rooms share: facts of shared_walls/differences.lp, each with its clauses. */
   wallFacts() {
     const types = list(Object.keys(this.furniture).map(atom));
-    const [doorway, contact, openings, extremes] = this.prolog.ask("plan_lengths", types, list(this.openings));
+    const [doorway, contact, openings, extremes, thickness, doors] = this.prolog.ask("plan_lengths", types, list(this.openings));
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
     facts.push([`length(contact,${Math.floor(1000 * contact)})`, []]);
     for (const [type, other, wall, clauses] of openings) facts.push([`opening_wall(${type},${other},${Math.floor(1000 * wall)})`, clauses]);
-    const only = ["house_size"];
+    if (thickness) {
+      const thick = [Math.floor, Math.ceil].map((bound) => bound(Number((1000 * thickness).toFixed(6))));
+      facts.push([`inner_wall(${thick})`, ["length(inner_wall)"]]);
+    }
+    const only = ["house_size", ...doors];
     for (const [type, reach, uppers, lowers] of extremes) {
       const clauses = [`size(${type})`, `room_area(${type})`];
       facts.push([`reach(${[type, ...millimetres(reach)]})`, clauses]);

@@ -16,7 +16,10 @@ export function plan(grammar, request, rng, inferences, isFurnishable) {
     inferences = unfurnished.inferences;
     if (grammar.topology.isOwn) requireTiling(grammar, unfurnished);
     const pieces = furnished(grammar, unfurnished.plan, request, rng, inferences);
-    if (pieces.failed === undefined) return house(unfurnished, pieces);
+    if (pieces.failed === undefined) {
+      const [inner, outer] = grammar.prolog.ask("wall_thicknesses");
+      return { ...house(unfurnished, pieces), ...(outer && { wall_thickness: { inner, outer } }) };
+    }
     const { type } = unfurnished.plan.rooms[pieces.failed];
     if (!isFurnishable(type)) unfurnishable.add(type);
   }

@@ -99,7 +99,9 @@ function Differences:init(init)
       self.nodes[from], self.nodes[to] = true, true
       local literal = init:solver_literal(atom.literal)
       init:add_watch(literal)
-      self.edges[#self.edges + 1] = { from, to, tonumber((tostring(atom.guard[2]):gsub("[()]", ""))), literal }
+      local bound = 0 -- a sum of numbers
+      for number in tostring(atom.guard[2]):gsub("[()]", ""):gmatch("[+-]?%d+") do bound = bound + tonumber(number) end
+      self.edges[#self.edges + 1] = { from, to, bound, literal }
     end
   end
 end
