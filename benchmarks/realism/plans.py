@@ -14,7 +14,7 @@ HOUSES = (".jsonl", ".gz")
 
 
 def plans_of(source: str, rooms: Sequence[int], count: int, seed: int) -> list[PlanFigures]:
-    """The plans of a file or a folder; of a grammar so many houses of each number of rooms."""
+    """The plans of a file or a folder; of a grammar, a number of houses for each number of rooms."""
     path = Path(source)
     if path.is_file():
         found = list(_read(path))
@@ -28,7 +28,7 @@ def plans_of(source: str, rooms: Sequence[int], count: int, seed: int) -> list[P
 
 
 def made(grammar: str | Path, rooms: Sequence[int], count: int, seed: int) -> list[PlanFigures]:
-    """Houses of a grammar: so many of each number of rooms."""
+    """Houses of a grammar: a number of them for each number of rooms."""
     return [measured(house) for n in rooms for house in generate(n, grammar=grammar, seed=seed, count=count)]
 
 

@@ -23,7 +23,7 @@ FEWEST = 20
 FITTED_COPY = "fitted"
 """The folder of a grammar with fitted weights."""
 PAIRS = 12
-"""So many pairs of types are listed: those of which the sets differ most."""
+"""How many pairs of types are listed, those of which the sets differ most."""
 
 PAGE = """{} plans of `{}`, {} of `{}`. A classifier that has not seen them tells them apart
 with an area under the curve of **{:.3f}** ± {:.3f} (one standard error; 0.5 is no better than guessing).

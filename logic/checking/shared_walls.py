@@ -290,7 +290,7 @@ def _shared(segment: Box, box: Box) -> float:
 
 
 def _wall(one: Box, other: Box, thickness: float) -> float:
-    """How much wall so thick two rooms side by side share, metres; 0 where they do not."""
+    """How much wall of this thickness two rooms share, metres; 0 where they share none."""
     spans = [min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in (0, 1)]
     return max(*spans, 0.0) if abs(min(spans) + thickness) <= TOLERANCE else 0.0
 

@@ -41,7 +41,7 @@ PARTS = {
     "entrance": [("entrance", 0.0, DOOR_HEIGHT), ("wall", DOOR_HEIGHT, WALL_HEIGHT)],
     "window": [("wall", 0.0, SILL), ("window", SILL, HEAD), ("wall", HEAD, WALL_HEIGHT)],
 }
-"""What stands in each part of a wall that has a thickness, from and to so many metres above the floor."""
+"""What stands in each part of a wall with a thickness: from one height to another, metres above the floor."""
 
 
 class Solid(NamedTuple):

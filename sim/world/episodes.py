@@ -7,22 +7,19 @@ depends on how many environments there are, on how often others reset, or, for t
 
 from typing import NamedTuple
 
-import numpy as np
-
-from sim.actions import ACTIONS, FORWARD, LEFT
+from sim.actions import FORWARD
 from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
 from sim.backends.body import SKIN
 from sim.backends.doors import Doors
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, ti
 from sim.tasks.terms import Now, Terms
-from sim.world.philox import below, philox, uniform
+from sim.world.distance_field import NOT_YET, Fields, look_up
+from sim.world.extras import Extras
+from sim.world.philox import EPISODE, SENSOR, WHEELS, below, normal, philox, uniform
 
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
-
-EPISODE, SENSOR, WHEELS, ODOMETER = range(4)
-"""What a random number is for: the fourth word of its counter."""
 
 HOUSE, TIME, FOUND, OVER, NUMBER, SEED = range(3, 9)
 """Where these are among the whole numbers of an environment's state, after the cell's three; the number is
@@ -39,22 +36,7 @@ HEADER = 7
 targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
 the same as two float32."""
 
-TILE_BITS, PROFILE_BITS = 3, 20
-TILE = 1 << TILE_BITS
-"""Places along a tile of a field of distances, and bits of a profile's number: ``sim.world.geodesic``."""
-
-MOST_DISTANCE = (1 << (32 - PROFILE_BITS)) - 1
-"""Least distance of a tile, at most."""
-
-NOT_YET = -2
-"""In place of the distance to a target that is new."""
-
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
-FIELD = 6
-"""Numbers of an environment's field: where its tiles begin, first i and j, tiles in a column; then the tile
-where the body was last and what it is, so that most looks read one number.
-"""
-Fields = ti.types.ndarray(ti.types.vector(FIELD, ti.i32), 1)
 Steps = ti.types.ndarray(ti.i16, 1)
 Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
@@ -159,6 +141,7 @@ class Episodes:
         if config.closed_doors:
             self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, backend, backend.body
+        self.extras = Extras(config, backend.body)
         self.ends_on_pick_up, self.terms = ends_on_pick_up, terms
         self.knows_distance = config.knows_distance or terms.asks_distance
         # Apart by more than this, a target is not picked up from where the one before it was.
@@ -190,7 +173,7 @@ class Episodes:
         if ti.static(self.knows_distance):
             before, distance = world.distance[e], 0
             if not picked:
-                distance = self.distance(world, e, state)
+                distance = look_up(world, e, state.cell)
             world.distance[e] = distance
         now = self.now(state, action, picked, blocked, before, distance)
         earned = self.terms.reward(now)
@@ -221,41 +204,6 @@ class Episodes:
         )
 
     @ti.func
-    def distance(self, world: ti.template(), e, state):
-        """The fewest actions to the target, -1 where no path leads there: ``sim.world.geodesic``."""
-        field = world.fields[e]
-        found, at = -1, self.tile(field, state.cell)
-        if field[0] >= 0:
-            entry = field[5]
-            if field[4] != at:
-                entry = world.tiles[at]
-                world.fields[e][4], world.fields[e][5] = at, entry
-            further = ti.cast(world.profiles[self.pose(field, entry, state.cell)], ti.i32)
-            if further >= 0:
-                found = (entry >> ti.static(PROFILE_BITS) & ti.static(MOST_DISTANCE)) + further
-        return found
-
-    @ti.func
-    def tile(self, field, cell):
-        """Where the tile of a cell is."""
-        bits = ti.static(TILE_BITS)
-        return field[0] + ((cell[0] - field[1]) >> bits) * field[3] + ((cell[1] - field[2]) >> bits)
-
-    @ti.func
-    def pose(self, field, entry, cell):
-        """Where the pose of a cell is among profiles, in its tile's."""
-        bits, last = ti.static(TILE_BITS), ti.static(TILE - 1)
-        i, j = (cell[0] - field[1]) & last, (cell[1] - field[2]) & last
-        number = entry & ti.static((1 << PROFILE_BITS) - 1)
-        return 8 * ((((number << bits) + i) << bits) + j) + cell[2]
-
-    @ti.func
-    def touch(self, world: ti.template(), e, state):
-        """Read what ``distance`` reads next, most often; any number."""
-        field = world.fields[e]
-        return ti.cast(world.profiles[self.pose(field, field[5], state.cell)], ti.i32)
-
-    @ti.func
     def aim(self, world: ti.template(), e, state):
         """Take the field of a new target, if there is one by now; the distance to it, or ``NOT_YET``."""
         distance = NOT_YET
@@ -271,7 +219,7 @@ class Episodes:
                 field = world.known[slot]
             world.fields[e] = field
             if slot >= 0:
-                distance = self.distance(world, e, state)
+                distance = look_up(world, e, state.cell)
             else:
                 world.pending[0] = 1
             world.distance[e] = distance
@@ -430,63 +378,6 @@ class Episodes:
                 self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
 
     @ti.func
-    def notice(self, world: ti.template(), e, state, action, blocked):
-        """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet."""
-        at = e * ti.static(self.config.extra_numbers)
-        if ti.static("bump" in self.config.observe):
-            world.extras[at + ti.static(self.config.extra("bump"))] = ti.cast(blocked, ti.f32)
-        if ti.static("last_action" in self.config.observe):
-            for k in ti.static(range(ACTIONS)):
-                world.extras[at + ti.static(self.config.extra("last_action") + k)] = ti.select(
-                    action == k, 1.0, 0.0
-                )
-        if ti.static("odometry" in self.config.observe):
-            pose = self.odometer(world, e, state, action, blocked)
-            first = at + ti.static(self.config.extra("odometry"))
-            world.extras[first], world.extras[first + 1] = pose[0], pose[1]
-            world.extras[first + 2], world.extras[first + 3] = ti.cos(pose[2]), ti.sin(pose[2])
-        if ti.static("goal" in self.config.observe):
-            heading = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
-            away = state.target - self.body.eye(state.origin, state.cell)
-            cosine, sine = ti.cos(heading), ti.sin(heading)
-            first = at + ti.static(self.config.extra("goal"))
-            world.extras[first] = away[0] * cosine - away[1] * sine
-            world.extras[first + 1] = -away[0] * sine - away[1] * cosine
-        self.notice_distance(world, e)
-
-    @ti.func
-    def notice_distance(self, world: ti.template(), e):
-        """Write the distance to the target."""
-        if ti.static("geodesic" in self.config.observe):
-            at = e * ti.static(self.config.extra_numbers) + ti.static(self.config.extra("geodesic"))
-            world.extras[at] = ti.cast(world.distance[e], ti.f32)
-
-    @ti.func
-    def odometer(self, world: ti.template(), e, state, action, blocked):
-        """The pose (metres forward and left of the start, radians) by the body's own account: the sum of the
-        moves that it made and that nothing was in the way of, with their errors.
-        """
-        pose = world.odometer[e]
-        if action < 0:
-            pose = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        elif not blocked:
-            share = 1.0
-            if ti.static(self.config.drift > 0):
-                counter = ti.Vector([state.episode, state.time, 0, ODOMETER])
-                words = philox(state.seed, ti.cast(counter, ti.u64))
-                size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
-                error = size * ti.cos(ti.static(2 * np.pi) * uniform(words[1]))
-                share += ti.static(self.config.drift) * error
-            if action == FORWARD:
-                long = ti.static(self.config.step) * ti.select(state.cell[2] & 1, ti.static(2**0.5), 1.0)
-                pose[0] += share * long * ti.cos(pose[2])
-                pose[1] += share * long * ti.sin(pose[2])
-            else:
-                pose[2] += share * ti.select(action == LEFT, ti.static(np.pi / 4), ti.static(-np.pi / 4))
-        world.odometer[e] = pose
-        return pose
-
-    @ti.func
     def write(self, observation: ti.template(), ray, column: ti.template(), number):
         """Write a number into a ray's column, see ``Config.columns``."""
         observation[ray + ti.static(self.config.column(column))] = number
@@ -497,9 +388,7 @@ class Episodes:
         counter = ti.Vector([state.episode, state.time, ray, SENSOR])
         words = philox(state.seed, ti.cast(counter, ti.u64))
         if ti.static(self.config.noise > 0):
-            size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
-            error = size * ti.cos(ti.static(2 * np.pi) * uniform(words[1]))
-            distance += ti.static(self.config.noise) * error
+            distance += ti.static(self.config.noise) * normal(words)
             distance = ti.max(0.0, ti.min(ti.static(self.config.range), distance))
         if uniform(words[2]) < ti.static(self.config.dropout):
             distance, kind = ti.static(self.config.range), ti.u32(0)

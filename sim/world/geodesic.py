@@ -26,17 +26,8 @@ import numpy as np
 from sim.backends.backend import Lattice
 from sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
 from sim.tasks.survey import DIAGONAL, STRAIGHT, survey
-from sim.world.episodes import (
-    FIELD,
-    HOUSE,
-    MOST_DISTANCE,
-    NOT_YET,
-    PROFILE_BITS,
-    TILE,
-    TILE_BITS,
-    Episodes,
-    Steps,
-)
+from sim.world.distance_field import FIELD, MOST_DISTANCE, NOT_YET, PROFILE_BITS, TILE, TILE_BITS
+from sim.world.episodes import HOUSE, Episodes, Steps
 
 AT_ONCE = 16
 """Searches at a time: they take 50 bytes a pose."""
@@ -191,7 +182,7 @@ class Distances:
             self._used += columns * height
 
     def _scratch(self, places: int) -> dict[str, Array]:
-        """What searches write, for lattices of so many places."""
+        """What searches write, for lattices of this number of places."""
         if not self._arrays or self._arrays["moves"].shape[0] < AT_ONCE * places:
             self._arrays = {
                 "moves": Array(ti.u16, AT_ONCE * places),

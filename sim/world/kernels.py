@@ -13,8 +13,8 @@ from sim.backends.backend import Backend
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 from sim.tasks.terms import Terms
+from sim.world.distance_field import NOT_YET, look_up, touch
 from sim.world.episodes import (
-    NOT_YET,
     OVER,
     Episodes,
     PlainArrays,
@@ -96,7 +96,7 @@ def kernels(
                     state.target = ti.Vector([at[2], at[3]])
                 episodes.close_doors(world, e, state)
                 episodes.aim(world, e, state)
-                episodes.notice(world, e, state, -1, 0)
+                episodes.extras.notice(world, e, state, -1, 0)
                 store(world, e, state)
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, observation)
@@ -133,11 +133,11 @@ def kernels(
                 )
                 if ti.static(episodes.knows_distance):
                     at = ti.min(e + 1, world.reals.shape[0] - 1)
-                    prefetched[e] &= episodes.touch(world, at, after)
+                    prefetched[e] &= touch(world, at, after.cell)
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(world, e, state, SAMPLE)
-                episodes.notice(world, e, state, -1, 0)
+                episodes.extras.notice(world, e, state, -1, 0)
                 reward[e] = 0.0
                 flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
@@ -145,7 +145,7 @@ def kernels(
                     world, e, state, ti.cast(action[e], ti.i32)
                 )
                 reward[e] = earned
-                episodes.notice(world, e, state, ti.cast(action[e], ti.i32), blocked)
+                episodes.extras.notice(world, e, state, ti.cast(action[e], ti.i32), blocked)
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)
@@ -157,7 +157,7 @@ def kernels(
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = episodes.begin(world, e, state, SAMPLE)
-                    episodes.notice(world, e, state, -1, 0)
+                    episodes.extras.notice(world, e, state, -1, 0)
             store(world, e, state)
             if ti.static(all_rays):
                 episodes.look(world, e, state, 0, rays, observation)
@@ -171,7 +171,7 @@ def kernels(
                 for e in range(world.reals.shape[0]):
                     if world.wholes[e][ti.static(OVER)]:
                         state = episodes.begin(world, e, loaded(world, e), SAMPLE)
-                        episodes.notice(world, e, state, -1, 0)
+                        episodes.extras.notice(world, e, state, -1, 0)
                         store(world, e, state)
             ti.loop_config(serialize=serial)
             for e, r in ti.ndrange(world.reals.shape[0], rays):
@@ -217,8 +217,8 @@ def kernels(
             if ti.static(episodes.knows_distance):  # noqa: SIM102 - decided as it is compiled
                 if world.distance[e] == NOT_YET:
                     state = loaded(world, e)
-                    world.distance[e] = episodes.distance(world, e, state)
-                    episodes.notice_distance(world, e)
+                    world.distance[e] = look_up(world, e, state.cell)
+                    episodes.extras.notice_distance(world, e)
                     if ti.static(terms.progress != 0):  # noqa: SIM102
                         if state.time > 0:
                             after = ti.cast(ti.max(0, world.distance[e]), ti.f32)

@@ -3,7 +3,12 @@
 Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
 """
 
+import math
+
 from sim.runtime import ti
+
+EPISODE, SENSOR, WHEELS, ODOMETER = range(4)
+"""What a random number is for: the fourth word of its counter."""
 
 MASK = 0xFFFFFFFF
 Words = ti.types.vector(4, ti.u64)
@@ -35,3 +40,10 @@ def below(word, bound):
 def uniform(word):
     """A float32 in [0, 1) from a random 32-bit word: its upper 24 bits."""
     return ti.cast(word >> ti.u64(8), ti.f32) * ti.static(2.0**-24)
+
+
+@ti.func
+def normal(words):
+    """A float32 of the standard normal distribution from two random words, by Box and Muller."""
+    size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
+    return size * ti.cos(ti.static(2 * math.pi) * uniform(words[1]))

@@ -149,7 +149,7 @@ areas_of([Numbers-(Least-Most)|Wholes], Rooms, At, Near) -->
     areas_of(Wholes, Rooms, At, Near).
 
 area_near(Rooms, At, Near, R, Sum, Sum + W0*D + D0*W - W0*D0) :-
-    memberchk(room(R,West,East,North,South), Rooms), Room = room(R,West,East,North,South),
+    Room = room(R,_,_,_,_), memberchk(Room, Rooms),
     sides(Room, At, X1, X2, Y1, Y2), sides(Room, Near, A1, A2, B1, B2),
     W = X2-X1, D = Y2-Y1, W0 is A2-A1, D0 is B2-B1.
 

@@ -39,14 +39,18 @@ total_area(Least-Most) :- clause(grammar:house_area(_,_), _), grammar:house_area
 
 totals(Atoms, Rooms, Totals) :- findall(Total, total(Atoms, Rooms, Total), Totals).
 
-total(Atoms, Rooms, total(Areas,Numbers,[house_area])) :-
+total(Atoms, Rooms, total(Areas,Numbers,[house_area|Outside])) :-
     total_area(Areas),
-    findall(R, ( member(room(R,T,_,_), Rooms), \+ memberchk(outdoor(T), Atoms) ), Numbers).
+    partition(is_outdoor(Atoms), Rooms, Outdoors, Indoors),
+    findall(R, member(room(R,_,_,_), Indoors), Numbers),
+    findall(Reason, ( member(room(R,T,_,_), Outdoors), member(Reason, [room(R,T),outdoor(T)]) ), Outside).  % else they would count
 total(Atoms, Rooms, total(Least-Most,[Q|Parts],[whole_area(T),room(Q,T),parts(Q,N)|Joints])) :-
     clause(grammar:whole_area(_,_,_), _),
     member(room(Q,T,_,_), Rooms), once(grammar:whole_area(T, L, M)), memberchk(parts(Q,N), Atoms),
     maplist(square, [L,M], [Least,Most]),
     findall(R-part_of(R,Q), member(part_of(R,Q), Atoms), Found), pairs_keys_values(Found, Parts, Joints).
+
+is_outdoor(Atoms, room(_,T,_,_)) :- memberchk(outdoor(T), Atoms).
 
 %   of_total(+Constraint): it says how large a total is.
 
@@ -131,7 +135,7 @@ sum_of([X|Xs], Sum) :- foldl([Y,S,S+Y]>>true, Xs, X, Sum).
 %!  total_sample(+Arithmetic, ?Order, +System, +Totals, +Rooms, +Sized, +Halvings)// is semidet.
 %
 %   The places in Order (lines.pl) are numbers with which the System, that of total_constraints/3 too, holds and the Totals of the
-%   Rooms are as stated. What is left after so many Halvings is passed over.
+%   Rooms are as stated. What is left after this number of Halvings is passed over.
 
 total_sample(Arithmetic, Order, System, Totals, Rooms, Sized, Halvings) -->
     { total_boxes(Totals, Sized, Boxes),

@@ -187,3 +187,23 @@ def test_why_a_window_is_towards_a_patio_is_derived(tmp_path: Path) -> None:
     why = str(PlanWitness(builder, house, INFERENCES).why(f"{den.name}.window"))
     assert "toward(" in why
     assert "outdoor(patio)" in why
+
+
+COUNTED = """
+topology(ring).  type(hall; den; balcony).  empty(hall; den; balcony).  central(hall).  outdoor(balcony).
+opens(outside,hall).  opens(hall,(den; balcony)).
+"""
+COUNTED_SIZES = """
+room_size(_, W, D) :- { W >= 2.0, W =< 2.1, D >= 2.0, D =< 2.1 }.
+house_area(12.0, 14.0).
+door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+"""
+"""A room has 4 to 4.41 m², so that three rooms must be indoors."""
+
+
+def test_that_a_house_with_a_balcony_is_too_small_says_nothing_of_one_without(tmp_path: Path) -> None:
+    builder = Builder(find(grammar(tmp_path, COUNTED, COUNTED_SIZES)))
+    for seed in range(8):
+        house = house_or_proof(builder, Request(3), seed, 0, INFERENCES)
+        assert check(house) == []
+        assert "balcony" not in {room.type for room in house.rooms}

@@ -200,3 +200,16 @@ def test_walls_with_a_thickness_leave_them_open_and_their_insides_of_that_area(
         assert shapely.distance(shapely.box(*part.box), shapely.box(*whole.box)) == pytest.approx(0.1)
         area = sum(room.area for room in house.rooms if whole.name in (room.name, room.part_of))
         assert 24.0 - 1e-6 <= area <= 24.6 + 1e-6
+
+
+def test_that_a_room_without_a_part_is_too_small_says_nothing_of_one_with_it(tmp_path: Path) -> None:
+    """A hall of at most 9 m² is to have 9.5: its neighbour may be a den, but is a bay."""
+    rules = TINY.replace("hall;bay", "hall;bay;den").replace("opens(hall,bay)", "opens(hall,(bay;den))")
+    (tmp_path / "rooms.lp").write_text(rules.replace(":- not room(_,bay).", ""))
+    den = "room_size(den, W, D) :- { W >= 1.0, W =< 2.0, D >= 1.0, D =< 2.0 }.\n"
+    (tmp_path / "sizes.pl").write_text(TINY_SIZES.replace("13.01", "9.5") + den)
+    builder = Builder(find(tmp_path))
+    for seed in range(8):
+        house = house_or_proof(builder, Request(2), seed, 0, INFERENCES)
+        assert check(house) == []
+        assert {room.type for room in house.rooms} == {"hall", "bay"}

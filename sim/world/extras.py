@@ -1,0 +1,73 @@
+"""What is observed beside rays: bumps, the last action, odometry, the goal and the distance to it."""
+
+import numpy as np
+
+from sim.actions import ACTIONS, FORWARD, LEFT
+from sim.backends.body import Body
+from sim.config import Config
+from sim.runtime import ti
+from sim.world.philox import ODOMETER, normal, philox
+
+
+@ti.data_oriented
+class Extras:
+    """Writes what ``Config.observe`` asks for."""
+
+    def __init__(self, config: Config, body: Body) -> None:
+        """For a configuration, and the body that is at the eye of it."""
+        self.config, self.body = config, body
+
+    @ti.func
+    def notice(self, world: ti.template(), e, state, action, blocked):
+        """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet."""
+        at = e * ti.static(self.config.extra_numbers)
+        if ti.static("bump" in self.config.observe):
+            world.extras[at + ti.static(self.config.extra("bump"))] = ti.cast(blocked, ti.f32)
+        if ti.static("last_action" in self.config.observe):
+            for k in ti.static(range(ACTIONS)):
+                world.extras[at + ti.static(self.config.extra("last_action") + k)] = ti.select(
+                    action == k, 1.0, 0.0
+                )
+        if ti.static("odometry" in self.config.observe):
+            pose = self.odometer(world, e, state, action, blocked)
+            first = at + ti.static(self.config.extra("odometry"))
+            world.extras[first], world.extras[first + 1] = pose[0], pose[1]
+            world.extras[first + 2], world.extras[first + 3] = ti.cos(pose[2]), ti.sin(pose[2])
+        if ti.static("goal" in self.config.observe):
+            heading = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
+            away = state.target - self.body.eye(state.origin, state.cell)
+            cosine, sine = ti.cos(heading), ti.sin(heading)
+            first = at + ti.static(self.config.extra("goal"))
+            world.extras[first] = away[0] * cosine - away[1] * sine
+            world.extras[first + 1] = -away[0] * sine - away[1] * cosine
+        self.notice_distance(world, e)
+
+    @ti.func
+    def notice_distance(self, world: ti.template(), e):
+        """Write the distance to the target."""
+        if ti.static("geodesic" in self.config.observe):
+            at = e * ti.static(self.config.extra_numbers) + ti.static(self.config.extra("geodesic"))
+            world.extras[at] = ti.cast(world.distance[e], ti.f32)
+
+    @ti.func
+    def odometer(self, world: ti.template(), e, state, action, blocked):
+        """The pose (metres forward and left of the start, radians) by the body's own account: the sum of the
+        moves that it made and that nothing was in the way of, with their errors.
+        """
+        pose = world.odometer[e]
+        if action < 0:
+            pose = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        elif not blocked:
+            share = 1.0
+            if ti.static(self.config.drift > 0):
+                counter = ti.Vector([state.episode, state.time, 0, ODOMETER])
+                words = philox(state.seed, ti.cast(counter, ti.u64))
+                share += ti.static(self.config.drift) * normal(words)
+            if action == FORWARD:
+                long = ti.static(self.config.step) * ti.select(state.cell[2] & 1, ti.static(2**0.5), 1.0)
+                pose[0] += share * long * ti.cos(pose[2])
+                pose[1] += share * long * ti.sin(pose[2])
+            else:
+                pose[2] += share * ti.select(action == LEFT, ti.static(np.pi / 4), ti.static(-np.pi / 4))
+        world.odometer[e] = pose
+        return pose
