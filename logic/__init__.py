@@ -15,7 +15,7 @@ from logic.errors import (
 from logic.house.files import load, save
 from logic.house.gallery import Houses
 from logic.house.house import House
-from logic.house.parts import Door, Piece, Rect, Room, Window
+from logic.house.parts import Door, FreeWall, Piece, Rect, Room, Window
 from logic.house.star import Star, StarRoom
 from logic.why.answer import Why
 from logic.workers.explain import explain_house
@@ -28,6 +28,7 @@ __all__ = [
     "Broken",
     "Door",
     "Finding",
+    "FreeWall",
     "GrammarError",
     "GrammarWarning",
     "House",

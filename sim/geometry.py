@@ -23,8 +23,9 @@ TOLERANCE = 1e-6
 class Geometry:
     """A house in rows of (x, y, half width, half height): a box's centre and half its sides, metres.
 
-    Walls are lines, so one half is zero: where they have a thickness, these are their faces. The original's
-    collision rule asks for rooms and doors: in a star the k-th door is that of the k-th room.
+    Walls are lines, so one half is zero: where they have a thickness, these are their faces. Walls that stand
+    by themselves are lines or boxes, or where they run at an angle, ``slanted``. The original's collision
+    rule asks for rooms and doors: in a star the k-th door is that of the k-th room.
     """
 
     verticals: np.ndarray
@@ -33,6 +34,11 @@ class Geometry:
     """(H, 4) float64: walls that run west to east."""
     pieces: np.ndarray
     """(P, 4) float64: pieces of furniture and their children, solid."""
+    blocks: np.ndarray
+    """(B, 4) float64: walls that stand by themselves along an axis and have a thickness, solid."""
+    slanted: np.ndarray
+    """(S, 6) float64: walls at an angle, as (x, y, east, south, half length, half thickness): the middle, and
+    the unit vector that they run along."""
     rooms: np.ndarray
     """(R, 4) float64: the rooms but ``floor``, in a star the secondary rooms."""
     doors: np.ndarray
@@ -46,8 +52,8 @@ class Geometry:
 
     @property
     def solids(self) -> np.ndarray:
-        """All that stops a body, (V + H + P, 4) float64: verticals, horizontals, pieces."""
-        return np.concatenate([self.verticals, self.horizontals, self.pieces])
+        """All along an axis that stops a body, (n, 4) float64: verticals, horizontals, pieces, blocks."""
+        return np.concatenate([self.verticals, self.horizontals, self.pieces, self.blocks])
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -67,10 +73,15 @@ def geometry(house: House) -> Geometry:
     """A house's boxes; ``geometry(house).solids`` is what stops rays and bodies."""
     verticals, horizontals = house.walls
     start, half = house.start, house.half_wall
+    straight = [wall.box for wall in house.free_walls if wall.box]
+    upright = [box for box in straight if box[0] == box[2]]
+    level = [box for box in straight if box[1] == box[3]]
     return Geometry(
-        verticals=_rows((x, low, x, high) for x, low, high in verticals),
-        horizontals=_rows((low, y, high, y) for y, low, high in horizontals),
+        verticals=_rows([*((x, low, x, high) for x, low, high in verticals), *upright]),
+        horizontals=_rows([*((low, y, high, y) for y, low, high in horizontals), *level]),
         pieces=_rows(piece.box for room in house.rooms for piece in room.pieces),
+        blocks=_rows(box for box in straight if box[0] < box[2] and box[1] < box[3]),
+        slanted=np.array([wall.oriented for wall in house.free_walls if not wall.box]).reshape(-1, 6),
         rooms=_rows(room.box for room in house.rooms if room is not start),
         doors=_rows(shut(house, door) for door in house.doors if not (door.is_entrance or door.opening)),
         doorways=_rows(house.doorway(door) for door in house.doors if half and not door.is_entrance),
@@ -87,6 +98,14 @@ def shut(house: House, door: Any) -> Box:
     room, axis, box = between.box, int(door.height == 0), [*door.box]
     box[axis] = box[axis + 2] = min(room[axis::2], key=lambda face: abs(face - door.box[axis]))
     return box[0], box[1], box[2], box[3]
+
+
+def require_straight(houses: Sequence[House], backend: str) -> None:
+    """Raise ``ValueError`` for a house with a wall at an angle, which a backend does not have."""
+    for index, house in enumerate(houses):
+        if any(not wall.box for wall in house.free_walls):
+            where = f"house {index} of {len(houses)} has walls at an angle"
+            raise ValueError(f"{where}: the {backend} backend has none, free has")
 
 
 def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
@@ -107,6 +126,7 @@ def check_lengths(houses: Sequence[House]) -> None:
             rects.append(("the main room" if room.name == "main" else f"room {room.name}", room))
             rects += [(f"a {piece.type} in room {room.name}", piece) for piece in room.pieces]
         rects += [(f"the door of room {door.between[0]}", door) for door in house.doors]
+        rects += [(f"wall {k}", wall.around) for k, wall in enumerate(house.free_walls)]
         for name, rect in rects:
             if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
                 raise ValueError(

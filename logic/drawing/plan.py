@@ -98,6 +98,9 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
             shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
     if not house.wall_thickness:
         shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
+    for wall in house.free_walls:
+        ends = frame.at(wall.x1, wall.y1), frame.at(wall.x2, wall.y2)
+        shapes.append(Line(ends, inks.wall, max(1.0, wall.thickness * frame.scale)))
     left = iter(leaves)
     for name, door in doors_by_name(house).items():
         leaf = None if door.opening else next(left, None)

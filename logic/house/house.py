@@ -17,6 +17,7 @@ from logic.house.parts import (
     STAR,
     STAR_FORMAT,
     Door,
+    FreeWall,
     Provenance,
     Room,
     Window,
@@ -45,6 +46,9 @@ class House(msgspec.Struct, frozen=True):
     provenance: Provenance | None = None
     wall_thickness: Thickness | None = None
     """Of the walls around its rooms, whose rectangles end at their faces; None: they have none."""
+
+    free_walls: tuple[FreeWall, ...] = ()
+    """Walls that stand by themselves, at any angle, beside those of its rooms: ``walls`` in its file."""
 
     plan: ClassVar[Callable[[House, int], str]]
     """Draws it, as SVG so many CSS pixels wide: set by the package, since what draws houses imports this."""
@@ -142,7 +146,14 @@ class House(msgspec.Struct, frozen=True):
         windows = tuple(window for window in self.windows if window.room in left)
         hub = self.hub if self.hub in left else ""
         return House(
-            rooms, doors, windows, hub, self.topology, self.format, wall_thickness=self.wall_thickness
+            rooms,
+            doors,
+            windows,
+            hub,
+            self.topology,
+            self.format,
+            wall_thickness=self.wall_thickness,
+            free_walls=self.free_walls,
         )
 
     @property
@@ -184,16 +195,20 @@ class House(msgspec.Struct, frozen=True):
         found, format_ = read(record)
         openings = found.doors, found.windows
         about = found.hub or "", found.topology, format_, found.provenance, found.wall_thickness
-        return cls(found.rooms, *openings, *about)
+        return cls(found.rooms, *openings, *about, found.walls)
 
     def to_dict(self) -> dict[str, Any]:
         """Write the house in its JSON form, in metres; ``from_dict`` gives the same house back.
 
-        Raises ``ValueError`` where it is no star and its format is of stars alone.
+        Raises ``ValueError`` where it is no star, or has free walls, and its format is of stars alone.
         """
         if self.format != FORMAT:
+            if self.free_walls:
+                raise ValueError(
+                    f"files of the format {self.format} have no free walls: write it as {FORMAT}"
+                )
             return star_record(self.star, self.format, self.provenance)
         openings = self.doors, self.windows
-        about = self.hub or None, self.topology, self.provenance, self.wall_thickness
+        about = self.hub or None, self.topology, self.provenance, self.wall_thickness, self.free_walls
         record = Record(FORMAT, "m", self.rooms, *openings, *about)
         return msgspec.to_builtins(record)

@@ -6,6 +6,7 @@ Metres; x grows east and y grows south, so a rectangle's ``x, y`` is its north-w
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import hypot
 from typing import Annotated, Any, Literal, Self
 
 import msgspec
@@ -36,8 +37,9 @@ PIXEL = 0.3048 / 8.5
 BODY = 0.287
 """Metres: side of the square body that walks in houses, and the least cell of a grid."""
 
-FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS = 1000.0, 1024, 256, 4096
-"""What is read of a file: metres from the origin, rooms of a house, pieces of a room, doors or windows."""
+FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS, MOST_WALLS = 1000.0, 1024, 256, 4096, 65536
+"""What is read of a file: metres from the origin, rooms of a house, pieces of a room, doors or windows, walls
+that stand by themselves."""
 
 # What the published schema says beside the types; the reader says it in words (``records.py``).
 Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
@@ -145,6 +147,39 @@ class Window(Rect, frozen=True, forbid_unknown_fields=True):
     """A window in an outer wall of a room: a segment."""
 
     room: Name
+
+
+class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
+    """A wall that stands by itself, at any angle: a segment with a thickness, half of it on each side. In
+    files it is the list of these five numbers, metres.
+    """
+
+    x1: Place
+    y1: Place
+    x2: Place
+    y2: Place
+    thickness: Length
+
+    @property
+    def box(self) -> tuple[float, float, float, float] | None:
+        """What it fills (west, north, east, south), metres, where it runs along an axis; else None."""
+        (west, north, east, south), half = self.around.box, self.thickness / 2
+        if west == east:
+            return west - half, north, east + half, south
+        return (west, north - half, east, south + half) if north == south else None
+
+    @property
+    def around(self) -> Rect:
+        """The rectangle around its two ends, metres."""
+        (west, east), (north, south) = sorted((self.x1, self.x2)), sorted((self.y1, self.y2))
+        return Rect(west, north, east - west, south - north)
+
+    @property
+    def oriented(self) -> tuple[float, float, float, float, float, float]:
+        """Its middle, the unit vector that it runs along, half its length and half its thickness, metres."""
+        x, y, length = self.x2 - self.x1, self.y2 - self.y1, hypot(self.x2 - self.x1, self.y2 - self.y1)
+        middle = (self.x1 + self.x2) / 2, (self.y1 + self.y2) / 2
+        return *middle, x / length, y / length, length / 2, self.thickness / 2
 
 
 class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):

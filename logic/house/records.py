@@ -18,10 +18,12 @@ from logic.house.parts import (
     MOST_OPENINGS,
     MOST_PIECES,
     MOST_ROOMS,
+    MOST_WALLS,
     ORIGINAL,
     OUTSIDE,
     STAR,
     Door,
+    FreeWall,
     Name,
     Provenance,
     Rect,
@@ -45,6 +47,7 @@ class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fie
     topology: str = ""
     provenance: Provenance | None = None
     wall_thickness: Thickness | None = None
+    walls: Annotated[tuple[FreeWall, ...], Meta(max_length=MOST_WALLS)] = ()
 
 
 def read(record: dict[str, Any]) -> tuple[Record, Any]:
@@ -145,6 +148,11 @@ def _require_sizes(house: Record, in_star: bool) -> None:
             said = f"{thick.inner} and {thick.outer}"
             why = "must be more than 0 m, and no more for inner walls than for outer ones"
             raise msgspec.ValidationError(f"wall_thickness: {why}, not {said}")
+    for index, wall in enumerate(house.walls):
+        if not all(abs(value) <= FARTHEST for value in (wall.x1, wall.y1, wall.x2, wall.y2)):
+            raise msgspec.ValidationError(f"walls[{index}] lies beyond {FARTHEST:g} m or is not a number")
+        if wall.thickness < 0 or (wall.x1, wall.y1) == (wall.x2, wall.y2):
+            raise msgspec.ValidationError(f"walls[{index}] must have a length, and a thickness of at least 0")
     for room in house.rooms:
         require(room, "floor" if in_star and room.name == house.hub else room.name)
         if len(room.pieces) > MOST_PIECES:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 from logic import House
 from logic.spelling import unknown
-from sim.backends.backend import NAMED, PIECE
+from sim.backends.backend import NAMED, PIECE, WALL
+from sim.geometry import Geometry
 
 
 def pieces_in(house: House) -> Counter[str]:
@@ -13,10 +14,13 @@ def pieces_in(house: House) -> Counter[str]:
     return Counter(piece.type for room in house.rooms for piece in room.pieces)
 
 
-def codes(house: House, kinds: Sequence[str]) -> list[int]:
-    """What a ray that hits it says of each piece of a house: ``PIECE``, or ``NAMED`` and its kind's place."""
+def codes(house: House, shape: Geometry, kinds: Sequence[str]) -> list[int]:
+    """What a ray says of each piece of a house that it hits, ``PIECE``, or ``NAMED`` and its kind's place;
+    then of each of its blocks.
+    """
     at = {kind: NAMED + place for place, kind in enumerate(kinds)}
-    return [at.get(piece.type, PIECE) for room in house.rooms for piece in room.pieces]
+    pieces = [at.get(piece.type, PIECE) for room in house.rooms for piece in room.pieces]
+    return pieces + [WALL] * len(shape.blocks)
 
 
 def check_kinds(houses: Sequence[House], kinds: Sequence[str]) -> None:

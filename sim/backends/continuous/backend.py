@@ -8,6 +8,7 @@ from sim.backends.continuous.move import Motion
 from sim.backends.continuous.pack import pack
 from sim.backends.continuous.see import Sight
 from sim.config import Config
+from sim.geometry import require_straight
 from sim.runtime import ti
 
 
@@ -17,7 +18,8 @@ class Continuous(Motion, Sight):
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
-        """Any house will do."""
+        """Any house whose walls run along the axes will do."""
+        require_straight(houses, "continuous")
         return config
 
     def pack(self, houses: Sequence[House]) -> Bank:

@@ -28,7 +28,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
                 f"to a main room, not for the topology {house.topology!r}: use the preset 'default'"
             )
     parts = [
-        _Part.of(shape, house.main_room is not None, codes(house, config.kinds))
+        _Part.of(shape, house.main_room is not None, codes(house, shape, config.kinds))
         for shape, house in zip(shapes, houses, strict=True)
     ]
     count = len(parts)

@@ -10,7 +10,7 @@ from sim.backends.grid.move import Motion
 from sim.backends.grid.pack import pack
 from sim.backends.grid.see import Sight
 from sim.config import DEFAULT, Config
-from sim.geometry import geometry
+from sim.geometry import geometry, require_straight
 from sim.runtime import ti
 
 
@@ -21,6 +21,7 @@ class Grid(Motion, Sight):
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
         """The body is a cell wide and goes a cell a step; ``ValueError`` for a house that is off the grid."""
+        require_straight(houses, "grid")
         cell = cell_side(houses)
         if cell < DEFAULT.body[0]:
             raise ValueError(

@@ -91,7 +91,8 @@ class Cells:
         for box in [shape.floor, *shape.rooms, *shape.doorways]:
             x, y, x_end, y_end = self._span(box)
             inside[x:x_end, y:y_end] = True
-        for box, kind in zip(shape.pieces, kinds or [PIECE] * len(shape.pieces), strict=True):
+        kinds = kinds or [PIECE] * len(shape.pieces) + [WALL] * len(shape.blocks)
+        for box, kind in zip([*shape.pieces, *shape.blocks], kinds, strict=True):
             x, y, x_end, y_end = self._span(box)
             self.filled[x:x_end, y:y_end] = True
             self.upright[[x, x_end], y:y_end] = kind

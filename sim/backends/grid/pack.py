@@ -35,7 +35,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     """Bring houses to the device: what can be done and seen in each cell."""
     shapes = [geometry(house) for house in houses]
     parts = [
-        Cells(shape, config.step, codes(house, config.kinds))
+        Cells(shape, config.step, codes(house, shape, config.kinds))
         for shape, house in zip(shapes, houses, strict=True)
     ]
     header = np.zeros((len(parts), HEADER), np.int32)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from logic import House, check, load, save
+from logic import FreeWall, House, check, load, save
 from logic.house.records import schema
 from logic.request.geojson import from_geojson
 from tests.logic.house.handmade import houses
@@ -25,7 +25,8 @@ RECORD = RECORDS[0]
 
 STATED = re.compile(
     "stands twice|no room is named outside|no hub|there is no room|joins .* with itself|must be a segment"
-    "|sizes must be positive|lies beyond 1000 m|at most 256|topology (star|original)|request.cell"
+    "|sizes must be positive|must have a length|lies beyond 1000 m|at most 256|topology (star|original)"
+    "|request.cell"
 )
 """What a reader refuses beyond what a schema can say: see ``logic.house.records.schema``."""
 
@@ -60,6 +61,20 @@ def test_a_house_that_is_no_star_cannot_be_written_as_one() -> None:
         replace(PLANS["flat"], format="vitruvius-1").to_dict()
 
 
+def test_walls_that_stand_by_themselves_are_read_as_they_were_written_but_a_star_file_has_none() -> None:
+    walls = FreeWall(1, 1, 2.5, 2, 0.1), FreeWall(3, 0, 3, 2, 0)
+    house = replace(PLANS["flat"], free_walls=walls)
+    record = json.loads(json.dumps(house.to_dict()))
+    assert record["walls"][0] == [1, 1, 2.5, 2, 0.1]
+    assert House.from_dict(record) == house
+    assert accepts(SCHEMA, record)
+    assert [wall.box for wall in walls] == [None, (3, 0, 3, 2)]
+    star = replace(random_house(1), free_walls=walls)
+    with pytest.raises(ValueError, match="files of the format vitruvius-1 have no free walls"):
+        star.to_dict()
+    assert House.from_dict(star.converted().to_dict()).free_walls == walls
+
+
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
@@ -86,6 +101,10 @@ def test_a_house_that_is_no_star_cannot_be_written_as_one() -> None:
         ("windows.1.room", "outside", r"windows\[1\]: there is no room outside: there are R0"),
         ("windows.1.width", 0.0, r"windows\[1\] must be a segment"),
         ("topology", "star", "topology star: R1: a room of a star has one door, to R0"),
+        ("walls", [[0, 0, 1, 1]], r"Expected `array` of (at least )?length 5"),
+        ("walls", [[0, 0, 1, 1, -0.1]], r"walls\[0\] must have a length, and a thickness of at least 0"),
+        ("walls", [[0, 0, 1, 1, 0], [2, 3, 2, 3, 0.1]], r"walls\[1\] must have a length"),
+        ("walls", [[0, 0, 1e9, 1, 0]], r"walls\[0\] lies beyond 1000 m or is not a number"),
         ("provenance", {"grammar": "home"}, "missing required field `grammar_hash`"),
     ],
 )
