@@ -1,6 +1,10 @@
-:- module(island, [island/4, island_constraints//2, all_seats_constraints//1, island_chains/3, island_items/2]).
+:- module(island, [island/4, strips/3, narrowest_strip/1, island_constraints//3, all_seats_constraints//1, island_chains/4,
+                   island_items/2]).
 
-/** <module> What stands in the middle of a room: islands in one row, a passage from each other and from the core's edge */
+/** <module> What stands in the middle of a room: islands in one row, a passage from each other and from the core's edge
+
+Several rows are parallel, a passage apart. Each is a strip, along whose edge its islands stand.
+*/
 
 :- use_module(library(apply)).
 :- use_module(library(apply_macros)).
@@ -16,7 +20,7 @@
 %   Island is the piece of this on/4 atom with its seats.
 
 island(Layout, Room, On, Island) :-
-    On = on(F,_,middle,N),
+    On = on(F,_,Place,N),
     make_island([item(item(F,L,D,W-Depth)),across(Across),inwards(Inwards),xblock(block(_,FullAcross,XBounds,Apart)),
                  yblock(block(_,FullInwards,YBounds,Apart)),seats(Seats),front(Front)], Island),
     room_width(Room, W), room_depth(Room, Depth),
@@ -35,7 +39,7 @@ island(Layout, Room, On, Island) :-
     YBounds = [at_least(Y1+P)-Why, at_least(C)-[On,length(door_clearance)], at_most(Y2-P-FullInwards)-Why|YMore],
     room_row(Room, Row),
     N0 is N - 1,
-    phrase(after(N0, Row, Layout), Apart, Why).
+    phrase(after(Place, N0, Row, Layout), Apart, Why).
 
 %   clear_of(+Doors, +Bound, -Bounds, -Others): the Bound is one of them where a wall has doors.
 
@@ -49,7 +53,7 @@ island_reasons(On, Layout, Front, With) -->
     ( holds(faces(F,K,Front), Layout) -> [] ; { Front = none } ),
     because(With).
 
-after(N, Row, Layout) --> ( holds(on(_,_,middle,N), Layout) -> [row(Row)] ; [] ).
+after(Place, N, Row, Layout) --> ( holds(on(_,_,Place,N), Layout) -> [row(Row)] ; [] ).
 
 seat_of(Walls, with(_,_,G,Hand), seat(Hand,item(G,_,_,Walls))).
 
@@ -59,19 +63,61 @@ with_seats(Size, Low, High, Seats, Full) :-
     ( memberchk(seat(Low,item(_,_,A,_)), Seats)  -> Full1 = A+Size ; Full1 = Size ),
     ( memberchk(seat(High,item(_,_,B,_)), Seats) -> Full = Full1+B ; Full = Full1 ).
 
-%!  island_constraints(+Islands, +Row)// describes the constraints of the islands, see linear.pl.
+%!  strips(+Rows, +Way, -Strips) is det.
+%
+%   Rows are the islands of each row. Where there are several, they are Strips, whose islands start at the same place.
 
-island_constraints(Islands, Row) -->
-    { length_of(passage, P), island_chains(Islands, Row, Chains) },
+strips([], _, []).
+strips([_], _, []) :- !.
+strips([Row|Rows], Way, Strips) :- maplist(strip(Way), [Row|Rows], Strips).
+
+strip(Way, Islands, strip(block(Start,_,Bounds,[row(Way)]),Islands,Depths)) :-
+    maplist(across_row(Way), Islands, Blocks),
+    maplist(at_edge(Start), Blocks, All, Depths),
+    append(All, Bounds).
+
+across_row(across, Island, Block)  :- island_yblock(Island, Block).
+across_row(inwards, Island, Block) :- island_xblock(Island, Block).
+
+at_edge(Start, block(Start,Depth,Bounds,_), Bounds, Depth-Why) :- Bounds = [_-Why|_].
+
+%!  narrowest_strip(?Strip) is det: where the sizes are known, it is as deep as the deepest of its islands.
+
+narrowest_strip(strip(block(_,Depth,_,_),_,Depths)) :- foldl(deeper, Depths, 0, Depth).
+
+deeper(Own-_, Depth0, Depth) :- Depth is max(Depth0, Own).
+
+%!  island_constraints(+Islands, +Strips, +Row)// describes the constraints of the islands, see linear.pl.
+
+island_constraints(Islands, Strips, Row) -->
+    { length_of(passage, P), island_chains(Islands, Strips, Row, Chains) },
     all_chains_constraints(Chains, P),
+    within_strips(Strips),
     all_seats_constraints(Islands).
 
-%!  island_chains(+Islands, +Row, -Chains) is det.
-%
-%   Chains are the row of islands one way, across or inwards, and each island alone the other way.
+within_strips([]) --> [].
+within_strips([strip(block(_,Strip,_,_),_,Depths)|Strips]) --> within_strip(Depths, Strip), within_strips(Strips).
 
-island_chains([], _, []) :- !.
-island_chains(Islands, Row, [Chain|Singles]) :- row_chains(Row, Islands, Chain, Singles).
+within_strip([], _) --> [].
+within_strip([Depth-Why|Depths], Strip) --> [(Depth =< Strip)-Why], within_strip(Depths, Strip).
+
+%!  island_chains(+Islands, +Strips, +Row, -Chains) is det.
+%
+%   Chains are the row of islands one way, across or inwards, and each island alone the other way; or each of several rows one
+%   way, and their strips the other way.
+
+island_chains([], _, _, []) :- !.
+island_chains(Islands, [], Row, [Chain|Singles]) :- !, row_chains(Row, Islands, Chain, Singles).
+island_chains(_, Strips, Row, [Edges|Chains]) :-
+    maplist(strip_edge, Strips, Edges),
+    maplist(strip_chain(Row), Strips, Chains).
+
+strip_edge(strip(Block,_,_), Block).
+
+strip_chain(Row, strip(_,Islands,_), Chain) :- maplist(along_row(Row), Islands, Chain).
+
+along_row(across, Island, Block)  :- island_xblock(Island, Block).
+along_row(inwards, Island, Block) :- island_yblock(Island, Block).
 
 row_chains(across, Islands, Chain, Singles) :-
     maplist(island_xblock, Islands, Chain),

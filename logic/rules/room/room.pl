@@ -41,7 +41,7 @@ layout_room(Type, Layout, Doors, Room) :-
 
 layout_room_(Type, Layout, Doors, Room) :-
     make_room([type(Type),width(W),depth(D),door(Entrance),doors(Doors),core(core(X1,X2,Y1,Y2)),stretches(Stretches),row(Row),
-               islands(Islands),busy(Busy)], Room),
+               islands(Islands),strips(Strips),busy(Busy)], Room),
     door_entrance(Doors, Entrance),
     stretch_names(Doors, Names),
     pieces_by_place(Layout, Placed),
@@ -51,7 +51,13 @@ layout_room_(Type, Layout, Doors, Room) :-
     free_wall(Front, Y1, 0.0), free_wall(Left, X1, 0.0), free_wall(Back, Y2, D), free_wall(Right, X2, W),
     maplist(stretch(Chains, Layout, Room), Chains, Stretches),
     ( memberchk(row(R), Layout) -> Row = R ; Row = across ),
-    ( memberchk(middle-Ons, Placed) -> maplist(island(Layout, Room), Ons, Islands) ; Islands = [] ).
+    findall(Ons, ( member(Place-Ons, Placed), middle_place(Place) ), InRows),
+    maplist(maplist(island(Layout, Room)), InRows, Rows),
+    append(Rows, Islands),
+    strips(Rows, Row, Strips).
+
+middle_place(middle).
+middle_place(middle(_)).
 
 %   busy_walls(+Chains, ?Busy): the first stretch of each wall at which furniture stands, unbound for none.
 
@@ -85,11 +91,11 @@ at_place((Place/_)-On, Place-On).
 %!  room_constraints(+Room)// describes all constraints of a room but those of its sizes, see linear.pl.
 
 room_constraints(Room) -->
-    { room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands) },
+    { room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands), room_strips(Room, Strips) },
     core_constraints(Room),
     all_stretches_constraints(Stretches, Room),
     fronts_constraints(Stretches),
-    island_constraints(Islands, Row).
+    island_constraints(Islands, Strips, Row).
 
 all_stretches_constraints([], _) --> [].
 all_stretches_constraints([Stretch|Stretches], Room) -->
@@ -200,7 +206,8 @@ room_items(Room, Items) :-
 
 %!  widest_core(?Room) is det.
 %
-%   Where the sizes are known: the core reaches as near to each wall as the deepest piece there leaves it.
+%   Where the sizes are known: the core reaches as near to each wall as the deepest piece there leaves it, and strips are no
+%   deeper than what stands there.
 
 widest_core(Room) :-
     room_width(Room, W), room_depth(Room, D), room_core(Room, core(X1,X2,Y1,Y2)), room_stretches(Room, Stretches),
@@ -208,7 +215,9 @@ widest_core(Room) :-
     ( var(X1) -> X1 = Left ; true ),
     ( var(Y1) -> Y1 = Front ; true ),
     ( number(X2) -> true ; X2 is W - Right ),
-    ( number(Y2) -> true ; Y2 is D - Back ).
+    ( number(Y2) -> true ; Y2 is D - Back ),
+    room_strips(Room, Strips),
+    maplist(narrowest_strip, Strips).
 
 wall_deepest(stretch(_,[],_), Deep, Deep) :- !.
 wall_deepest(stretch(Name,Links,_), Deep0, Deep) :-
@@ -226,9 +235,9 @@ deeper_wall(right, Out, deep(F,L,B,R0), deep(F,L,B,R)) :- R is max(R0, Out).
 %   All chains of a room, to be sampled where everything else is known.
 
 room_chains(Room, Chains) :-
-    room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands),
+    room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands), room_strips(Room, Strips),
     maplist(stretch_blocks, Stretches, OnWalls),
-    island_chains(Islands, Row, Free),
+    island_chains(Islands, Strips, Row, Free),
     append(OnWalls, Free, Chains).
 
 stretch_blocks(stretch(_,_,Blocks), Blocks).

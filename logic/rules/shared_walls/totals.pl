@@ -135,7 +135,7 @@ sum_of([X|Xs], Sum) :- foldl([Y,S,S+Y]>>true, Xs, X, Sum).
 %!  total_sample(+Arithmetic, ?Order, +System, +Totals, +Rooms, +Sized, +Halvings)// is semidet.
 %
 %   The places in Order (lines.pl) are numbers with which the System, that of total_constraints/3 too, holds and the Totals of the
-%   Rooms are as stated. What is left after this number of Halvings is passed over.
+%   Rooms are as stated. What is left after this number of Halvings, or `any`, is passed over.
 
 total_sample(Arithmetic, Order, System, Totals, Rooms, Sized, Halvings) -->
     { total_boxes(Totals, Sized, Boxes),
@@ -151,14 +151,17 @@ halving(Halvings, Walls, Boxes, All, Ways) -->
     { All = all(Arithmetic,Totals,_), bounded(Totals, Boxes, Bounds), append(Walls, Bounds, System) },
     (   either_way(Ways, System, Walls, All)
     ->  []
-    ;   { Halvings > 0, left_of(Arithmetic, System, Boxes, Left),
+    ;   { fewer(Halvings, Fewer), left_of(Arithmetic, System, Boxes, Left),
           widest(Left, box(R,W,D,ranges(W1-W2,Ds,Area),Own,Why), Others),
-          Half is (W1+W2)/2, Fewer is Halvings - 1 },
+          Half is (W1+W2)/2 },
         unit_sample(U),
         { Lower = part(W1-Half,W =< Half), Upper = part(Half-W2,Half =< W),
           ( U < 0.5 -> Parts = [Lower,Upper] ; Parts = [Upper,Lower] ),
           member(part(Range,Constraint), Parts) },
         halving(Fewer, [Constraint-[]|Walls], [box(R,W,D,ranges(Range,Ds,Area),Own,Why)|Others], All, Ways), ! ).
+
+fewer(any, any).
+fewer(N, Fewer) :- integer(N), N > 0, Fewer is N - 1.
 
 %   either_way(+Ways, +System, +Walls, +All)// is semidet: the walls that run one way have their places, and then the others.
 

@@ -213,7 +213,7 @@ line_place(Places, edge(_,_,Line), X) :- get_assoc(Line, Places, X).
 
 unsampled(Atoms, Plan, System) :-
     once(( on_grid ; Plan = plan(_,Rooms), totals(Atoms, Rooms, [_|_]) )),
-    \+ call(plan_sample(real-inf, Atoms, Plan, System), 0, _),
+    \+ call(plan_sample(real-any, Atoms, Plan, System), 0, _),
     \+ call(plan_sample(rational-0, Atoms, Plan, System), 0, _).
 
 %!  fewest_unknowns_first(+Constraints, -Ordered) is det.

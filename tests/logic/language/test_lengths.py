@@ -24,6 +24,19 @@ KITCHEN = "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2
 AREA = "room_area(kitchen,   6.0, 16.0)."
 WINDOW = "window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }."
 
+TWO_ROOMS = """
+topology(dissection).  type(hall;bath).  empty(hall;bath).  central(hall).
+opens(outside,hall).   opens(hall,bath).
+#program house.
+:- not room(_,bath).
+"""
+TWO_SIZES = """
+room_size(hall, W, D) :- {{ W + D = 6, W >= 1, D >= 1 }}.
+room_size(bath, W, D) :- {{ W + D = 9, W >= 1, D >= 1 }}.
+house_area({}, 29).
+door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+"""
+
 
 def edited(folder: Path, edits: dict[str, str], grammar: str = "home") -> Path:
     """A copy of a shipped grammar with other clauses in its sizes."""
@@ -205,6 +218,19 @@ def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(
         next(generate(6, grammar=folder))
     assert "area.pl:1:1: house_area(20.0, 35.0)." in str(error.value)
     assert "There is a house with --rooms 4." in str(error.value)
+
+
+def test_an_area_that_each_room_reaches_but_not_both_is_proved_impossible(tmp_path: Path) -> None:
+    """Of L (6 - L) and L (9 - L) the greatest are 9 and 20.25, and the greatest sum, where L is 3.75, is 28.125."""
+    (tmp_path / "rooms.lp").write_text(TWO_ROOMS)
+    for least, possible in ((28.1, True), (28.2, False)):
+        (tmp_path / "sizes.pl").write_text(TWO_SIZES.format(least))
+        if possible:
+            (house,) = generate(2, grammar=tmp_path, count=1)
+            assert sum(room.area for room in house.rooms) >= least - 1e-6
+        else:
+            with pytest.raises(Unsatisfiable, match=r"house_area\(28.2, 29\)"):
+                next(generate(2, grammar=tmp_path))
 
 
 def test_the_area_of_a_plan_that_is_given_is_judged(tmp_path: Path) -> None:

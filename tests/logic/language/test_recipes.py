@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
@@ -264,6 +265,16 @@ def chair_at_a_desk(bureau: Standing) -> bool:
     middles = [(each.box[across] + each.box[across + 2]) / 2 for each in (bureau.piece, chair)]
     touching = abs(chair.box[(front + 2) % 4] - bureau.piece.box[front]) < TOLERANCE
     return chair.type == "chair" and touching and abs(middles[0] - middles[1]) < TOLERANCE
+
+
+@claim(rooms("classroom"))
+def rows_of_desks(room: StarRoom) -> bool:
+    """Two in each but one, and the chairs of a row in one line."""
+    axis = seen(room).index("front") % 2
+    edges = Counter(
+        round(piece.children[0].box[axis], 6) for piece in room.children if piece.type == "schoolDesk"
+    )
+    return sorted(edges.values())[-2:] == [2, 2] and set(edges.values()) <= {1, 2}
 
 
 @claim(lambda houses: [room for house in houses for room in house.rooms if room.type.startswith("office")])

@@ -215,6 +215,20 @@ MISTAKES = (
         says="no such companion is beside the piece: see beside/4",
     ),
     Mistake(
+        "more rows in the middle than there can be",
+        "furniture.lp",
+        old="",
+        new="rows(hall,10).",
+        says="there are 1 to 9 rows, a whole number",
+    ),
+    Mistake(
+        "rows of a room that there is not",
+        "furniture.lp",
+        old="",
+        new="rows(hal,2).",
+        says="hal stands nowhere else: did you mean hall?",
+    ),
+    Mistake(
         "counts upside down",
         "furniture.lp",
         old="",
