@@ -227,7 +227,9 @@ class GivenPlanMaker(SharedWallsMaker):
 
 
 def _meetings(plan: OwnPlan) -> HouseFacts:
-    """Which rooms share walls, which sides are outer walls, wholly or in part, and which have windows."""
+    """Which rooms share walls, which are parts of others, which sides are outer walls, wholly or in part, and
+    which have windows.
+    """
     found = []
     for wall in plan.walls:
         room = Number(wall.room)
@@ -240,6 +242,10 @@ def _meetings(plan: OwnPlan) -> HouseFacts:
         if wall and wall.behind is not None:
             kind = "leafless" if door.opening else "leaf"
             found.append(Function(kind, [Number(wall.room), Number(wall.behind)]))
+    numbers = {room.name: number for number, room in enumerate(plan.rooms)}
+    for number, room in enumerate(plan.rooms):
+        if room.part_of:
+            found.append(Function("said_part", [Number(number), Number(numbers[room.part_of])]))
     panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
     found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
     return [(fact, ()) for fact in dict.fromkeys(found)]

@@ -11,6 +11,7 @@ from statistics import median
 from typing import Any, NamedTuple
 
 import shapely
+from msgspec import UNSET, UnsetType
 from shapely import Geometry, Polygon, affinity
 
 from logic.errors import RequestError
@@ -103,7 +104,8 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
         for part, each in zip(parts, own, strict=True):
             # Of a room of several corners the largest part is of its type.
             kind = meant(space.words)[0] if each == name else ""
-            rooms.append(_room(each, kind, part))
+            whole = name if each != name and _touch(part, parts[0]) else UNSET
+            rooms.append(_room(each, kind, part, whole))
         joints += [
             (a, b)
             for (a, one), (b, other) in combinations(zip(own, parts, strict=True), 2)
@@ -116,7 +118,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
             )
     west, north = (min(room.box[k] for room in rooms) for k in (0, 1))
     shift = (-west, -north)
-    rooms = [_room(each.name, each.type, shapely.box(*each.box), shift) for each in rooms]
+    rooms = [_room(each.name, each.type, shapely.box(*each.box), each.part_of, shift) for each in rooms]
 
     def placed(shape: Geometry) -> Geometry:
         return affinity.translate(upright(shape), *shift)
@@ -221,6 +223,13 @@ def _touch(one: Polygon, other: Polygon) -> bool:
     return shapely.intersection(one, other).length > NARROW
 
 
-def _room(name: str, kind: str, box: Polygon, shift: tuple[float, float] = (0.0, 0.0)) -> Room:
+def _room(
+    name: str,
+    kind: str,
+    box: Polygon,
+    whole: str | UnsetType,
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> Room:
     west, north, east, south = (round(edge + shift[k % 2], 4) for k, edge in enumerate(box.bounds))
-    return Room(west, north, round(east - west, 6), round(south - north, 6), name=name, type=kind)
+    size = round(east - west, 6), round(south - north, 6)
+    return Room(west, north, *size, name=name, type=kind, part_of=whole)

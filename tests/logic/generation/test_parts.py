@@ -1,5 +1,6 @@
 """Rooms of several corners: a room and its parts, with no wall between them, judged by geometry."""
 
+import json
 import shutil
 from itertools import product
 from pathlib import Path
@@ -8,7 +9,7 @@ import pytest
 import shapely
 from msgspec import UNSET, ValidationError, structs
 
-from logic import RequestError, Unsatisfiable, check
+from logic import PlanWarning, RequestError, Unsatisfiable, check
 from logic.drawing.labels import room_names
 from logic.drawing.palettes import style
 from logic.drawing.plan import Frame
@@ -19,6 +20,7 @@ from logic.house.house import House
 from logic.house.parts import Room
 from logic.proofs.answer import house_or_proof
 from logic.request.brief import read_brief
+from logic.request.given_plan import read_plan
 from logic.request.own_plan import OwnPlan
 from logic.request.request import Request
 from logic.workers.nearest_plan import nearest_plan
@@ -213,3 +215,28 @@ def test_that_a_room_without_a_part_is_too_small_says_nothing_of_one_with_it(tmp
         house = house_or_proof(builder, Request(2), seed, 0, INFERENCES)
         assert check(house) == []
         assert {room.type for room in house.rooms} == {"hall", "bay"}
+
+
+def test_a_room_of_six_corners_in_a_real_plan_is_a_room_and_its_part(tmp_path: Path) -> None:
+    """In HouseExpo's format, without doors: a hall of 3 m by 3 m whose bay of 2 m by 1.5 m is behind it."""
+    (tmp_path / "rooms.lp").write_text(TINY)
+    (tmp_path / "sizes.pl").write_text(TINY_SIZES.replace("whole_area(hall, 13.01, 20.0).", ""))
+    corners = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 4.5], [0, 4.5]]
+    bounds = {"min": [0, 0], "max": [3, 4.5]}
+    record = {"id": "L", "room_num": 1, "verts": corners, "bbox": bounds}
+    record["room_category"] = {"Hall": [[0, 0, 3, 4.5]]}
+    (tmp_path / "plan.json").write_text(json.dumps(record))
+    with pytest.warns(PlanWarning, match="2 rooms, Hall, Hall 2"):
+        plan = read_plan(tmp_path / "plan.json")
+    house = Builder(find(tmp_path)).house(Request(2, plan=plan), 0, 0, INFERENCES)
+    assert check(house) == []
+    hall, bay = house.rooms
+    assert (hall.type, bay.type, bay.part_of) == ("hall", "bay", hall.name)
+    (door,) = (each for each in house.doors if not each.is_entrance)
+    assert door.opening
+    assert door.length == pytest.approx(2.0)
+    # A grammar that has no part of a hall has the same, open to each other.
+    rules = TINY.replace("part(bay,hall).", "opening(bay,hall).")
+    (tmp_path / "rooms.lp").write_text(rules)
+    house = Builder(find(tmp_path)).house(Request(2, plan=plan), 0, 0, INFERENCES)
+    assert [room.part_of for room in house.rooms] == [UNSET, UNSET]

@@ -1,4 +1,4 @@
-"""Rows of desks in the middle of a room: parallel, a passage apart, and refused where there is no room for them."""
+"""Rows of desks in the middle of a room: parallel, a passage apart, refused where they have no room."""
 
 from collections import defaultdict
 from itertools import pairwise
@@ -59,7 +59,7 @@ def with_chair(desk: Piece) -> Box:
 
 
 def rows(house: House) -> list[list[list[Box]]]:
-    """Of each room, the desks with their chairs by row: those whose backs are in one line, away from the door."""
+    """Of each room, the desks with their chairs by row: those whose backs are in one line."""
     found = []
     for room in house.rooms:
         if room.type != "classroom":
@@ -104,4 +104,4 @@ def test_rows_that_just_fit_do_and_a_centimetre_less_is_proved(tmp_path: Path) -
     with pytest.raises(Unsatisfiable) as caught:
         house_or_proof(builder(tmp_path, "3,3", 1, 4, JUST - 0.01), Request(1), 0, 0, INFERENCES)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
-    assert "piece_size(desk" in reasons and "passage(0.7)" in reasons
+    assert all(each in reasons for each in ("piece_size(desk", "passage(0.7)"))

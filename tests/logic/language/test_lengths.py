@@ -221,7 +221,7 @@ def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(
 
 
 def test_an_area_that_each_room_reaches_but_not_both_is_proved_impossible(tmp_path: Path) -> None:
-    """Of L (6 - L) and L (9 - L) the greatest are 9 and 20.25, and the greatest sum, where L is 3.75, is 28.125."""
+    """L (6 - L) is 9 at most, L (9 - L) 20.25, and their sum 28.125, where L is 3.75."""
     (tmp_path / "rooms.lp").write_text(TWO_ROOMS)
     for least, possible in ((28.1, True), (28.2, False)):
         (tmp_path / "sizes.pl").write_text(TWO_SIZES.format(least))
