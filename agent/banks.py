@@ -13,11 +13,9 @@ from typing import NamedTuple
 import msgspec
 
 from logic import House, HouseFileError, Houses, RequestError, load
+from logic.dataset.splits import TEST, TRAINING
 from logic.house.files import STANDARD
 from logic.spelling import unknown
-
-TRAINING, VALIDATION, TEST = range(10**9), range(10**9, 2 * 10**9), range(2 * 10**9, 2**31)
-"""Seeds of the generator: to learn from, to choose settings by, and to be measured by alone."""
 
 
 class FrozenBank(NamedTuple):

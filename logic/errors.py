@@ -7,7 +7,7 @@
     ├── RequestError    the request makes no sense: wrong usage
     ├── HouseFileError  a house file is absent, truncated or wrong
     ├── Unsatisfiable   proved: no house satisfies the request
-    ├── LimitReached    the stated budget ran out before a house or a proof; OutOfInferences
+    ├── LimitReached    the stated budget ran out before a house or a proof: OutOfInferences, Killed
     └── MissingProgram  SWI-Prolog or one of its libraries is not installed
 """
 
@@ -124,6 +124,10 @@ class OutOfInferences(LimitReached):
     def __init__(self, message: str = "the Prolog inferences for a house ran out") -> None:
         """Keep the message."""
         super().__init__(message)
+
+
+class Killed(LimitReached):
+    """A solver process was killed from outside: of the house that it worked on nothing is known."""
 
 
 class MissingProgram(VitruviusError):

@@ -1,7 +1,8 @@
 """What is shown on a terminal: lines for the user, and progress bars."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
@@ -30,15 +31,21 @@ class Rate(ProgressColumn):
 
 def progress(items: Any, total: int, what: str) -> Iterator[Any]:
     """A progress bar on a terminal, with rate and time left; nothing in a pipe."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        Rate(),
-        TimeRemainingColumn(),
-    )
-    with progress_bar(*columns) as bar:
+    with _counting_bar() as bar:
         yield from bar.track(items, total, description=what)
+
+
+@contextmanager
+def counting(total: int, what: str) -> Iterator[Callable[[int], None]]:
+    """The same bar, of what comes several at a time: call it with how many."""
+    with _counting_bar() as bar:
+        task = bar.add_task(what, total=total)
+        yield lambda number: bar.advance(task, number)
+
+
+def _counting_bar() -> Progress:
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn()
+    return progress_bar(*columns, Rate(), TimeRemainingColumn())
 
 
 def progress_bar(*columns: ProgressColumn, transient: bool = True) -> Progress:

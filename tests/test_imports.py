@@ -30,7 +30,7 @@ FOLDERS = {
             "proofs",
             "why",
         ),
-        *("workers", "drawing", "exports", "browser"),
+        *("workers", "dataset", "drawing", "exports", "browser"),
     ),
     "sim": (
         *("cache", "actions", "config", "tracing", "runtime", "geometry", "film"),

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agent.banks import TEST
 from logic import RequestError, generate, load, save
+from logic.dataset.splits import TEST
 from logic.grammar import SHIPPED
 from logic.request.request import Request, whole
 from tests.programs import PATIENCE, finished

@@ -90,6 +90,7 @@ EXTRAS = {
     "web": ("starlette", "uvicorn", "watchfiles"),
     "film": ("imageio_ffmpeg",),
     "ifc": ("ifcopenshell",),
+    "data": ("pyarrow",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -215,9 +216,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = (
-            extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film", "ifc"} else "agent"
-        )
+        extra = "agent" if not study and extras[0] in {"bench", "sim"} else extras[0]
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

@@ -6,9 +6,10 @@ Half a minute on two cores. The same solver versions (``requirements.lock``) giv
 import sys
 from argparse import ArgumentParser
 
-from agent.banks import BANKS, TEST, bank_hash, benchmark_path, geometry_hash
+from agent.banks import BANKS, bank_hash, benchmark_path, geometry_hash
 from benchmarks.common.houses import in_turns
 from logic import check, save
+from logic.dataset.splits import TEST
 
 HOUSES = 256
 

@@ -12,7 +12,7 @@ import numpy as np
 import torch
 import tyro
 
-from agent.banks import VALIDATION, bank_hash
+from agent.banks import bank_hash
 from agent.evaluation import scores
 from agent.evaluation.protocol import measure
 from agent.evaluation.statistics import Estimate
@@ -25,6 +25,7 @@ from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns, kept_houses
 from benchmarks.common.pages import ROOT, write_tables
 from logic import House, load
+from logic.dataset.splits import VALIDATION
 from logic.house.files import write_whole
 from sim.config import DEFAULT
 

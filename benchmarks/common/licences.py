@@ -28,10 +28,14 @@ SPDX = {
 }
 """What packages write in place of a licence's name."""
 
-UNSTATED = {"array-api-compat": "MIT", "cuda-toolkit": "LicenseRef-NVIDIA-Proprietary"}
+UNSTATED = {
+    "array-api-compat": "MIT",
+    "cuda-toolkit": "LicenseRef-NVIDIA-Proprietary",
+    "mlcroissant": "Apache-2.0",
+}
 """Licences that packages neither name nor bring the text of: as their projects have them."""
 
-ELSEWHERE = {"appnope": "BSD-2-Clause"}
+ELSEWHERE = {"appnope": "BSD-2-Clause", "httpx2-jsfetch": "BSD-3-Clause"}
 """Licences of packages that other systems than Linux install: as their projects have them."""
 
 ASKS_MORE = re.compile(r"GPL|MPL|EPL|CDDL|Proprietary")

@@ -26,7 +26,7 @@ import tyro
 from torch import Tensor
 
 from agent import avoidance, planner
-from agent.banks import VALIDATION, bank_hash
+from agent.banks import bank_hash
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import reset
 from agent.evaluation.statistics import interquartile_mean
@@ -42,6 +42,7 @@ from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner import prior
 from logic import House
+from logic.dataset.splits import VALIDATION
 from logic.errors import RequestError
 from sim import HouseVectorEnv
 from sim.baselines import oracle, searcher

@@ -19,7 +19,7 @@ import numpy as np
 import torch
 import tyro
 
-from agent.banks import VALIDATION, bank_hash
+from agent.banks import bank_hash
 from agent.evaluation.baselines import Privileged, explorer, oracle
 from agent.evaluation.episodes import EpisodeScores, play
 from agent.evaluation.protocol import shortest_ways
@@ -31,6 +31,7 @@ from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.explorers import difference
 from logic import House
+from logic.dataset.splits import VALIDATION
 from logic.errors import RequestError
 from sim import HouseVectorEnv
 from sim.baselines import priors, searcher, view_planner

@@ -1,23 +1,13 @@
 """Houses by request: solver processes at work, and their answers in order."""
 
 import time
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from msgspec import structs
-
-from logic.errors import (
-    Finding,
-    GrammarError,
-    GrammarWarning,
-    RequestError,
-    Unsatisfiable,
-    VitruviusError,
-)
-from logic.grammar import SHIPPED, find
+from logic.errors import Finding, GrammarError, RequestError
+from logic.grammar import find
 from logic.house.house import House
 from logic.house.parts import BODY
 from logic.request.brief import Brief, alone, read_brief
@@ -26,34 +16,15 @@ from logic.request.given_plan import SNAP, keeping, read_plan
 from logic.request.own_plan import OwnPlan
 from logic.request.request import MOST_ROOMS, Count, Request, whole
 from logic.spelling import keywords
-from logic.workers.idle import Idle
-from logic.workers.messages import (
-    Counted,
-    CountLayouts,
-    Done,
-    Judged,
-    Lint,
-    Loaded,
-    Made,
-    MakeHouse,
-    Open,
-    Warn,
-)
-from logic.workers.solver import GRACE, LOADING, START_UP, Solver
-
-_idle = Idle()
+from logic.workers.messages import Counted, CountLayouts, Done, Judged, Lint, Loaded, Open
+from logic.workers.series import Series
+from logic.workers.solver import GRACE, Solver
 
 PLAIN = "plain"
 """The grammar of a brief alone: it says nothing of rooms."""
 
 TRIED = (10, 20)
 """Numbers of rooms with which lint tries which rule takes too much, where it judges rules too long."""
-
-_loaded: set[tuple[str, Open]] = set()
-"""Rules, by hash, that a solver process of this one has loaded: clingo has nothing to remark on in them."""
-
-_warned: set[str] = set()
-"""Hashes of the rules whose warnings this process has given: once is enough."""
 
 
 @keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
@@ -103,6 +74,31 @@ def generate(
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
+    count, workers = whole("count", count, 1), whole("workers", workers, 1)
+    seed, start = whole("seed", seed, 0), whole("start", start, 0)
+    whole("the index of the last house", start + count - 1, 0)
+    asked = {"types": types, "furniture": furniture, "cell": cell, "keep": keep, "brief": brief}
+    drawn = {"plan": plan, "plan_unit": plan_unit, "snap": snap}
+    series = series_of(rooms, **asked, **drawn, grammar=grammar, inferences=inferences, seconds=seconds)
+    return series.houses(seed, range(start, start + count), workers)
+
+
+def series_of(
+    rooms: int | None = None,
+    *,
+    types: Mapping[str, Count] | None = None,
+    furniture: Mapping[str, Count] | None = None,
+    cell: float = 0.0,
+    plan: str | Path | House | OwnPlan | Mapping[str, Any] | None = None,
+    plan_unit: str | None = None,
+    snap: float = SNAP,
+    keep: House | None = None,
+    brief: str | Path | Mapping[str, Any] | Brief | None = None,
+    grammar: str | Path | None = None,
+    inferences: int = 100_000_000,
+    seconds: float = 60.0,
+) -> Series:
+    """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its."""
     own = None if plan is None else read_plan(plan, plan_unit, snap)
     asked = None if brief is None else read_brief(brief)
     if keep is not None and keep.main_room is None:
@@ -119,10 +115,7 @@ def generate(
     if rooms is None:
         raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
     rooms = whole("rooms", rooms, 1, MOST_ROOMS)
-    count, workers = whole("count", count, 1), whole("workers", workers, 1)
     inferences = whole("inferences", inferences, 1)
-    seed, start = whole("seed", seed, 0), whole("start", start, 0)
-    whole("the index of the last house", start + count - 1, 0)
     if not 0 < seconds < 1e6:
         raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
     seconds, cell = float(seconds), float(cell)
@@ -144,10 +137,7 @@ def generate(
     if asked and grammar is None:
         asked, grammar = alone(asked), PLAIN
     wanted = replace(wanted, plan=own, brief=asked)
-    question = MakeHouse(request=wanted.to_dict(), seed=seed, index=start, inferences=inferences)
-    rules = find(grammar or "family")
-    opening = Open(grammar=str(rules.directory), cell=cell)
-    return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
+    return Series(find(grammar or "family"), wanted.to_dict(), inferences, seconds)
 
 
 def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None) -> int:
@@ -240,73 +230,3 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
         return [Finding("error", str(error.file), error.line or 1, error.column or 1, error.message)]
     finally:
         worker.end()
-
-
-def _warn(worker: Solver, rooms: int) -> None:
-    """Warn of what is of no use in the rules that a process has loaded, where these rooms are asked for.
-
-    The rules may take too much for other houses than these: then the process has ended, and nothing is said.
-    """
-    worker.ask(Warn(rooms=rooms, processor=LOADING), START_UP)
-    try:
-        found = worker.answer(Judged, START_UP, "").findings
-    except VitruviusError:
-        return
-    for finding in found:
-        warnings.warn(str(finding), GrammarWarning, stacklevel=3)
-
-
-def _houses(
-    opening: Open,
-    rules: str,
-    question: MakeHouse,
-    indices: range,
-    workers: int,
-    seconds: float,
-) -> Iterator[House]:
-    """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
-    key = (rules, opening)
-    warn = rules not in _warned and Path(opening.grammar).parent != SHIPPED
-    _warned.add(rules)
-    number = min(workers, len(indices))
-    team: list[Solver] = []
-    reusable = False
-    try:
-        for _ in range(number):
-            remarks = not team and key not in _loaded
-            team.append(_idle.take(key) or Solver(structs.replace(opening, remarks=remarks)))
-        for worker in team:
-            if worker.unanswered:
-                worker.loaded()
-        _loaded.add(key)
-        opening = structs.replace(opening, remarks=False)
-        for turn, worker in enumerate(team):
-            worker.ask(structs.replace(question, index=indices[turn]), seconds)
-        rooms = [question.request["rooms"]]
-        for turn, index in enumerate(indices):
-            worker = team[turn % len(team)]
-            late = f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
-            try:
-                made = worker.answer(Made, seconds, late, rooms, question.request)
-            finally:
-                if warn and worker.is_alive():
-                    _warn(worker, *rooms)
-                warn = False
-            if not worker.is_alive():
-                team[turn % len(team)] = worker = Solver(opening)
-                worker.loaded()
-            if turn + len(team) < len(indices):
-                worker.ask(structs.replace(question, index=indices[turn + len(team)]), seconds)
-            reusable = True
-            yield House.from_dict(made.house)
-            reusable = False
-        reusable = True
-    except (Unsatisfiable, RequestError):
-        reusable = True
-        raise
-    finally:
-        for worker in team:
-            if reusable and not worker.unanswered:
-                _idle.add(key, worker)
-            else:
-                worker.end()

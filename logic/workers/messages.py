@@ -77,9 +77,9 @@ class Ease(Question, frozen=True, tag=True):
 
 
 class Promise(Question, frozen=True, tag=True):
-    """What houses of so many rooms promise: ``Promised``."""
+    """What houses of a request promise, as ``Request.to_dict`` has it: ``Promised``."""
 
-    rooms: int
+    request: dict[str, Any]
 
 
 class Lint(Question, frozen=True, tag=True):

@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
+from logic.errors import GrammarError, Killed, LimitReached, VitruviusError, from_record
 from logic.layout.account import GROUNDING, LAYOUT, MOST, PROOF
 from logic.workers.messages import (
     Asked,
@@ -267,7 +267,7 @@ class Solver:
             return LimitReached(late)
         if code == -signal.SIGKILL:
             why = "perhaps for want of memory, or by ulimit -t"
-            return LimitReached(f"a solver process was killed from outside, {why}")
+            return Killed(f"a solver process was killed from outside, {why}")
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         why = "look for a directive that halts, or a clause that recurs without end"
         return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
@@ -278,7 +278,9 @@ class Solver:
         self._kill()
 
     def end(self) -> None:
-        """Kill the process: it holds nothing that anyone needs."""
+        """Kill the process, once: it holds nothing that anyone needs."""
+        if self._questions.closed:  # and its number may be another's by now
+            return
         self._end_helper()
         self._kill()
         self._process.communicate()

@@ -102,7 +102,7 @@ def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
     worker = Solver(Open(grammar=directory))
     try:
         worker.loaded()
-        found = worker.asked(Promise(rooms=rooms), Promised, SECONDS, late).promises
+        found = worker.asked(Promise(request={"rooms": rooms}), Promised, SECONDS, late).promises
     finally:
         worker.end()
     return PROMISES[name].beside(found) if digest == _hash_of(name) else found

@@ -189,7 +189,7 @@ class Worker:
                     yield Eased(how)
                 yield Done()
             case Promise():
-                yield Promised(builder.promises(Request(question.rooms)))
+                yield Promised(builder.promises(Request.read(question.request)))
             case Lint():
                 yield Judged(all_warnings(builder.grammar, builder.loaded))
             case Warn():

@@ -6,8 +6,9 @@ from msgspec.structs import replace
 
 from agent import banks
 from agent.algorithms.pqn.config import PQNConfig
-from agent.banks import BANKS, TEST, TRAINING, VALIDATION, benchmark, geometry_hash, named, require_training
+from agent.banks import BANKS, benchmark, geometry_hash, named, require_training
 from logic import House, HouseFileError, Rect, Star, check, generate, load, save
+from logic.dataset.splits import TEST, TRAINING, VALIDATION
 from logic.house.promises import PROMISES
 from sim.environment.arguments import BANK
 from vitruvius.commands.train import Train

@@ -127,10 +127,9 @@ def bomb(folder: Path) -> Answer:
     It has a fourth of the seconds that such processes have, which is three times what ``family`` needs.
     """
     from logic import generate
-    from logic.workers import generate as generation
-    from logic.workers import solver
+    from logic.workers import series, solver
 
-    solver.LOADING = generation.LOADING = 1.0
+    solver.LOADING = series.LOADING = 1.0
     solver.STEP = 0.5
     try:
         house = next(generate(rooms=1, grammar=folder, seconds=1.0))

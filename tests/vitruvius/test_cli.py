@@ -329,6 +329,10 @@ def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
     [
         ("train houses.jsonl", "vitruvius train needs gymnasium: pip install vitruvius[agent]"),
         ("evaluate pqn", "vitruvius evaluate needs gymnasium: pip install vitruvius[agent]"),
+        (
+            "generate --rooms 1 --shard 0/1 --out SET",
+            "vitruvius generate needs pyarrow: pip install vitruvius[data]",
+        ),
         ("bench generator", "vitruvius bench generator needs scipy: pip install vitruvius[bench]"),
         ("bench phases pqn", "vitruvius bench phases needs torch: pip install vitruvius[agent]"),
     ],

@@ -39,6 +39,7 @@ FOLDERS = (
 
 IN_THE_WAY = {
     "generate --rooms 1 --out mine.jsonl": "mine.jsonl",
+    "generate --rooms 1 --shard 0/1 --out mine": "mine/set.json",
     f"convert {PLANS} --out mine.jsonl": "mine.jsonl",
     f"convert {PLANS} --to geojson --out mine": "mine/house-1.geojson",
     f"convert {PLANS} --to ros --out mine": "mine/house-2.yaml",

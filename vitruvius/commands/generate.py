@@ -7,22 +7,24 @@ import time
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import tyro
-from rich.progress import TextColumn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house.house import House
-from logic.spelling import numbered, quoted
-from logic.terminal import progress, progress_bar, say
+from logic.spelling import quoted
+from logic.terminal import progress, say
 from vitruvius.commands.common import Repeated, counts, print_answer, print_line, require_plan, say_warnings
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
     from logic import Broken
+    from logic.dataset.formats import Files
     from logic.request.brief import Brief
     from logic.request.own_plan import OwnPlan
+else:
+    Files = Literal["parquet", "jsonl"]
 
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
@@ -38,6 +40,7 @@ class Generate:
         "plan": "Rooms that are given",
         "grammar": "Which houses, of all that there are",
         "workers": "Work",
+        "shard": "A set of many houses",
         "out": "Output",
     }
 
@@ -108,12 +111,25 @@ class Generate:
     count_layouts: bool = False
     """Make no houses, but count the layouts from which they are sampled."""
 
+    shard: Annotated[str | None, tyro.conf.arg(metavar="K/N")] = None
+    """Make shard K (from 0) of the N that a set of houses is divided into, or all/N, in the folder --out: one
+    that is there is skipped, and with the last one the set is whole (docs/scale.md)."""
+
+    validation: int = 0
+    """Of a set: how many houses beside, of the seeds that are reserved to choose settings by."""
+
+    test: int = 0
+    """Of a set: how many houses beside, of the seeds that are reserved to be measured by."""
+
+    files: Files = "parquet"
+    """Of a set: Parquet, or JSON Lines."""
+
     out: Streamed | None = None
     """House file (.jsonl, .jsonl.gz, or .json for one house); without it, or with -, to the standard
-    output."""
+    output. Of a set: its folder."""
 
     replace: bool = False
-    """Lose the other houses that the house file holds, if any."""
+    """Lose the other houses that the file or the folder holds, if any."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): what was made."""
@@ -126,7 +142,13 @@ class Generate:
         say_warnings()
         require_plan(self.plan, self.plan_unit, self.snap)
         if self.count_layouts:
-            return self._count()
+            from vitruvius.commands.layouts import count_layouts
+
+            return count_layouts(self)
+        if self.shard is not None:
+            from vitruvius.commands.shards import make_shards
+
+            return make_shards(self, self.shard)
         out = None if self.out == STANDARD else self.out
         _require_writable(out, self.count)
         houses: list[House] = []
@@ -134,22 +156,11 @@ class Generate:
         brief, broken = self._nearest() if self.nearest and self.plan is None else (self.brief, ())
         plan, changes = self._nearest_plan() if self.nearest and self.plan else (self.plan, ())
         request = generate(
-            rooms=self.rooms,
-            types=counts("--type", self.type),
-            furniture=counts("--piece", self.piece),
-            cell=self.cell,
-            brief=brief,
-            plan=plan or self._plan_kept(),
-            plan_unit=self.plan_unit,
-            snap=self.snap,
-            keep=self._kept(),
-            grammar=self.grammar,
+            **self.asked(brief, plan),
             seed=self.seed,
             count=self.count,
             start=self.start,
             workers=self.workers,
-            inferences=self.inferences,
-            seconds=self.seconds,
         )
         try:
             for house in progress(request, self.count, "houses"):
@@ -170,8 +181,25 @@ class Generate:
         if self.json:
             shown = [] if out else [house.to_dict() for house in houses]
             said = [*map(str, broken), *changes]
-            self._answer(time.monotonic() - began, made=len(houses), houses=shown, broken=said)
+            self.answer(time.monotonic() - began, made=len(houses), houses=shown, broken=said)
         return 0
+
+    def asked(self, brief: Any, plan: Any) -> dict[str, Any]:
+        """What the houses are asked for by, with this brief and this plan."""
+        return {
+            "rooms": self.rooms,
+            "types": counts("--type", self.type),
+            "furniture": counts("--piece", self.piece),
+            "cell": self.cell,
+            "brief": brief,
+            "plan": plan or self._plan_kept(),
+            "plan_unit": self.plan_unit,
+            "snap": self.snap,
+            "keep": self._kept(),
+            "grammar": self.grammar,
+            "inferences": self.inferences,
+            "seconds": self.seconds,
+        }
 
     def _nearest(self) -> "tuple[Brief | None, tuple[Broken, ...]]":
         """A brief that has houses, and which lines of the user's these break, which is said."""
@@ -223,7 +251,7 @@ class Generate:
             say("houses keep the whole plan")
         return found.plan, found.changes
 
-    def _answer(self, seconds: float, made: int = 0, **found: Any) -> None:
+    def answer(self, seconds: float, made: int = 0, **found: Any) -> None:
         """Print what was made or counted as JSON."""
         from logic.house.files import STANDARD
         from vitruvius.answers.houses import Generated
@@ -297,45 +325,6 @@ class Generate:
                 f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}"
             )
         return houses[self.keep_house]
-
-    def _count(self) -> int:
-        """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
-        from logic import count_layouts
-        from vitruvius.answers.houses import Layouts
-
-        for option, given in (("--keep", self.keep), ("--plan", self.plan), ("--brief", self.brief)):
-            if given:
-                raise RequestError(f"--count-layouts counts those of whole houses: leave out {option}")
-        if self.rooms is None:
-            raise RequestError("--count-layouts counts those of some rooms: say how many, as in --rooms 6")
-        if self.out:
-            raise RequestError("--count-layouts makes no houses: leave out --out")
-        first = begun = time.monotonic()
-        counted = list[Layouts]()
-        with progress_bar(TextColumn("{task.description}")) as bar:
-            task = bar.add_task("")
-
-            def report(name: str, number: int) -> None:
-                passed = time.monotonic() - begun
-                bar.update(task, description=f"{name}: {numbered(number, 'layout')} after {passed:.0f} s")
-
-            for name, number, whole in count_layouts(
-                self.rooms,
-                types=counts("--type", self.type),
-                furniture=counts("--piece", self.piece),
-                grammar=self.grammar or "family",
-                seconds=self.seconds,
-                report=report,
-            ):
-                counted.append(Layouts(name, number, whole))
-                more = "" if whole else f"in {self.seconds:g} s, more than "
-                if not self.json:
-                    print(f"{name}: {more}{number:,}", flush=True)
-                begun = time.monotonic()
-                bar.update(task, description="")
-        if self.json:
-            self._answer(time.monotonic() - first, counted=counted)
-        return 0 if all(each.exact for each in counted) else 4
 
 
 def _require_writable(out: Path | None, count: int) -> None:

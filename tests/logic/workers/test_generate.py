@@ -308,7 +308,7 @@ def test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules(
         opened.append(opening.remarks)
         return Solver(opening)
 
-    monkeypatch.setattr("logic.workers.generate.Solver", counted)
+    monkeypatch.setattr("logic.workers.series.Solver", counted)
     folder = edited("rooms.lp", "#program house.", "% mine\n#program house.")
     assert len([*generate(rooms=1, grammar=folder, count=2, workers=2)]) == 2
     assert opened == [True, False]

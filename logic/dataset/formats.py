@@ -1,0 +1,125 @@
+"""Files of rows: JSON Lines, and Parquet by pyarrow. The same rows give the same bytes."""
+
+import os
+import secrets
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, BinaryIO, Literal, get_args
+
+import msgspec
+
+from logic.dataset.rows import SIDES, Row
+
+Files = Literal["parquet", "jsonl"]
+
+FILES: tuple[str, ...] = get_args(Files)
+
+GROUP = 256
+"""Rows that are held at once: of a row group in Parquet."""
+
+COMPRESSION = "zstd"
+
+
+@cache
+def schema() -> Any:
+    """The columns, as pyarrow has them."""
+    import pyarrow as pa
+
+    text, real = pa.string(), pa.float64()
+    sides = [pa.field(side, real) for side in SIDES]
+
+    def records(*fields: tuple[str, Any]) -> Any:
+        return pa.list_(pa.struct([*(pa.field(*each) for each in fields), *sides]))
+
+    house = [
+        ("topology", text),
+        ("hub", text),
+        ("wall_thickness", pa.struct([("inner", real), ("outer", real)])),
+        ("floor", pa.struct(sides)),
+        ("rooms", pa.list_(pa.struct([("name", text), ("type", text), *sides, ("part_of", text)]))),
+        ("doors", records(("between", pa.list_(text)), ("opening", pa.bool_()))),
+        ("windows", records(("room", text))),
+        ("pieces", records(("room", text), ("parent", pa.int32()), ("type", text), ("orientation", text))),
+    ]
+    return pa.schema(
+        [
+            *((name, text) for name in ("id", "split")),
+            *((name, pa.int64()) for name in ("seed", "index")),
+            *((name, text) for name in ("grammar", "grammar_hash", "request")),
+            ("rooms", pa.int32()),
+            ("types", pa.list_(text)),
+            ("area", real),
+            *((name, text) for name in ("verdict", "why", "sha256")),
+            ("house", pa.struct(house)),
+        ]
+    )
+
+
+@contextmanager
+def written(path: Path, files: Files) -> Iterator[Callable[[list[Row]], None]]:
+    """Write rows, some at a time, beside their place; at the end the file is flushed to disk and renamed.
+
+    Raises ``OSError`` where that fails: then nothing is left.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        with open(beside, "xb") as file:
+            with _writer(file, files) as write:
+                yield write
+            file.flush()
+            os.fsync(file.fileno())
+        beside.replace(path)
+    except BaseException as error:
+        beside.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno:
+            error.filename = str(path)
+        raise
+
+
+@contextmanager
+def _writer(file: BinaryIO, files: Files) -> Iterator[Callable[[list[Row]], None]]:
+    if files == "jsonl":
+        yield lambda rows: file.writelines(msgspec.json.encode(row) + b"\n" for row in rows) or None
+        return
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    with ParquetWriter(file, schema(), compression=COMPRESSION) as writer:
+        yield lambda rows: writer.write_table(pa.Table.from_pylist(rows, schema()))
+
+
+def in_groups(rows: Iterable[Row]) -> Iterator[list[Row]]:
+    """The rows, as many at a time as a file holds together."""
+    group = list[Row]()
+    for row in rows:
+        group.append(row)
+        if len(group) == GROUP:
+            yield group
+            group = []
+    if group:
+        yield group
+
+
+def read(path: Path, first: int = 0) -> Iterator[Row]:
+    """The rows of a file from one on, a group at a time. Raises ``ValueError`` for what is no such file."""
+    if path.suffix == ".jsonl":
+        with path.open("rb") as file:
+            for number, line in enumerate(file):
+                if number >= first:
+                    yield msgspec.json.decode(line, type=Row)
+        return
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetFile
+
+    try:
+        with ParquetFile(path) as file:
+            for group in range(file.num_row_groups):
+                held = file.metadata.row_group(group).num_rows
+                if first < held:
+                    yield from file.read_row_group(group).to_pylist()[max(first, 0) :]
+                first -= held
+    except pa.ArrowException as error:
+        raise ValueError(str(error).partition("\n")[0]) from None

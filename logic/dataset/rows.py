@@ -1,0 +1,163 @@
+"""A house as a row of a table: flat columns to select by, and the house itself, nested, in float64.
+
+A row's ``sha256`` is that of its house's canonical JSON: the record ``vitruvius-2`` without its provenance,
+keys sorted, no white space, numbers as Python writes them, UTF-8. A house that ended in a limit is a row
+without a house, whose ``verdict`` is ``limit``.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+
+from logic.dataset.splits import split_of
+from logic.house.house import House
+from logic.house.parts import Piece, Provenance
+from logic.house.promises import Promises
+
+HOUSE, LIMIT = "house", "limit"
+"""Verdicts."""
+
+SIDES = "x", "y", "width", "height"
+
+Row = dict[str, Any]
+"""A row, by column."""
+
+
+def canonical(value: Any) -> str:
+    """JSON that is the same for the same value."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+
+
+def house_sha256(house: House) -> str:
+    """The identity of a house, whatever its format and whoever made it."""
+    record = house.converted().to_dict()
+    record.pop("provenance", None)
+    return hashlib.sha256(canonical(record).encode()).hexdigest()
+
+
+def source(grammar: str, grammar_hash: str, request: Mapping[str, Any], seed: int, index: int) -> Row:
+    """The columns that say what a row's house is a function of."""
+    asked = canonical(request)
+    series = hashlib.sha256(f"{grammar_hash}\n{asked}".encode()).hexdigest()[:12]
+    return {
+        "id": f"{grammar}-{series}-{seed}-{index}",
+        "split": split_of(seed),
+        "seed": seed,
+        "index": index,
+        "grammar": grammar,
+        "grammar_hash": grammar_hash,
+        "request": asked,
+    }
+
+
+def house_row(house: House) -> Row:
+    """The row of a house that says where it comes from."""
+    made = house.provenance
+    assert made is not None, "a house that was made says how"
+    said = source(made.grammar, made.grammar_hash, made.request, made.seed, made.index)
+    return said | {
+        "rooms": len(house.counted),
+        "types": [room.type for room in house.counted],
+        "area": math.fsum(room.area for room in house.rooms if room.type not in house.outdoor),
+        "verdict": HOUSE,
+        "why": None,
+        "sha256": house_sha256(house),
+        "house": _nested(house),
+    }
+
+
+def limit_row(said: Row, why: str) -> Row:
+    """The row of a house that ended in a limit: where it would come from, and why it is not there."""
+    none = {"types": None, "area": None, "verdict": LIMIT, "why": why, "sha256": None, "house": None}
+    return said | {"rooms": json.loads(said["request"])["rooms"], **none}
+
+
+def house_of(row: Row, versions: dict[str, str], promises: Promises | None) -> House | None:
+    """The house of a row, None where it ended in a limit; what made it, and what it promises, its set says.
+
+    Raises ``ValueError`` where the row holds none.
+    """
+    if (nested := row["house"]) is None:
+        return None
+    request = json.loads(row["request"])
+    named = row["grammar"], row["grammar_hash"]
+    made = Provenance(*named, request, row["seed"], row["index"], versions, promises)
+    return House.from_dict(_record(nested, made))
+
+
+def _nested(house: House) -> Row:
+    """The house's column: its rooms, doors and windows, and the pieces of all rooms."""
+    west, north, east, south = zip(*(room.box for room in house.rooms), strict=True)
+    x, y = min(west), min(north)
+    return {
+        "topology": house.topology,
+        "hub": house.hub,
+        "wall_thickness": msgspec.to_builtins(house.wall_thickness),
+        "floor": {"x": x, "y": y, "width": max(east) - x, "height": max(south) - y},
+        "rooms": [
+            {"name": room.name, "type": room.type, **_sides(room), "part_of": room.part_of or None}
+            for room in house.rooms
+        ],
+        "doors": [
+            {"between": list(door.between), "opening": door.opening, **_sides(door)} for door in house.doors
+        ],
+        "windows": [{"room": window.room, **_sides(window)} for window in house.windows],
+        "pieces": list(_pieces(house)),
+    }
+
+
+def _pieces(house: House) -> Iterator[Row]:
+    """All pieces, each before its children, which name it by its place in the list."""
+    number = 0
+
+    def family(piece: Piece, room: str, parent: int | None) -> Iterator[Row]:
+        nonlocal number
+        place, number = number, number + 1
+        named = {"room": room, "parent": parent, "type": piece.type, "orientation": piece.orientation}
+        yield {**named, **_sides(piece)}
+        for child in piece.children:
+            yield from family(child, room, place)
+
+    for room in house.rooms:
+        for piece in room.children:
+            yield from family(piece, room.name, None)
+
+
+def _record(nested: Row, made: Provenance) -> Row:
+    """The record ``vitruvius-2`` of a house's column."""
+    children: dict[str | int, list[Row]] = {room["name"]: [] for room in nested["rooms"]}
+    for place, piece in enumerate(nested["pieces"]):
+        children[place] = []
+        named = {"type": piece["type"], "orientation": piece["orientation"], **_in(piece)}
+        above = piece["room"] if piece["parent"] is None else piece["parent"]
+        children[above].append(named | {"children": children[place]})
+    rooms = [
+        {"name": room["name"], "type": room["type"], **_in(room), "children": children[room["name"]]}
+        | ({"part_of": room["part_of"]} if room["part_of"] else {})
+        for room in nested["rooms"]
+    ]
+    return {
+        "format": "vitruvius-2",
+        "unit": "m",
+        "topology": nested["topology"],
+        "hub": nested["hub"] or None,
+        "wall_thickness": nested["wall_thickness"],
+        "rooms": rooms,
+        "doors": [
+            {**_in(door), **{key: door[key] for key in ("between", "opening")}} for door in nested["doors"]
+        ],
+        "windows": [{**_in(window), "room": window["room"]} for window in nested["windows"]],
+        "provenance": msgspec.to_builtins(made),
+    }
+
+
+def _sides(rect: Any) -> Row:
+    return {side: float(getattr(rect, side)) for side in SIDES}
+
+
+def _in(record: Row) -> Row:
+    return {side: record[side] for side in SIDES}

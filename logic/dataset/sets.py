@@ -1,0 +1,250 @@
+"""A set of houses in a folder: what it is a set of, the shards that it is divided into, and its manifest.
+
+========================================  ==================================================================
+``set.json``                              what the houses are a function of (``Set``), written first
+``grammar/NAME``                          the rules that make them
+``data/train-00003-of-00098.parquet``     a shard: rows, each a house (``rows.py``)
+``manifest.json``                         the shards with their hashes (``Manifest``), written last
+``README.md``, ``croissant.json``         the set's card, and its description for machines
+========================================  ==================================================================
+"""
+
+import hashlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, TypeVar
+
+import msgspec
+
+from logic.dataset.formats import Files
+from logic.dataset.rows import Row, source
+from logic.dataset.splits import SPLITS
+from logic.errors import GrammarError, HouseFileError, RequestError
+from logic.grammar import Grammar, find, shipped
+from logic.house.files import write_whole
+from logic.house.promises import Promises
+from logic.workers.series import Series
+
+Kind = TypeVar("Kind")
+
+SET, MANIFEST, CARD, CROISSANT, DATA, GRAMMAR = (
+    *("set.json", "manifest.json", "README.md", "croissant.json"),
+    *("data", "grammar"),
+)
+"""What a set's folder holds."""
+
+SHARD = re.compile(rf"({'|'.join(SPLITS)})-\d{{5,}}-of-\d{{5,}}\.(parquet|jsonl)")
+"""The name of a shard's file."""
+
+BESIDE = re.compile(r"\.(.+)\.[0-9a-f]{8}")
+"""The name of a file while it is written, and after a kill."""
+
+RULES = (".lp", ".pl", ".json")
+"""What is copied of a grammar's folder."""
+
+
+class Shard(NamedTuple):
+    """A part of a set that is made by itself: some indices of the seed of a split."""
+
+    number: int
+    split: str
+    seed: int
+    indices: range
+    place: Path
+    """Of its file, in the set's folder."""
+
+
+class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """All that the rows of a set are a function of, and how they are divided into files."""
+
+    format: Literal["vitruvius-set-1"]
+    grammar: str
+    grammar_hash: str
+    request: dict[str, Any]
+    seed: int
+    """Of the houses to train on; those of the other splits have the seeds that are as far in theirs."""
+    start: int
+    """Index of the first house, in each split."""
+    houses: dict[str, int]
+    """How many, by split."""
+    shards: int
+    files: Files
+    inferences: int
+    """Most Prolog inferences for a house."""
+    seconds: float
+    """Most seconds for a house."""
+    versions: dict[str, str]
+    """Of what made the houses."""
+    promises: Promises
+    """What the houses keep, by plain geometry."""
+
+    def seed_of(self, split: str) -> int:
+        """The seed of a split's houses."""
+        return SPLITS[split][self.seed]
+
+    def row_source(self, seed: int, index: int) -> Row:
+        """The columns that say what a house is a function of."""
+        return source(self.grammar, self.grammar_hash, self.request, seed, index)
+
+    def divided(self) -> list[Shard]:
+        """All shards: each split has as many as its share of the houses, and one at least."""
+        parts = dict.fromkeys(self.houses, 1)
+        for _ in range(self.shards - len(parts)):
+            largest = max(parts, key=lambda split: self.houses[split] / parts[split])
+            parts[largest] += 1
+        shards = list[Shard]()
+        for split, number in parts.items():
+            for part in range(number):
+                first, last = (self.houses[split] * each // number for each in (part, part + 1))
+                name = f"{split}-{part:05d}-of-{number:05d}.{self.files}"
+                indices = range(self.start + first, self.start + last)
+                shards.append(Shard(len(shards), split, self.seed_of(split), indices, Path(DATA, name)))
+        return shards
+
+    def series(self, folder: Path) -> Series:
+        """What its houses are made by: the rules that travel with it, or shipped ones that are the same.
+
+        Raises ``GrammarError`` where those are not the rules that made it.
+        """
+        return Series(self.rules(folder), self.request, self.inferences, self.seconds)
+
+    def rules(self, folder: Path) -> Grammar:
+        """See ``series``."""
+        if self.grammar in shipped() and (own := find(self.grammar)).hash == self.grammar_hash:
+            return own
+        own = find(folder / GRAMMAR / self.grammar)
+        if own.hash != self.grammar_hash:
+            raise GrammarError(
+                f"these are not the rules that made the set ({self.grammar_hash[:12]}), or this is another "
+                f"version of vitruvius than {self.versions['vitruvius']}",
+                own.directory,
+            )
+        return own
+
+
+class Held(msgspec.Struct, frozen=True):
+    """What a shard's file holds, by its name in the set's folder."""
+
+    file: str
+    split: str
+    rows: int
+    limits: list[int]
+    """The places, in the file, of rows without a house."""
+    bytes: int
+    sha256: str
+    """Of the file."""
+    rows_sha256: str
+    """Of the ``sha256`` of its rows, a line each, empty for a limit: the same in any format of files."""
+
+
+class Manifest(msgspec.Struct, frozen=True):
+    """That a set is whole, and what its files hold."""
+
+    format: Literal["vitruvius-manifest-1"]
+    set_sha256: str
+    """Of ``set.json``."""
+    houses: int
+    limits: int
+    shards: list[Held]
+
+
+def encoded(record: Set | Manifest) -> bytes:
+    """A record as its file has it."""
+    return msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n"
+
+
+def read_set(folder: Path) -> Set | None:
+    """What a folder is a set of; None where it does not say. Raises ``HouseFileError`` for a wrong file."""
+    return _read(folder / SET, Set)
+
+
+def read_manifest(folder: Path) -> Manifest | None:
+    """The manifest of a set; None where the set is not whole. Raises ``HouseFileError`` for a wrong file."""
+    found = _read(folder / MANIFEST, Manifest)
+    if found and found.set_sha256 != hashlib.sha256((folder / SET).read_bytes()).hexdigest():
+        raise HouseFileError(f"{folder / MANIFEST}: is the manifest of another set than {SET} says")
+    return found
+
+
+def _read(path: Path, kind: type[Kind]) -> Kind | None:
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=kind)
+    except FileNotFoundError:
+        return None
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise HouseFileError(f"{path}: is no such file of a set: {error}") from None
+
+
+def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
+    """Write what the set is of, and its rules, unless that is there; another one goes with ``replace``.
+
+    Raises ``RequestError`` where another set or something else is there.
+    """
+    there = _there(folder)
+    if there != of:
+        if there and not replace:
+            differs = next(
+                name for name in Set.__struct_fields__ if getattr(there, name) != getattr(of, name)
+            )
+            old, new = (_short(getattr(each, differs)) for each in (there, of))
+            raise _refused(folder, f"a set of another {differs} ({old}, not {new})")
+        if not replace and folder.exists() and any(folder.iterdir()):
+            raise _refused(folder, "something else than a set")
+        for path in (folder / MANIFEST, *files_of_shards(folder)):
+            path.unlink(missing_ok=True)
+    place = folder / GRAMMAR / rules.name
+    for file in sorted(rules.directory.iterdir()):
+        if file.suffix in RULES and file.is_file() and not file.name.startswith("."):
+            _write(place / file.name, file.read_bytes())
+    if find(place).hash != of.grammar_hash:
+        raise _refused(place, "other rules")
+    _write(folder / SET, encoded(of))
+
+
+def _there(folder: Path) -> Set | None:
+    try:
+        return read_set(folder)
+    except HouseFileError:
+        return None
+
+
+def files_of_shards(folder: Path) -> Iterator[Path]:
+    """The files in a set's folder that are named as shards are."""
+    data = folder / DATA
+    return (path for path in data.iterdir() if SHARD.fullmatch(path.name)) if data.is_dir() else iter(())
+
+
+def leftovers(folder: Path) -> Iterator[Path]:
+    """Files that kills have left beside their places."""
+    for place in (folder, folder / DATA, *(folder / GRAMMAR).glob("*")):
+        for path in place.iterdir() if place.is_dir() else ():
+            named = BESIDE.fullmatch(path.name)
+            if named and (SHARD.fullmatch(named[1]) or (place / named[1]).exists()):
+                yield path
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file, unless it holds just that."""
+    if not path.is_file() or path.read_bytes() != content:
+        write_whole(path, content)
+
+
+def finish(folder: Path, content: dict[str, bytes]) -> None:
+    """Write the last files of a set, the manifest after all others; what kills have left goes."""
+    for path in leftovers(folder):
+        path.unlink(missing_ok=True)
+    for name in sorted(content, key=lambda name: name == MANIFEST):
+        try:
+            _write(folder / name, content[name])
+        except FileNotFoundError:  # it went with the leftovers of another process, which writes the same
+            _write(folder / name, content[name])
+
+
+def _refused(place: Path, what: str) -> RequestError:
+    return RequestError(f"--out {place}: holds {what}: name another folder, or add --replace to lose it")
+
+
+def _short(value: Any) -> str:
+    text = value if isinstance(value, str) else msgspec.json.encode(value).decode()
+    return text if len(text) <= 40 else f"{text[:24]}..."

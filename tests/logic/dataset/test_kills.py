@@ -1,0 +1,39 @@
+"""A set that is made under kills ends in the bytes of one that nobody disturbed."""
+
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from logic.dataset.sets import read_manifest
+from tests.logic.dataset.sets import content
+from tests.programs import PATIENCE
+
+ROOT = Path(__file__).parents[3]
+
+SET = "generate --rooms 4 --grammar home --count 100 --validation 20 --test 20 --shard all/14 --workers 2"
+
+KILLS = 4
+
+
+def start(folder: Path) -> subprocess.Popen[bytes]:
+    """The command at work."""
+    command = [sys.executable, "-m", "vitruvius.cli", *SET.split(), "--out", str(folder)]
+    return subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL)
+
+
+def test_a_set_that_is_killed_at_any_time_ends_in_the_same_bytes(tmp_path: Path) -> None:
+    undisturbed, folder = tmp_path / "undisturbed", tmp_path / "killed"
+    began = time.monotonic()
+    assert start(undisturbed).wait(PATIENCE) == 0
+    takes, chance, kills = time.monotonic() - began, random.Random(46), 0
+    while kills < KILLS and read_manifest(folder) is None:
+        process = start(folder)
+        time.sleep(chance.uniform(0.1, 0.7) * takes)
+        kills += process.poll() is None
+        process.kill()
+        process.wait()
+    assert kills
+    assert start(folder).wait(PATIENCE) == 0
+    assert content(folder) == content(undisturbed)

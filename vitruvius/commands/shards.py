@@ -1,0 +1,102 @@
+"""``vitruvius generate --shard K/N``: shards of a set of houses, and the set as a whole with the last one."""
+
+import re
+import time
+from pathlib import Path
+from typing import Any
+
+from logic.dataset.formats import schema
+from logic.dataset.sets import Set, Shard, begin
+from logic.dataset.shards import complete, make, missing
+from logic.dataset.splits import SPLITS
+from logic.errors import RequestError
+from logic.house.files import require_folder
+from logic.request.request import whole
+from logic.spelling import numbered
+from logic.terminal import counting, say
+from logic.workers.generate import series_of
+from logic.workers.series import Series
+
+
+def make_shards(command: Any, asked: str) -> int:
+    """Make the shards that are asked for and not there, and with the last one the manifest."""
+    began = time.monotonic()
+    folder, parts = _require(command, asked)
+    series = series_of(**command.asked(command.brief, command.plan))
+    of, shards = _set(command, series, parts)
+    if not asked.startswith("all"):
+        shards = [shards[int(asked.partition("/")[0])]]
+    begin(folder, of, series.grammar, command.replace)
+    made = _made(folder, of, shards, of.series(folder), command)
+    last = _completed(folder, of)
+    say(f"{folder}: {numbered(made, 'shard')} of {len(shards)} made, the others were there. {last}")
+    if command.json:
+        command.answer(time.monotonic() - began, made=sum(len(shard.indices) for shard in shards))
+    return 0
+
+
+def _require(command: Any, asked: str) -> tuple[Path, int]:
+    """The set's folder, and how many shards it has. Raises ``RequestError`` for what no set can have."""
+    found = re.fullmatch(r"(all|\d+)/(\d+)", asked)
+    if not found:
+        raise RequestError(f"--shard {asked}: say which of how many, from 0, as in --shard 3/8 or all/8")
+    parts = whole("the number of shards", int(found[2]), 1, 10**6)
+    if found[1] != "all" and int(found[1]) >= parts:
+        raise RequestError(f"--shard {asked}: they count from 0: the last one is {parts - 1}/{parts}")
+    if command.out is None or str(command.out) == "-":
+        raise RequestError("--shard: a set is a folder of files: name it by --out")
+    if command.nearest:
+        raise RequestError("--shard: a set is of one request: leave out --nearest")
+    require_folder(command.out)
+    if command.files == "parquet":
+        schema()  # before the work, where pyarrow is missing
+    return command.out, parts
+
+
+def _set(command: Any, series: Series, parts: int) -> tuple[Set, list[Shard]]:
+    """What the set is of, and its shards. Raises ``RequestError`` for what no set can have."""
+    sizes = {"train": command.count, "validation": command.validation, "test": command.test}
+    houses = {split: whole(split, number, 0) for split, number in sizes.items() if number}
+    whole(
+        "the index of the last house", whole("start", command.start, 0) + max(houses.values(), default=0), 0
+    )
+    if not sum(houses.values()) >= parts >= len(houses) > 0:
+        least = f"{numbered(len(houses), 'split')} and {numbered(sum(houses.values()), 'house')}"
+        raise RequestError(f"--shard: {least} cannot be divided into {numbered(parts, 'shard')}")
+    whole("seed", command.seed, 0, min(len(SPLITS[split]) for split in houses) - 1)
+    versions, promises = series.described()
+    of = Set(
+        "vitruvius-set-1",
+        series.grammar.name,
+        series.grammar.hash,
+        series.request,
+        command.seed,
+        command.start,
+        houses,
+        parts,
+        command.files,
+        series.inferences,
+        series.seconds,
+        versions,
+        promises,
+    )
+    return of, of.divided()
+
+
+def _made(folder: Path, of: Set, shards: list[Shard], series: Series, command: Any) -> int:
+    """Make shards that are not there, one after the other; how many."""
+    number = 0
+    with counting(sum(len(shard.indices) for shard in shards), "houses") as advance:
+        for shard in shards:
+            new = make(folder, of, shard, series, command.workers, command.replace, advance)
+            number += new
+            if not new:
+                advance(len(shard.indices))
+    return number
+
+
+def _completed(folder: Path, of: Set) -> str:
+    """Complete the set if all its shards are there; in words, what it is then."""
+    if (left := len(missing(folder, of))) or (manifest := complete(folder, of)) is None:
+        return f"{numbered(left, 'shard')} of the set {'is' if left == 1 else 'are'} missing yet."
+    return f"The set is whole: {numbered(manifest.houses, 'house')}, {numbered(manifest.limits, 'limit')}."
