@@ -7,6 +7,7 @@ from statistics import median
 from typing import Any, NamedTuple
 
 import msgspec
+from msgspec import UNSET
 
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
@@ -38,10 +39,13 @@ SMALLEST = 0.01
 
 
 class Polygon(NamedTuple):
-    """A room as a feature says it: its name as people wrote it, its type, and its corners."""
+    """A room as a feature says it: its name as people wrote it, its type, the name of the room that it is a
+    part of, if any, and its corners.
+    """
 
     name: str
     type: str
+    whole: str
     points: list[tuple[float, float]]
 
 
@@ -73,20 +77,23 @@ def from_geojson(
     _require_metres(boxes, factor, unit)
     left, top = min(box[0] for box in boxes), max(box[3] for box in boxes)
     rooms = []
-    names = unlike(each.name for each in found)
+    names = list(unlike(each.name for each in found))
+    wholes = {name for name, each in zip(names, found, strict=True) if not each.whole}
     for each, name, (west, south, east, north) in zip(found, names, boxes, strict=True):
         # Edges are rounded, not sizes: what two rooms share stays shared.
         x, right, y, bottom = (round(m, 6) for m in (west - left, east - left, top - north, top - south))
-        rooms.append(Room(x, y, round(right - x, 6), round(bottom - y, 6), name=name, type=each.type))
+        size = round(right - x, 6), round(bottom - y, 6)
+        whole = each.whole if each.whole in wholes else UNSET
+        rooms.append(Room(x, y, *size, name=name, type=each.type, part_of=whole))
     if thick := record.get("wall_thickness"):  # our own export: rooms end at the faces of their walls
-        inner = _inner_wall(thick)
+        inner = _inner_wall(thick) * factor
         rooms = [room.grown(inner / 2) for room in rooms]
     notes = [f"passed over beside the rooms: {_counted(passed)}"] if passed else []
     return rooms, notes
 
 
 def _inner_wall(thick: Any) -> float:
-    """How thick walls between rooms are, metres."""
+    """How thick walls between rooms are, in the unit of the file."""
     try:
         return msgspec.convert(thick, Thickness).inner
     except msgspec.ValidationError as error:
@@ -132,7 +139,10 @@ def _polygon(feature: Any, number: int, passed: Counter[str]) -> Polygon | None:
         if len(rings) != 1:
             raise RequestError(f"{where}: room {name} has {len(rings)} parts: make each of them a room")
         [rings] = rings
-    return Polygon(name, type_ or "", _ring(rings, f"{where}: room {name}"))
+    whole = properties.get("part_of")
+    return Polygon(
+        name, type_ or "", whole if isinstance(whole, str) else "", _ring(rings, f"{where}: room {name}")
+    )
 
 
 def _name(properties: Mapping[str, Any], feature: Mapping[str, Any], number: int) -> str:

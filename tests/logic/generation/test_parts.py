@@ -111,6 +111,8 @@ def test_parts_stand_in_the_house_file_and_in_exports(houses: list[House]) -> No
             if "part_of" in each["properties"]
         }
         assert stated == {part.name: whole.name for part, whole in bays(house)}
+        plan = read_plan(to_geojson(house))
+        assert {room.name: room.part_of for room in plan.rooms if room.part_of} == stated
 
 
 def test_a_plan_has_one_name_and_one_area_for_both(houses: list[House]) -> None:

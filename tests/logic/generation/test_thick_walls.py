@@ -20,6 +20,7 @@ from logic.grammar import SHIPPED, find
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Window
 from logic.house.promises import Promises, Thickness
+from logic.request.given_plan import read_plan
 from logic.request.request import Request
 from tests.thick import faces
 
@@ -204,6 +205,17 @@ def test_a_plan_of_a_house_or_of_its_geojson_keeps_its_rooms(houses: list[House]
         offsets = np.subtract([room.box for room in house.rooms], [room.box for room in again.rooms])
         assert np.ptp(offsets[:, 0::2]) < 1e-5
         assert np.ptp(offsets[:, 1::2]) < 1e-5
+
+
+def test_geojson_in_another_unit_has_walls_in_that_unit(houses: list[House]) -> None:
+    record = to_geojson(houses[4])
+    plan = read_plan(record)
+    for feature in record["features"]:
+        geometry = feature["geometry"]
+        geometry["coordinates"] = (1000 * np.array(geometry["coordinates"])).tolist()
+    record["wall_thickness"] = {name: 1000 * length for name, length in record["wall_thickness"].items()}
+    for one, other in zip(plan.rooms, read_plan(record, unit="mm").rooms, strict=True):
+        assert one.box == pytest.approx(other.box, abs=1e-5)
 
 
 TINY = """
