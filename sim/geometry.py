@@ -47,13 +47,19 @@ class Geometry:
     """(4,) float64: the room where bodies start, in a star the main room's rectangle."""
     doorways: np.ndarray
     """(W, 4) float64: the ways from room to room through walls that have a thickness."""
+    filled: np.ndarray
+    """(F, 4) float64: what is solid behind walls, as the cells of a map that are not free: no body is there,
+    and rays end at the walls.
+    """
     overlapping: bool = False
     """Whether rooms overlap the main room's rectangle, as in the original's files."""
 
     @property
     def solids(self) -> np.ndarray:
-        """All along an axis that stops a body, (n, 4) float64: verticals, horizontals, pieces, blocks."""
-        return np.concatenate([self.verticals, self.horizontals, self.pieces, self.blocks])
+        """All along an axis that stops a body, (n, 4) float64: verticals, horizontals, pieces, blocks, and
+        what is filled.
+        """
+        return np.concatenate([self.verticals, self.horizontals, self.pieces, self.blocks, self.filled])
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -85,6 +91,7 @@ def geometry(house: House) -> Geometry:
         rooms=_rows(room.box for room in house.rooms if room is not start),
         doors=_rows(shut(house, door) for door in house.doors if not (door.is_entrance or door.opening)),
         doorways=_rows(house.doorway(door) for door in house.doors if half and not door.is_entrance),
+        filled=_rows(house.filled),
         floor=_rows([start.box])[0],
         overlapping=house.topology == "original",
     )
@@ -135,4 +142,5 @@ def check_lengths(houses: Sequence[House]) -> None:
                 )
             if max(map(abs, rect.box)) > FARTHEST:
                 at = f"house {index} of {len(houses)}: {name}"
-                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin")
+                hint = ": House.from_grid puts the middle of a map there" if house.occupancy else ""
+                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin{hint}")

@@ -44,6 +44,7 @@ def _in_front(house: House, room: Room, piece: Piece, _: Promises) -> Iterator[s
 NEAR: dict[Kind, Callable[[House, Room, Piece, Promises], Iterator[str]]] = {
     Kind.STAR: _near_any,
     Kind.ORIGINAL: _in_front,
+    Kind.MAP: _near_its_own,
     Kind.SHARED_WALLS: _near_its_own,
 }
 

@@ -13,7 +13,7 @@ from logic.drawing.palettes import Style, style
 from logic.drawing.plan import Frame, floor, has_mark, house_shapes
 from logic.house.boxes import overlap
 from logic.house.house import House
-from logic.house.parts import ORIGINAL
+from logic.house.parts import ORIGINAL, Room
 from logic.spelling import numbered
 
 LEAST = 6.5
@@ -44,7 +44,7 @@ def room_names(
     sizes = size, least
     names = []
     for room in house.counted:
-        if room.part_of:
+        if not _has_name(house, room):
             names.append(())
             continue
         fill, box = style.fill(room.type), frame.box(room)
@@ -84,8 +84,15 @@ def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
     """The types of rooms whose names are not written in full, by ``room_names`` of a house."""
     pairs = zip(house.counted, names, strict=False)
     return {
-        room.type for room, words in pairs if not room.part_of and (not words or words[0].text != room.type)
+        room.type
+        for room, words in pairs
+        if _has_name(house, room) and (not words or words[0].text != room.type)
     }
+
+
+def _has_name(house: House, room: Room) -> bool:
+    """Whether a room's name is written: a part has that of another, and all of a map none."""
+    return not room.part_of and not (house.occupancy and room is house.rooms[0])
 
 
 def abbreviations(types: Iterable[str]) -> dict[str, str]:
@@ -102,6 +109,9 @@ def abbreviations(types: Iterable[str]) -> dict[str, str]:
 
 def title(house: House, width: float) -> str:
     """Where the house comes from and how large it is; the first words go where there is no room."""
+    if house.occupancy:
+        rows, columns = house.occupancy.shape
+        return f"map of {columns} by {rows} cells of {house.occupancy.cell:g} m"
     area = sum(room.area for room in house.rooms if room.type not in house.outdoor)
     parts = [numbered(len(house.counted), "room")]
     parts = ["original", *parts] if house.topology == ORIGINAL else [*parts, f"{area:.0f} m²"]

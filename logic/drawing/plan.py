@@ -10,6 +10,7 @@ from logic.drawing.door_leaves import Leaf
 from logic.drawing.palettes import Fill, Inks, Style
 from logic.house.boxes import walls_touched
 from logic.house.house import House
+from logic.house.occupancy import OCCUPIED, UNKNOWN, Occupancy
 from logic.house.part_names import doors_by_name, part_names, windows_by_name
 from logic.house.parts import ORIGINAL, OUTSIDE, Door, Piece, Rect, Window
 from logic.house.walls import crossing
@@ -80,6 +81,8 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
 
     ``leaves``: see ``door_leaves``, or none, as in films, whose bodies and rays pass.
     """
+    if house.occupancy:
+        return _map_shapes(house, house.occupancy, frame, style)
     inks, beyond = style.inks, max(_thickness(house)[1] * frame.scale, 2.0)
     shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.tiles]
     if main := house.main_room:
@@ -89,18 +92,10 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
         if room.type in house.outdoor:  # Boards, and no colour: there is no roof.
             fill = structs.replace(fill, colour=inks.paper, hatch="|")
         shapes.append(Part(room.name, tuple(floor(frame.box(room), fill, inks))))
-    for room in house.counted:
-        names = part_names([piece.type for piece in room.pieces])
-        for name, piece in zip(names, room.pieces, strict=True):
-            drawn = piece_shapes(piece, frame.box(piece), _front(house, room, piece), frame.scale, style)
-            if has_mark(house, piece, style):
-                drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, inks))
-            shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
+    shapes += _furniture(house, frame, style)
     if not house.wall_thickness:
         shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
-    for wall in house.free_walls:
-        ends = frame.at(wall.x1, wall.y1), frame.at(wall.x2, wall.y2)
-        shapes.append(Line(ends, inks.wall, max(1.0, wall.thickness * frame.scale)))
+    shapes += _free_walls(house, frame, inks)
     left = iter(leaves)
     for name, door in doors_by_name(house).items():
         leaf = None if door.opening else next(left, None)
@@ -115,6 +110,33 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     for name, window in windows_by_name(house).items():
         shapes.append(Part(name, tuple(_window(frame.place(opening(house, window)), inks))))
     return shapes
+
+
+def _map_shapes(house: House, grid: Occupancy, frame: Frame, style: Style) -> list[Shape]:
+    """A map: free cells, areas that have names, furniture, and all other cells."""
+    inks, (whole, *areas) = style.inks, house.rooms
+    shapes: list[Shape] = [Part(whole.name, (Block(frame.box(whole), inks.paper),))]
+    shapes += [Part(area.name, tuple(floor(frame.box(area), style.fill(area.type), inks))) for area in areas]
+    shapes += _furniture(house, frame, style)
+    for kind, ink in ((UNKNOWN, inks.faint), (OCCUPIED, inks.wall)):
+        shapes += [Block(frame.place(box), ink) for box in grid.blocks(kind)]
+    return [*shapes, *_free_walls(house, frame, inks)]
+
+
+def _free_walls(house: House, frame: Frame, inks: Inks) -> Iterator[Line]:
+    for wall in house.free_walls:
+        ends = frame.at(wall.x1, wall.y1), frame.at(wall.x2, wall.y2)
+        yield Line(ends, inks.wall, max(1.0, wall.thickness * frame.scale))
+
+
+def _furniture(house: House, frame: Frame, style: Style) -> Iterator[Part]:
+    for room in house.counted:
+        names = part_names([piece.type for piece in room.pieces])
+        for name, piece in zip(names, room.pieces, strict=True):
+            drawn = piece_shapes(piece, frame.box(piece), _front(house, room, piece), frame.scale, style)
+            if has_mark(house, piece, style):
+                drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, style.inks))
+            yield Part(f"{room.name}.{name}", tuple(drawn))
 
 
 def has_mark(house: House, piece: Piece, style: Style) -> bool:

@@ -12,10 +12,12 @@ from logic.drawing.plan import drawn_extent, extent
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.files import write_whole
 from logic.house.house import House
+from logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
+from logic.house.occupancy import Occupancy
 from logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
-"""Metres of a cell."""
+"""Metres of a cell, in the map of a house that is none itself."""
 
 MARGIN = 10
 """Cells around the house."""
@@ -26,7 +28,7 @@ OCCUPIED, FREE, UNKNOWN = 0, 254, 205
 DESCRIPTION = """\
 image: {image}
 resolution: {resolution}
-origin: [{west:.6f}, {south:.6f}, 0.0]
+origin: [{west}, {south}, 0.0]
 negate: 0
 occupied_thresh: 0.65
 free_thresh: 0.196
@@ -36,13 +38,25 @@ mode: trinary
 
 def write(house: House, path: Path) -> None:
     """Write the map's picture, then its description, ``.yaml``, which names it."""
-    cells, (west, south) = occupancy(house)
+    if grid := house.occupancy:
+        cells, corner, cell = _pixels(grid), (grid.x, -grid.box[3]), grid.cell
+    else:
+        (cells, corner), cell = occupancy(house), RESOLUTION
+    # Of y in ROS's axes no more digits are left than metres can have.
+    west, south = (round(float(at), 9) for at in corner)
     buffer = BytesIO()
     Image.fromarray(cells).save(buffer, "PNG")
     picture = path.with_suffix(".png")
     write_whole(picture, buffer.getvalue())
-    text = DESCRIPTION.format(image=picture.name, resolution=RESOLUTION, west=west, south=south)
+    text = DESCRIPTION.format(image=picture.name, resolution=cell, west=west, south=south)
     write_whole(path.with_suffix(".yaml"), text.encode())
+
+
+def _pixels(grid: Occupancy) -> np.ndarray:
+    """The pixels of a map, as ``UNKNOWN``, ``FREE`` and ``OCCUPIED``."""
+    return np.where(grid.values == UNKNOWN_CELL, UNKNOWN, np.where(grid.values, OCCUPIED, FREE)).astype(
+        np.uint8
+    )
 
 
 def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:

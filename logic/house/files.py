@@ -21,6 +21,7 @@ from logic.errors import HouseFileError, RequestError
 from logic.grammar import shipped
 from logic.house.gallery import Houses
 from logic.house.house import House
+from logic.house.ros_map import DESCRIPTIONS, PICTURES, read_map
 from logic.spelling import closest, quoted
 
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
@@ -45,6 +46,7 @@ MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool = False) -> Houses:
     """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file, as a list that notebooks show as
     plans; ``-`` is the standard input, plain or gzipped. With ``file``, open, it is that one, of this name.
+    A map of ROS is read by its ``.yaml``, as one house: see ``ros_map.py``.
 
     ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
     did. Other files have none, and are refused.
@@ -52,7 +54,11 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
     Raises ``HouseFileError``, with the line, for a file that is absent, empty, truncated or wrong.
     """
     path = Path(path)
+    if path.suffix in PICTURES:
+        raise HouseFileError(f"{path}: a picture, and no house file: read a map by its .yaml")
     try:
+        if path.suffix in DESCRIPTIONS and not path.is_dir():
+            return Houses([House.of_map(read_map(path))])
         with file or opened(path) as content:
             houses = Houses(_houses(content, path, whole_pixels))
     except FileNotFoundError:

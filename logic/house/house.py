@@ -6,12 +6,15 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Literal
 
 import msgspec
+import numpy as np
 
 from logic.house.boxes import Box
-from logic.house.kinds import Kind, kind_of
+from logic.house.kinds import STARS, Kind, kind_of
+from logic.house.occupancy import Occupancy
 from logic.house.parts import (
     FORMAT,
     MAIN,
+    MAP,
     ORIGINAL,
     OUTSIDE,
     STAR,
@@ -46,9 +49,11 @@ class House(msgspec.Struct, frozen=True):
     provenance: Provenance | None = None
     wall_thickness: Thickness | None = None
     """Of the walls around its rooms, whose rectangles end at their faces; None: they have none."""
-
     free_walls: tuple[FreeWall, ...] = ()
     """Walls that stand by themselves, at any angle, beside those of its rooms: ``walls`` in its file."""
+
+    occupancy: Occupancy | None = None
+    """The cells of a house that is a map."""
 
     plan: ClassVar[Callable[[House, int], str]]
     """Draws it, as SVG so many CSS pixels wide: set by the package, since what draws houses imports this."""
@@ -60,8 +65,8 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def main_room(self) -> Room | None:
-        """The main room of a star, which the others stand around; None where rooms share walls."""
-        if self.kind is Kind.SHARED_WALLS:
+        """The main room of a star, which the others stand around; None of other houses."""
+        if self.kind not in STARS:
             return None
         return next((room for room in self.rooms if room.name == self.hub), None)
 
@@ -136,8 +141,10 @@ class House(msgspec.Struct, frozen=True):
     def only(self, *names: str) -> House:
         """The house with these rooms alone (``"R0"``), and a star's main room, for ``generate(keep=...)``.
 
-        Raises ``ValueError`` for a name that no room has.
+        Raises ``ValueError`` for a name that no room has, and for a map.
         """
+        if self.occupancy:
+            raise ValueError("a map of cells has no rooms to keep")
         for name in names:
             self.room(name)
         rooms = tuple(room for room in self.rooms if room.name in names or room is self.main_room)
@@ -159,7 +166,7 @@ class House(msgspec.Struct, frozen=True):
     @property
     def star(self) -> Star:
         """The house as a star. Raises ``ValueError`` where it is none."""
-        if self.kind is Kind.SHARED_WALLS:
+        if self.kind not in STARS:
             raise ValueError(f"its topology is {self.topology or 'not named'}: only a star has a main room")
         return Star.of(self.rooms, self.doors, self.hub)
 
@@ -168,9 +175,16 @@ class House(msgspec.Struct, frozen=True):
         """The walls that run north to south, as (x, from y, to y), then those that run west to east: see
         ``walls.py``.
         """
+        if self.occupancy:
+            return self.occupancy.lines()
         if self.kind is Kind.SHARED_WALLS:
             return walls_of_rooms(self.rooms, self.doors, self.half_wall)
         return walls_of_star(self.star.floor, self.star.rooms)
+
+    @property
+    def filled(self) -> list[Box]:
+        """What is solid behind its walls: of a map all cells that are not free, as few boxes."""
+        return self.occupancy.blocks() if self.occupancy else []
 
     def converted(self) -> House:
         """The same house as one that is written as ``vitruvius-2``. It simulates as before, bit for bit."""
@@ -179,6 +193,28 @@ class House(msgspec.Struct, frozen=True):
     def _repr_svg_(self, width: int = 480) -> str:
         """The plan, so many CSS pixels wide: notebooks show it."""
         return House.plan(self, width)
+
+    @classmethod
+    def from_grid(cls, array: Any, cell: float, corner: tuple[float, float] | None = None) -> House:
+        """The house that a map is: one room, ``map``, whose walls are around its free cells.
+
+        ``array`` (H, W), row 0 in the north: bool, True where occupied, or whole numbers as in ROS's
+        ``OccupancyGrid``, 0 free, 100 occupied, -1 unknown. Occupied and unknown cells are solid. ``cell``:
+        their side, metres. ``corner``: where (x, y) its north-west corner is, metres; by default the middle
+        of the map is (0, 0). Raises ``ValueError`` for another shape, type or value, for more than 33,554,432
+        cells, and where none is free.
+        """
+        if corner is None:
+            rows, columns = np.shape(array) if np.ndim(array) == 2 else (0, 0)
+            corner = -columns * cell / 2, -rows * cell / 2
+        return cls.of_map(Occupancy.of(array, cell, corner))
+
+    @classmethod
+    def of_map(cls, grid: Occupancy) -> House:
+        """The house of one room that a map is."""
+        west, north, east, south = grid.box
+        room = Room(west, north, east - west, south - north, MAP, MAP)
+        return cls((room,), hub=MAP, topology=MAP, occupancy=grid)
 
     @classmethod
     def of_star(cls, star: Star, topology: str = STAR, provenance: Provenance | None = None) -> House:
@@ -195,7 +231,7 @@ class House(msgspec.Struct, frozen=True):
         found, format_ = read(record)
         openings = found.doors, found.windows
         about = found.hub or "", found.topology, format_, found.provenance, found.wall_thickness
-        return cls(found.rooms, *openings, *about, found.walls)
+        return cls(found.rooms, *openings, *about, found.walls, found.occupancy)
 
     def to_dict(self) -> dict[str, Any]:
         """Write the house in its JSON form, in metres; ``from_dict`` gives the same house back.
@@ -209,6 +245,6 @@ class House(msgspec.Struct, frozen=True):
                 )
             return star_record(self.star, self.format, self.provenance)
         openings = self.doors, self.windows
-        about = self.hub or None, self.topology, self.provenance, self.wall_thickness, self.free_walls
-        record = Record(FORMAT, "m", self.rooms, *openings, *about)
+        about = self.hub or None, self.topology, self.provenance, self.wall_thickness
+        record = Record(FORMAT, "m", self.rooms, *openings, *about, self.free_walls, self.occupancy)
         return msgspec.to_builtins(record)

@@ -28,6 +28,9 @@ ORIGINAL = "original"
 ``floor`` minus the rooms.
 """
 
+MAP = "map"
+"""The topology of a house that is a map of cells (``occupancy.py``), and the name and type of all of it."""
+
 MAIN, OUTSIDE = "main", "outside"
 """Names: of the main room of a star; of what is no room, where a door may lead."""
 

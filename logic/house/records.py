@@ -9,12 +9,15 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from logic.house.kinds import Kind, kind_of
+from logic.house.boxes import TOLERANCE
+from logic.house.kinds import STARS, Kind, kind_of
+from logic.house.occupancy import Occupancy
 from logic.house.parts import (
     BODY,
     FARTHEST,
     FORMAT,
     MAIN,
+    MAP,
     MOST_OPENINGS,
     MOST_PIECES,
     MOST_ROOMS,
@@ -48,6 +51,7 @@ class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fie
     provenance: Provenance | None = None
     wall_thickness: Thickness | None = None
     walls: Annotated[tuple[FreeWall, ...], Meta(max_length=MOST_WALLS)] = ()
+    occupancy: Occupancy | None = None
 
 
 def read(record: dict[str, Any]) -> tuple[Record, Any]:
@@ -87,8 +91,8 @@ def schema() -> dict[str, Any]:
     """The JSON Schema of the format ``vitruvius-2``.
 
     What it cannot say, the reader asks for beside it: names that are each one room's, doors and windows that
-    are segments and of rooms that there are, rooms and pieces with an area, and in each room at most 256
-    pieces.
+    are segments and of rooms that there are, rooms and pieces with an area, in each room at most 256 pieces,
+    and of a map equally many cells in each row, one free cell and no doors.
     """
     found = json.loads(json.dumps(msgspec.json.schema(Record)))
     found["$defs"]["House"] = found["$defs"].pop("Record") | {"title": "House"}
@@ -120,7 +124,7 @@ def _require_names(house: Record) -> None:
     for index, door in enumerate(house.doors):
         if door.between[0] == door.between[1]:
             raise msgspec.ValidationError(f"doors[{index}]: joins {door.between[0]} with itself")
-    if kind_of(house.topology) is not Kind.SHARED_WALLS:
+    if kind_of(house.topology) in STARS:
         try:
             Star.of(house.rooms, house.doors, house.hub or "")
         except ValueError as error:
@@ -131,6 +135,7 @@ def _require_sizes(house: Record, in_star: bool) -> None:
     """Refuse what is no house at all: sizes that are not positive, lengths that are not finite, and too many
     or too far parts, before anything is computed of them.
     """
+    _require_map(house)
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
     if type(cell) not in (int, float) or (cell and not BODY <= cell <= FARTHEST):
         raise msgspec.ValidationError(f"provenance.request.cell must be a length in metres, not {cell!r}")
@@ -143,7 +148,8 @@ def _require_sizes(house: Record, in_star: bool) -> None:
 
     if thick := house.wall_thickness:
         if kind_of(house.topology) is not Kind.SHARED_WALLS:
-            raise msgspec.ValidationError("wall_thickness: the walls of a star have none: leave it out")
+            kind = MAP if house.topology == MAP else STAR
+            raise msgspec.ValidationError(f"wall_thickness: the walls of a {kind} have none: leave it out")
         if not 0 < thick.inner <= thick.outer <= FARTHEST:
             said = f"{thick.inner} and {thick.outer}"
             why = "must be more than 0 m, and no more for inner walls than for outer ones"
@@ -167,3 +173,18 @@ def _require_sizes(house: Record, in_star: bool) -> None:
             require(each, name)
             if (each.width > 0) == (each.height > 0):
                 raise msgspec.ValidationError(f"{name} must be a segment: its width or its height is zero")
+
+
+def _require_map(house: Record) -> None:
+    """Refuse a map that cannot be read, one of another house, and a house that says it is one."""
+    grid = house.occupancy
+    if (grid is None) != (kind_of(house.topology) is not Kind.MAP):
+        raise msgspec.ValidationError(f"occupancy: a house of the topology {MAP} has one, no other")
+    if grid is None:
+        return
+    if fault := grid.fault():
+        raise msgspec.ValidationError(f"occupancy: {fault}")
+    if house.doors or house.windows:
+        raise msgspec.ValidationError("doors, windows: a map has none, its walls are those of its cells")
+    if max(abs(a - b) for a, b in zip(house.rooms[0].box, grid.box, strict=True)) > TOLERANCE:
+        raise msgspec.ValidationError(f"{house.rooms[0].name}: the first room of a map is all of it")

@@ -112,9 +112,12 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
 
 def _read(source: str | Path | House | Mapping[str, Any]) -> House | Sketch | Mapping[str, Any]:
     """A house, a plan of another program, or GeoJSON."""
-    if isinstance(source, str | Path):
-        return _from_file(Path(source))
-    return source if isinstance(source, House) else sketch(b"", source) or source
+    found = _from_file(Path(source)) if isinstance(source, str | Path) else source
+    if isinstance(found, House):
+        if found.occupancy:
+            raise RequestError("plan: it is a map of cells, without rooms: draw them as GeoJSON")
+        return found
+    return found if isinstance(found, Sketch) else sketch(b"", found) or found
 
 
 def _from_file(path: Path) -> House | Sketch | dict[str, Any]:

@@ -17,6 +17,7 @@ from agent.runs.released import located, released
 from logic import HouseFileError, RequestError, load
 from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
+from logic.house.ros_map import DESCRIPTIONS
 from logic.readers import sketch
 from logic.readers.sketch import Sketch
 from logic.request.geojson import is_geojson
@@ -115,6 +116,8 @@ def _file(name: str, path: Path) -> Kind:
     if path.suffix == ".toml":
         preset, config, _ = settings.read(path)
         return read_settings(name, preset, config)
+    if path.suffix in DESCRIPTIONS:
+        return read_houses(name, load(path))
     if path.suffix in (".lp", ".pl"):
         raise UnknownFileError(
             f"{name}: a rule file: look at its grammar, vitruvius info {quoted(path.parent)}"

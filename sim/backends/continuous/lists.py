@@ -41,6 +41,7 @@ def listed_arrays(
         "houses": Array.of(np.column_stack([header, lines]).astype(np.int32).ravel()),
         "owner": Array.of(owner.astype(np.int32)),
         "visible": Array(ti.i32, len(owner) * (int(lines[:, 0].max()) // 32 + 1)),
+        "nearby": Array(ti.i32, len(owner) * (int(header[:, BOXES].max()) // 32 + 1)),
         "counts": Array(ti.i32, len(owner) * LISTS),
     }
     find, fill = _kernels(start(), config)
@@ -143,8 +144,19 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         return hidden
 
     @ti.func
-    def seen(numbers: ti.template(), houses: ti.template(), at, k, line, axis, cell):
-        """Whether some of a line may be seen from somewhere in a cell, at some heading."""
+    def in_range(numbers: ti.template(), box, cell):
+        """Whether some of a box is in the range of an eye in a cell."""
+        x = ti.max(0.0, ti.max(numbers[box] - cell[2], cell[0] - numbers[box + 2]))
+        y = ti.max(0.0, ti.max(numbers[box + 1] - cell[3], cell[1] - numbers[box + 3]))
+        return ti.cast(x * x + y * y < ti.static((config.range + MARGIN) ** 2), ti.i32)
+
+    @ti.func
+    def seen(
+        numbers: ti.template(), houses: ti.template(), nearby: ti.template(), here, at, k, line, axis, cell
+    ):
+        """Whether some of a line may be seen from somewhere in a cell, at some heading: what hides it stands
+        nearer, so it is one of the walls ``nearby``.
+        """
         kind = numbers[k + 3]
         low, high = cell[0], cell[2]
         side_0, side_1 = cell[1], cell[3]
@@ -154,10 +166,17 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         ahead = ti.max(0.0, ti.max(low - line[0], line[0] - high))
         aside = ti.max(0.0, ti.max(side_0 - line[2], line[1] - side_1))
         result = ti.cast(faces & (ahead * ahead + aside * aside < ti.static(config.range**2)), ti.i32)
-        wall, last = houses[at + FIRST_BOX], houses[at + FIRST_PIECE]
-        while (result == 1) & (wall < last):
-            result -= hides(numbers, wall, line, axis, cell)
-            wall += 4
+        first = houses[at + FIRST_BOX]
+        word, last = 0, (houses[at + FIRST_PIECE] - first) // 128
+        while (result == 1) & (word <= last):
+            bits = nearby[here + word]
+            wall = first + 128 * word
+            while (result == 1) & (bits != 0):
+                if bits & 1:
+                    result -= hides(numbers, wall, line, axis, cell)
+                bits = ti.bit_shr(bits, 1)
+                wall += 4
+            word += 1
         return result
 
     @ti.func
@@ -187,19 +206,22 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         return ti.Vector([numbers[k], numbers[k + 1] - numbers[k + 2], numbers[k + 1] + numbers[k + 2]])
 
     @ti.kernel
-    def find(numbers: Floats, houses: Ints, owner: Ints, visible: Ints, counts: Ints):
+    def find(numbers: Floats, houses: Ints, owner: Ints, visible: Ints, nearby: Ints, counts: Ints):
         for c in range(owner.shape[0]):
-            words = visible.shape[0] // owner.shape[0]
+            words, of_boxes = visible.shape[0] // owner.shape[0], nearby.shape[0] // owner.shape[0]
             at, cell = square(numbers, houses, owner, c)
             if indoors(numbers, houses, at, cell):
                 for k in range(houses[at + BOXES]):
-                    if near(numbers, houses[at + FIRST_BOX] + 4 * k, cell):
+                    box = houses[at + FIRST_BOX] + 4 * k
+                    if near(numbers, box, cell):
                         counts[c * LISTS] += 1
+                    if (box < houses[at + FIRST_PIECE]) & in_range(numbers, box, cell):
+                        nearby[c * of_boxes + k // 32] |= 1 << (k & 31)
                 for k in range(houses[at + HEADER]):
                     axis = ti.cast(k >= houses[at + HEADER + 1], ti.i32)
                     place = houses[at + FIRST_LINE] + 4 * k
                     line = line_at(numbers, place)
-                    if seen(numbers, houses, at, place, line, axis, cell):
+                    if seen(numbers, houses, nearby, c * of_boxes, at, place, line, axis, cell):
                         visible[c * words + k // 32] |= 1 << (k & 31)
                         for heading in range(8):
                             counts[c * LISTS + 1 + 2 * heading + axis] += ahead(heading, line, axis, cell)

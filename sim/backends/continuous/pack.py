@@ -65,9 +65,10 @@ class _Part:
         solids = shape.solids
         boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
         walls = len(shape.verticals) + len(shape.horizontals)
+        pieces = boxes[walls : len(boxes) - len(shape.filled)]
         west, north, east, south = shape.bounds
-        across = [_lines(boxes[: len(shape.verticals)], boxes[walls:], kinds, axis=0)]
-        across += [_lines(boxes[len(shape.verticals) : walls], boxes[walls:], kinds, axis=1)]
+        across = [_lines(boxes[: len(shape.verticals)], pieces, kinds, axis=0)]
+        across += [_lines(boxes[len(shape.verticals) : walls], pieces, kinds, axis=1)]
         astride = shape.floor if shape.overlapping else ANYWHERE
         # Only the original's rule reads doors, and it is for rooms with one.
         doors = np.vstack([astride, shape.doors if one_door else shape.rooms])

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import ceil
 
 from logic import House
 from sim.backends.backend import Bank
@@ -23,6 +24,12 @@ class Grid(Motion, Sight):
         """The body is a cell wide and goes a cell a step; ``ValueError`` for a house that is off the grid."""
         require_straight(houses, "grid")
         cell = cell_side(houses)
+        if cell < DEFAULT.body[0] and any(house.occupancy for house in houses):
+            times = ceil(DEFAULT.body[0] / cell)
+            raise ValueError(
+                f"the map's cells of {cell:g} m are narrower than the body, {DEFAULT.body[0]:.3f} m: the "
+                f"grid backend takes House.of_map(house.occupancy.coarser({times}))"
+            )
         if cell < DEFAULT.body[0]:
             raise ValueError(
                 f"no grid of cells as wide as the body, {DEFAULT.body[0]:.3f} m, fits these houses; "

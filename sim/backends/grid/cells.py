@@ -19,7 +19,7 @@ def cell_side(houses: Sequence[House]) -> float:
 
     Raises ``ValueError`` where they were made for different ones.
     """
-    cells = {house.provenance.request.get("cell", 0.0) if house.provenance else 0.0 for house in houses}
+    cells = {_cell(house) for house in houses}
     if len(cells) > 1:
         raise ValueError(f"houses on grids of different cells, {sorted(cells)} m: one bank has one")
     cell = cells.pop()
@@ -31,6 +31,13 @@ def cell_side(houses: Sequence[House]) -> float:
             for low, high in pairwise(np.unique(lines)):
                 side = _common(side, high - low)
     return side
+
+
+def _cell(house: House) -> float:
+    """The cell that a house says it has, metres; 0 where it says none."""
+    if house.occupancy:
+        return house.occupancy.cell
+    return house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
 
 
 def _common(a: float, b: float) -> float:
@@ -70,9 +77,9 @@ class Cells:
     """A house as cells: which are free, and what is on their edges.
 
     ``size``: columns and rows. ``stands``, ``filled``: (columns, rows) bool, where a body can be and where
-    pieces are. ``moves``: (columns, rows) int64, what it can do there. ``upright`` (columns + 1, rows) and
-    ``level`` (columns, rows + 1) int32: what is on the edges across x, at their west end, and across y, which
-    is 0, ``WALL``, ``PIECE`` or a named kind's.
+    something solid is. ``moves``: (columns, rows) int64, what it can do there. ``upright`` (columns + 1,
+    rows) and ``level`` (columns, rows + 1) int32: what is on the edges across x, at their west end, and
+    across y, which is 0, ``WALL``, ``PIECE`` or a named kind's.
     """
 
     def __init__(self, shape: Geometry, cell: float, kinds: Sequence[int] | None = None) -> None:
@@ -97,6 +104,9 @@ class Cells:
             self.filled[x:x_end, y:y_end] = True
             self.upright[[x, x_end], y:y_end] = kind
             self.level[x:x_end, [y, y_end]] = kind
+        for box in shape.filled:
+            x, y, x_end, y_end = self._span(box)
+            self.filled[x:x_end, y:y_end] = True
         for box in shape.verticals:
             x, y, _, y_end = self._span(box)
             self.upright[x, y:y_end] = WALL

@@ -205,7 +205,7 @@ def test_each_check_is_asked_of_some_kind_of_topology_and_named_once_for_each() 
         asked = [(kind, each.name) for each in table for kind in each.kinds]
         assert all(each.kinds for each in table)
         assert len({*asked}) == len(asked)
-    assert {kind_of(each) for each in ("", "star", "original", "ring")} == {*Kind}
+    assert {kind_of(each) for each in ("", "star", "original", "ring", "map")} == {*Kind}
 
 
 MISTAKES: list[Callable[[House], tuple[House, list[str]]]] = [

@@ -8,6 +8,7 @@ import pytest
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from sim.backends.continuous.layout import CELL
 from tests import sample_houses
+from tests.maps import random_map
 from tests.plans import PLANS, random_plan
 from tests.reference import Boxes, sights, stopped
 
@@ -15,6 +16,7 @@ HOUSES = [
     *(sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)),
     PLANS["living"],
     *map(random_plan, range(3)),
+    random_map(3, 0.3),
 ]
 EACH = 100
 """Poses in each house."""

@@ -1,0 +1,216 @@
+"""Occupancy grids: maps of square cells that are free, occupied or unknown, as robots make them. A house that
+has one is a map: its walls are those between free cells and all others.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+
+from logic.house.boxes import Box
+from logic.house.parts import FARTHEST, Place
+from logic.house.walls import Line
+
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1
+"""Values of cells, those of ROS's ``nav_msgs/OccupancyGrid``."""
+
+LETTERS = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
+"""How cells are written in a house file."""
+
+MOST_CELLS = 1 << 25
+"""Of a map: 5,792 by 5,792."""
+
+RUNS = re.compile(r"(?:[1-9]\d{0,7}[.#?])+")
+RUN = re.compile(r"(\d+)(.)")
+
+
+class Occupancy(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Which cells of a square grid are free. Metres; x grows east, y south."""
+
+    x: Place
+    """Its west edge."""
+    y: Place
+    """Its north edge."""
+    cell: Annotated[float, Meta(extra_json_schema={"exclusiveMinimum": 0})]
+    """A cell's side."""
+    rows: Annotated[
+        tuple[Annotated[str, Meta(extra_json_schema={"pattern": f"^{RUNS.pattern}$"})], ...],
+        Meta(min_length=1),
+    ]
+    """From north to south, each from west to east in runs of free (.), occupied (#) and unknown (?) cells:
+    ``12#30.2?``."""
+
+    @classmethod
+    def of(cls, values: np.ndarray, cell: float, corner: tuple[float, float]) -> Occupancy:
+        """The map of ``values`` (H, W) with its north-west ``corner`` at (x, y), metres.
+
+        Raises ``ValueError`` for what is no map: see ``House.from_grid``.
+        """
+        cells = _values(values)
+        grid = cls(float(corner[0]), float(corner[1]), float(cell), tuple(map(_runs, cells)))
+        if fault := grid.fault():
+            raise ValueError(fault)
+        return grid
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return len(self.rows), _width(self.rows[0])
+
+    @property
+    def box(self) -> Box:
+        """(west, north, east, south), metres."""
+        rows, columns = self.shape
+        return self.x, self.y, self.x + self.cell * columns, self.y + self.cell * rows
+
+    @property
+    def values(self) -> np.ndarray:
+        """The cells (H, W) int8: ``FREE``, ``OCCUPIED`` or ``UNKNOWN``, row 0 in the north. Not to be written
+        to.
+        """
+        return _decoded(self.rows)
+
+    def coarser(self, times: int) -> Occupancy:
+        """The map of cells ``times`` as wide: occupied where one of them is, free where all of them are. What
+        lies beyond the east and the south edge is unknown.
+
+        Raises ``ValueError`` where no free cell is left, or ``times`` is below 1.
+        """
+        if times < 1:
+            raise ValueError(f"cells {times} times as wide: 1 or more")
+        padded = np.pad(
+            self.values, [(0, -size % times) for size in self.shape], constant_values=np.int8(UNKNOWN)
+        )
+        rows, columns = (size // times for size in padded.shape)
+        blocks = padded.reshape(rows, times, columns, times)
+        free, taken = ((blocks == FREE).all((1, 3)), (blocks == OCCUPIED).any((1, 3)))
+        cells = np.where(free, FREE, np.where(taken, OCCUPIED, UNKNOWN)).astype(np.int8)
+        return Occupancy.of(cells, times * self.cell, (self.x, self.y))
+
+    def lines(self) -> tuple[list[Line], list[Line]]:
+        """The walls around the free cells: those that run north to south, then west to east."""
+        return _lines(self)
+
+    def blocks(self, *kinds: int) -> list[Box]:
+        """All cells of these kinds as few boxes (west, north, east, south), metres; by default all that are
+        not free.
+        """
+        return _blocks(self, kinds or (OCCUPIED, UNKNOWN))
+
+    def fault(self) -> str:
+        """Why it is no map that can be read, in words; empty where nothing is wrong."""
+        if not 0 < self.cell <= FARTHEST:
+            return f"its cells are {self.cell} m wide: more than 0 m"
+        for number, row in enumerate(self.rows):
+            if not RUNS.fullmatch(row):
+                return f"row {number} is no row of cells such as 12#30.2?"
+        (rows, columns), widths = self.shape, list(map(_width, self.rows))
+        if max(widths) * rows > MOST_CELLS:
+            return too_many(rows, max(widths))
+        if strange := next((width for width in widths if width != columns), 0):
+            return f"row {widths.index(strange)} has {strange} cells, row 0 has {columns}"
+        if not all(abs(value) <= FARTHEST for value in self.box):
+            return f"it lies beyond {FARTHEST:g} m or is not a number"
+        return "" if any("." in row for row in self.rows) else "it has no free cell"
+
+
+def too_many(rows: int, columns: int) -> str:
+    """What is said of a map that is too large to be read."""
+    return f"it has {columns:,} by {rows:,} cells: at most {MOST_CELLS:,} are read"
+
+
+def _values(values: Any) -> np.ndarray:
+    """Cells as int8. Raises ``ValueError`` for what are none."""
+    cells = np.asarray(values)
+    if cells.ndim != 2 or not cells.size:
+        raise ValueError(f"cells in an array of shape {cells.shape}: it must be rows by columns, not empty")
+    if cells.size > MOST_CELLS:
+        raise ValueError(too_many(*cells.shape))
+    if cells.dtype == bool:
+        return np.where(cells, OCCUPIED, FREE).astype(np.int8)
+    if cells.dtype.kind not in "iu":
+        raise ValueError(
+            f"cells of {cells.dtype}: give bool, True where occupied, or whole numbers, "
+            f"{FREE} free, {OCCUPIED} occupied, {UNKNOWN} unknown"
+        )
+    if strange := np.setdiff1d(cells, list(LETTERS.values())).tolist():
+        raise ValueError(
+            f"cells of {strange[0]}: there are {FREE} (free), {OCCUPIED} (occupied) and {UNKNOWN} (unknown)"
+        )
+    return cells.astype(np.int8)
+
+
+def _runs(row: np.ndarray) -> str:
+    """A row of cells in runs."""
+    ends = np.append(np.flatnonzero(np.diff(row)) + 1, len(row))
+    letters = {value: letter for letter, value in LETTERS.items()}
+    lengths = np.diff(ends, prepend=0)
+    return "".join(f"{n}{letters[int(row[end - 1])]}" for n, end in zip(lengths, ends, strict=True))
+
+
+def _width(row: str) -> int:
+    """How many cells a row has."""
+    return sum(int(length) for length, _ in RUN.findall(row))
+
+
+@lru_cache(8)
+def _decoded(rows: tuple[str, ...]) -> np.ndarray:
+    found = [run for row in rows for run in RUN.findall(row)]
+    values = np.repeat(
+        np.array([LETTERS[letter] for _, letter in found], np.int8), [int(n) for n, _ in found]
+    )
+    values.flags.writeable = False
+    return values.reshape(len(rows), -1)
+
+
+@lru_cache(8)
+def _lines(grid: Occupancy) -> tuple[list[Line], list[Line]]:
+    free = np.pad(grid.values == FREE, 1)
+    corner, found = (grid.x, grid.y), []
+    for axis in (0, 1):
+        # Edges between neighbours along x, then along y: a run of them on one line is a wall.
+        sides = np.diff(free.T if axis == 0 else free, axis=0)[:, 1:-1]
+        places, runs = corner[axis], corner[1 - axis]
+        found.append(
+            [
+                (places + grid.cell * k, runs + grid.cell * low, runs + grid.cell * high)
+                for k, low, high in _spans(sides)
+            ]
+        )
+    return found[0], found[1]
+
+
+@lru_cache(8)
+def _blocks(grid: Occupancy, kinds: tuple[int, ...]) -> list[Box]:
+    shut = np.isin(grid.values, kinds)
+    by_rows, by_columns = list(_merged(shut)), list(_merged(shut.T))
+    if len(by_columns) < len(by_rows):
+        by_rows = [(north, south, west, east) for west, east, north, south in by_columns]
+    x, y, cell = grid.x, grid.y, grid.cell
+    return [(x + cell * w, y + cell * n, x + cell * e, y + cell * s) for w, e, n, s in by_rows]
+
+
+def _spans(mask: np.ndarray) -> Iterator[tuple[int, int, int]]:
+    """Runs of True in the rows of a mask (H, W): the row, from, to."""
+    edges = np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    (rows, first), (_, end) = np.nonzero(edges == 1), np.nonzero(edges == -1)
+    yield from zip(rows.tolist(), first.tolist(), end.tolist(), strict=True)
+
+
+def _merged(mask: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
+    """Boxes of True: runs in rows (from, to), that are the same from a row to a row: from, to."""
+    open_: dict[tuple[int, int], int] = {}
+    rows: list[set[tuple[int, int]]] = [set() for _ in range(len(mask) + 1)]
+    for row, first, end in _spans(mask):
+        rows[row].add((first, end))
+    for row, runs in enumerate(rows):
+        for run in [each for each in open_ if each not in runs]:
+            yield *run, open_.pop(run), row
+        for run in runs:
+            open_.setdefault(run, row)
