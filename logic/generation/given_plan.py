@@ -246,6 +246,11 @@ def _meetings(plan: OwnPlan) -> HouseFacts:
     for number, room in enumerate(plan.rooms):
         if room.part_of:
             found.append(Function("said_part", [Number(number), Number(numbers[room.part_of])]))
-    panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
+    panes = [wall for window in plan.windows if (wall := plan.wall_around(window))]
     found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
+    found += [
+        Function("pane_toward", [Number(wall.room), Number(wall.behind)])
+        for wall in panes
+        if wall.behind is not None
+    ]
     return [(fact, ()) for fact in dict.fromkeys(found)]

@@ -89,7 +89,7 @@ def _on_lines(
         rooms.append(replace(room, x=west, y=north, width=east - west, height=south - north))
     empty = OwnPlan(tuple(rooms))
     doors = [_in_wall(empty, plan.wall_of(door), door, thick, least) for door in plan.doors]
-    windows = [_in_wall(empty, plan.wall_of(window), window, thick) for window in plan.windows]
+    windows = [_in_wall(empty, plan.wall_around(window), window, thick) for window in plan.windows]
     return replace(plan, rooms=empty.rooms, doors=tuple(doors), windows=tuple(windows))
 
 

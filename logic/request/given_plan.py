@@ -243,5 +243,5 @@ def _misplaced(plan: OwnPlan) -> Iterator[str]:
             yield f"there are two doors between {one} and {other}: keep one of them"
         joined.add(frozenset(door.between))
     for window in plan.windows:
-        if plan.wall_of(window) is None:
-            yield f"a window of {window.room} at x {window.x:g}, y {window.y:g} is in no outer wall of it"
+        if plan.wall_around(window) is None:
+            yield f"a window of {window.room} at x {window.x:g}, y {window.y:g} is in no wall of it"

@@ -175,18 +175,20 @@ overlap(A1-A2/(B1-B2), M0) --> { length_of(inner_wall, T), M is M0 + T }, [(A1+M
 
 outer(Atoms, Walls, At) -->
     { length_of(door_width, Width), outer_margin(door_margin, Margin), Door is Width + 2*Margin,
-      findall(R-S-Door, member(entrance(R,S), Atoms), Entrances),
-      findall(R-S-L, ( member(window(R,S), Atoms), memberchk(room(R,T), Atoms), window_walls(T, L, _) ), Windows),
+      findall(R-S-outside-Door, member(entrance(R,S), Atoms), Entrances),
+      findall(R-S-Q-L, ( member(window(R,S), Atoms), memberchk(room(R,T), Atoms), window_walls(T, L, _), behind_window(Atoms, R, S, Q) ), Windows),
       append(Entrances, Windows, Openings) },
     parts(Openings, Walls, At).
 
 parts([], _, _) --> [].
-parts([R-S-Least|Openings], Walls, At) -->
-    { findall(part(R,S,F,T), member(wall(R,S,outside,F,T), Walls), Parts), longest(Parts, At, X1, X2) }, !,
+parts([R-S-Q-Least|Openings], Walls, At) -->
+    { findall(part(R,S,F,T), member(wall(R,S,Q,F,T), Walls), Parts), longest(Parts, At, X1, X2) }, !,
     { length_of(outer_wall, T), Long is Least + T },       % what walls across take of it, at most
     [(X1+Long =< X2)-[]],
     parts(Openings, Walls, At).
 parts([_|Openings], Walls, At) --> parts(Openings, Walls, At).
+
+behind_window(Atoms, R, S, Q) :- ( memberchk(toward(R,S,P), Atoms) -> Q = P ; Q = outside ).
 
 %   Of parts of a side, which begin and end at lines, the one over most of them.
 

@@ -67,6 +67,11 @@ fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)
     outer_side(Walls, R, S, A-B), member(T, Types), window_walls(T, Least, Most),
     \+ ( reaches(A-B, Least), ( Most == any -> true ; B - A =< Most + 1.0e-6 ) ).
 
+fault(_, _, Walls, Types, dim(at(R),at(Q),T), [window_size(T),length(window_margin)]) :-
+    clause(grammar:window_size(_,_,_), _),
+    member(wall(R,_,Q,_,A,B), Walls), Q \== outside, member(T, Types), window_walls(T, Least, Most),
+    \+ ( reaches(A-B, Least), ( Most == any -> true ; B - A =< Most + 1.0e-6 ) ).
+
 %   size_class(+Sizes, +Size, -Class): sizes that are the same are of one Class, a whole number; Sizes are in order.
 
 size_class(Sizes, Size, Class) :-
@@ -126,12 +131,15 @@ opening_sample(door(R,Q,_), Atoms-Types, Walls, Door) -->
 opening_sample(entrance(R,Side), _, Walls, door(Box,R,outside)) -->
     { once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), outer_margin(door_margin, Margin) },
     segment_sample(Side, At, Span, Width, Margin, Box).
-opening_sample(window(R,Side), _-Types, Walls, window(Box,R)) -->
-    { once(outer_wall(Walls, R, Side, At, A-B)), memberchk(R-Type, Types), outer_margin(window_margin, Margin),
+opening_sample(window(R,Side), Atoms-Types, Walls, window(Box,R)) -->
+    { window_wall(Atoms, Walls, R, Side, At, A-B), memberchk(R-Type, Types), outer_margin(window_margin, Margin),
       Most is B - A - 2*Margin,
       window_range(Type, A-B, Most, Low-High) },
     interval_sample(Low, High, 1, Length),
     segment_sample(Side, At, A-B, Length, Margin, Box).
+
+window_wall(Atoms, Walls, R, Side, At, A-B) :- memberchk(toward(R,Side,Q), Atoms), !, memberchk(wall(R,Side,Q,At,A,B), Walls).
+window_wall(_, Walls, R, Side, At, Span) :- once(outer_wall(Walls, R, Side, At, Span)).
 
 segment_sample(Side, At, A-B, Length, Margin, Box) -->
     { side_axis(Side, Axis), Low is A + Margin, High is B - Length - Margin },

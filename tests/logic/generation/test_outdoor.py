@@ -146,12 +146,34 @@ def test_a_patio_amid_rooms_is_refuted_and_found_by_the_check(tmp_path: Path) ->
     assert any("has no outer wall, and is outside" in fault for fault in check(house, promises))
 
 
-def test_in_a_plan_a_room_behind_a_patio_is_lit_by_its_door(tmp_path: Path) -> None:
+def test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door(tmp_path: Path) -> None:
     boxes: dict[str, Box] = {"hall": (0, 0, 3, 3), "den": (3, 0, 6, 3), "patio": (0, 3, 6, 6)}
     folder = grammar(tmp_path / "mine", PATIO + ":- room(R,den), outer(R,S), window(R,S).\n")
     plan = geojson(boxes, hall="hall", den="den", patio="patio")
-    with pytest.raises(Unsatisfiable, match="lit"):
-        next(generate(plan=plan, grammar=folder))
+    house = next(generate(plan=plan, grammar=folder))
+    assert check(house) == []
+    (window,) = (each for each in house.windows if each.room == "den")
+    assert on_edge(window, of_type(house, "patio"))
+    # A plan of this house keeps the window where it is; towards a room that is not outside it is refuted.
+    again = next(generate(plan=house, grammar=folder, seed=1))
+    assert check(again) == []
+    assert again.windows == house.windows
+    inside = PATIO.replace("outdoor(patio).", "")
+    with pytest.raises(Unsatisfiable, match="there are no other windows"):
+        next(generate(plan=house, grammar=grammar(tmp_path / "inside", inside)))
+    # A window of at least 1.8 m in at most 0.8 of its wall needs a wall of 2.25 m.
+    long = PATIO_SIZES.replace("L >= 0.6", "L >= 1.8")
+    folder = grammar(tmp_path / "mine", PATIO + ":- room(R,den), outer(R,S), window(R,S).\n", long)
+    for wall, possible in ((2.3, True), (2.2, False)):
+        boxes = {"hall": (0, 0, 3, 3), "den": (3, 0, 3 + wall, 3), "patio": (1, 3, 3 + wall, 5)}
+        plan = geojson(boxes, hall="hall", den="den", patio="patio")
+        if possible:
+            assert check(next(generate(plan=plan, grammar=folder))) == []
+        else:
+            with pytest.raises(Unsatisfiable, match="window_size"):
+                next(generate(plan=plan, grammar=folder))
+    boxes = {"hall": (0, 0, 3, 3), "den": (3, 0, 6, 3), "patio": (0, 3, 6, 6)}
+    plan = geojson(boxes, hall="hall", den="den", patio="patio")
     folder = grammar(
         tmp_path / "mine",
         PATIO.replace("opens(hall,", "opens(den,patio).  opens(hall,") + ":- window(_,_).\n",
