@@ -29,6 +29,7 @@ STUDIES = {
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
     "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),
     "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),
+    "openings": ("benchmarks.planner.openings:Openings", "Search through openings, beside doors."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""
