@@ -17,11 +17,10 @@ from logic import House
 from logic.drawing.canvas import DENSITY, Drawing, png
 from logic.drawing.labels import background
 from logic.drawing.palettes import Inks
-from logic.drawing.plan import BEYOND, Frame, grown
+from logic.drawing.plan import Frame, drawn_extent
 from logic.house.files import write_whole
 from logic.spelling import numbered
 from sim.config import Config
-from sim.geometry import Geometry, geometry
 
 PAPER = (255, 255, 255)
 BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
@@ -97,7 +96,7 @@ def caption(scene: Scene) -> str:
 
 def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Image.Image) -> Image.Image:
     """Draw a scene on its house's ``plan``: target, trail, rays and body."""
-    view = View(geometry(scene.house), max(background.size) // SHARP)
+    view = View(scene.house, max(background.size) // SHARP)
     image = background.copy()
     draw = ImageDraw.Draw(image, "RGBA")
     half = scene.config.target / 2
@@ -131,7 +130,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
 
 def largest(houses: Sequence[House], width: int = WIDTH) -> tuple[int, int]:
     """Width and height in pixels of a frame that holds the pictures of all these houses."""
-    across, along = np.max([View(geometry(house), width).shown for house in houses], axis=0)
+    across, along = np.max([View(house, width).shown for house in houses], axis=0)
     return int(across), int(along)
 
 
@@ -166,7 +165,7 @@ def plan(house: House, size: int) -> Image.Image:
     """Draw a house as plans show it, ``SHARP`` times larger than it will be shown; without the leaves of
     doors.
     """
-    view = View(geometry(house), size)
+    view = View(house, size)
     width, height = view.shown
     drawing = Drawing(width, height, background(house, view.frame, LEAST_NAME))
     return png([((0, 0), drawing)], width, height)
@@ -239,9 +238,9 @@ def _mp4(frames: Iterator[Image.Image], fps: int) -> bytes:
 class View:
     """From metres to the pixels of a picture that holds the whole house."""
 
-    def __init__(self, shape: Geometry, size: int) -> None:
+    def __init__(self, house: House, size: int) -> None:
         """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
-        west, north, east, south = grown(shape.bounds, BEYOND)
+        west, north, east, south = drawn_extent(house)
         width, height = east - west, south - north
         scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
         self.frame = Frame(scale, MARGIN - scale * west, MARGIN - scale * north)
@@ -250,7 +249,7 @@ class View:
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """A point's pixels."""
-        across, down = self.frame.at(x, y)
+        across, down = self.frame.at(float(x), float(y))
         return SHARP * across, SHARP * down
 
     def box(self, west: float, north: float, east: float, south: float) -> list[float]:

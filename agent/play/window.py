@@ -14,7 +14,6 @@ from logic.house.parts import BODY as SIDE
 from sim.actions import FORWARD, LEFT, RIGHT
 from sim.film import BODY, RAY, SHARP, TARGET, TARGET_EDGE, TARGET_RAY, View, plan
 from sim.film import Scene as Picture
-from sim.geometry import geometry
 
 SIZE = 720
 """Pixels of the longer side of a plan, at most."""
@@ -50,7 +49,7 @@ class Panel:
         image = plan(house, size).reduce(SHARP)
         self.plan = pygame.image.frombytes(image.tobytes(), image.size, "RGB")
         self.size = image.size
-        self._view = View(geometry(house), size)
+        self._view = View(house, size)
         self.fog: pygame.Surface | None = None
         if view == "seen":
             self.fog = pygame.Surface(image.size, pygame.SRCALPHA)

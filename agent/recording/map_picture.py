@@ -44,7 +44,7 @@ class MapPicture:
 
     def __init__(self, house: House, width: int) -> None:
         """For pictures of the house of this width, as ``sim.film.Camera`` takes them."""
-        self.view, self.solids = View(geometry(house), width), geometry(house).solids
+        self.view, self.solids = View(house, width), geometry(house).solids
 
     def begin(self, pose: np.ndarray) -> None:
         """The map begins at the pose (3,) of the eye: x and y in metres, and its heading."""

@@ -3,13 +3,15 @@
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from msgspec import structs
 from PIL import Image, ImageColor, ImageSequence
 
 from logic.drawing.palettes import Inks
+from logic.drawing.plan import drawn_extent
 from logic.house.looks import DEFAULT as LOOKS
+from logic.house.promises import Thickness
 from sim import DEFAULT, HouseVectorEnv
 from sim.film import BODY, TARGET, Camera, View, film
-from sim.geometry import geometry
 from tests import sample_houses
 
 INKS = Inks()
@@ -29,7 +31,7 @@ def envs(made):
 
 
 def colour_at(image: Image.Image, x: float, y: float):
-    column, row = View(geometry(HOUSE), max(image.size)).at(x, y)
+    column, row = View(HOUSE, max(image.size)).at(x, y)
     return image.getpixel((round(column / 2), round(row / 2)))
 
 
@@ -104,3 +106,15 @@ def test_an_mp4_has_all_frames_in_order_and_the_last_for_a_second(tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["film.mp4"]
     with pytest.raises(ValueError, match="no frame"):
         film([], tmp_path / "none.mp4")
+
+
+def test_all_of_the_outer_walls_is_in_the_picture() -> None:
+    """Of a house whose outer walls are half a metre thick, as of one with thin ones."""
+    thick = structs.replace(HOUSE, wall_thickness=Thickness(0.1, 0.5))
+    for house in (HOUSE, thick):
+        west, north, east, south = drawn_extent(house)
+        view = View(house, 400)
+        for corner in ((west, north), (east, south)):
+            column, row = view.at(*corner)
+            assert 0 <= column <= view.size[0]
+            assert 0 <= row <= view.size[1]

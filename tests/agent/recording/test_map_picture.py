@@ -45,7 +45,7 @@ def filmed(envs, explorer, eighth: int, steps: int = 40) -> Image.Image:
 
 def places(image: Image.Image, colour: tuple[int, int, int]) -> np.ndarray:
     """The places (n, 2), metres, of the picture's pixels of a colour."""
-    frame = View(geometry(HOUSE), 400).frame
+    frame = View(HOUSE, 400).frame
     rows, columns = np.nonzero((np.asarray(image) == colour).all(axis=-1))
     return (np.stack([columns, rows], axis=1) + 0.5 - [frame.left, frame.top]) / frame.scale
 
@@ -84,7 +84,7 @@ def test_the_map_stands_beside_the_house_above_its_key(envs, explorer) -> None:
 def test_the_film_of_an_agent_with_a_map_shows_house_and_map(tmp_path) -> None:
     agent = checkpoint.load("map-completion")
     record(agent, HOUSE, tmp_path / "film.gif", targets="secondary", steps=8, width=300)
-    width, height = View(geometry(HOUSE), 300).shown
+    width, height = View(HOUSE, 300).shown
     with Image.open(tmp_path / "film.gif") as image:
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]
         assert image.width == 2 * width
