@@ -1,14 +1,15 @@
 """Baselines: policies that learn nothing, which every evaluation shows beside the agents.
 
-| baseline | knows |
+| baseline | is |
 |---|---|
-| random + avoidance | its rays: the paper's random walk under the paper's avoidance rule (``RandomPolicy``) |
-| script | its rays, bumps and own actions: to a target in sight, else looks around and walks (``Script``) |
-| explorer | its rays, bumps and own actions, as a map: the planner without a network (``Explorer``) |
-| searcher | the house, but not where the target is |
-| oracle | the house and the target |
+| random + avoidance | the paper's random walk under the paper's avoidance rule (``RandomPolicy``) |
+| script | to a target in sight, else looks around and walks (``Script``) |
+| explorer | the planner without a network (``Explorer``) |
+| searcher | knows the house, but not where the target is |
+| oracle | knows the house and the target |
 
-The last two read the simulator's state, which no agent may: they bound what an agent can reach.
+What the others know says ``KNOWS``. The last two read the simulator's state, which no agent may: they bound
+what an agent can reach.
 """
 
 from collections.abc import Callable
@@ -124,6 +125,13 @@ BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
 }
 """By name, what makes a baseline's policy for environments and a seed. Every other score is a share of the
 oracle's."""
+
+KNOWS = {
+    "random + avoidance": ("rays",),
+    "script": ("rays", "bump", "last_action"),
+    "explorer": ("rays", "bump", "last_action"),
+}
+"""What the baselines act by that know no more than an agent may, in the words of ``sim.Config.observe``."""
 
 PRIVILEGED = ("searcher", "oracle")
 """Those that know where they are: noise and slips would only make their plans wrong."""

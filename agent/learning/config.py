@@ -104,6 +104,11 @@ class TrainConfig:
     fractions: ClassVar[tuple[str, ...]] = ("epsilon", "final_epsilon", "forward")
     """Fields that must be above 0, and between 0 and 1."""
 
+    @property
+    def knows(self) -> tuple[str, ...]:
+        """What its agents act by, in the words of ``sim.Config.observe``."""
+        return "rays", "bump", "last_action"
+
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
         """Configs that run by name."""
@@ -149,6 +154,16 @@ class QLearningConfig(TrainConfig):
     def epsilon_at(self, fraction: float) -> float:
         """Share of random actions when so much of the run is done."""
         return linear(self.epsilon, self.final_epsilon, fraction / max(self.exploration_fraction, 1e-9))
+
+    @property
+    def remembers(self) -> bool:
+        """Whether its network reads what it did before."""
+        return bool(self.half_lives)
+
+    @property
+    def knows(self) -> tuple[str, ...]:
+        """Without a memory its avoidance layer alone knows of bumps, and nothing of its actions."""
+        return super().knows if self.remembers else ("rays", "bump")
 
     def __post_init__(self) -> None:
         super().__post_init__()

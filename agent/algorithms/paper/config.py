@@ -26,6 +26,11 @@ class PaperConfig(TrainConfig):
     adam_epsilon: float = 1e-7
     """What Adam adds to the root of the mean squared gradient: Keras's."""
 
+    @property
+    def knows(self) -> tuple[str, ...]:
+        """Its rays have directions of the compass, so it knows its heading; and no more."""
+        return "rays", "heading"
+
     homing: bool = True
     """Whether a random action goes forward where a middle ray sees the target."""
 

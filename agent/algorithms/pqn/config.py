@@ -49,6 +49,11 @@ class PQNConfig(QLearningConfig):
                 f"num_minibatches must not exceed num_envs x num_steps, not {self.num_minibatches}"
             )
 
+    @property
+    def remembers(self) -> bool:
+        """Whether its network reads what it did before."""
+        return super().remembers or self.network == "recurrent"
+
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
         """Configs that run by name."""

@@ -1,0 +1,32 @@
+"""What agents and baselines act by, in words: the column *knows* of README and docs/results.md."""
+
+from collections.abc import Iterable
+
+from agent.evaluation.baselines import KNOWS
+from agent.learning.config import TrainConfig
+
+WORDS = {
+    "rays": "its rays",
+    "heading": "its heading",
+    "bump": "bumps",
+    "last_action": "own actions",
+    "odometry": "where it is, by its own account",
+    "goal": "the way to the target",
+    "geodesic": "the distance to the target",
+}
+"""In words, by the names of ``sim.Config.observe``; ``heading`` by rays with directions of the compass."""
+
+PLANS = "in training, plans of other houses"
+"""What those know beside that learn from the maps of houses."""
+
+
+def in_words(knows: Iterable[str]) -> str:
+    """Names of ``sim.Config.observe`` as a list of words."""
+    return ", ".join(WORDS[name] for name in knows)
+
+
+def known(agent: TrainConfig | str) -> str:
+    """What the agents of a config, or a baseline by its name, act by."""
+    if isinstance(agent, str):
+        return in_words(KNOWS[agent])
+    return "; ".join([in_words(agent.knows), *([PLANS] if agent.reads_maps else [])])

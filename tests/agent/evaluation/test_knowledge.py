@@ -1,0 +1,51 @@
+"""What the first page says that agents know is what they say themselves."""
+
+from pathlib import Path
+
+import pytest
+
+from agent.algorithms.table import PRESETS
+from agent.evaluation.baselines import BASELINES, KNOWS, PRIVILEGED
+from agent.evaluation.knowledge import WORDS, known
+from agent.runs import checkpoint
+from agent.runs.released import located, released
+from sim.config import EXTRAS, RAYS
+
+RESULTS = Path(__file__).parents[3] / "docs" / "results.md"
+ROWS = {
+    first: knows
+    for first, knows, *_ in (
+        [cell.strip() for cell in line.split("|")[1:]]
+        for line in RESULTS.read_text().splitlines()
+        if line[:1] == "|"
+    )
+}
+"""Of the page's table, by the first cell."""
+
+
+def knows(words: str) -> str:
+    """Of the row whose first cell has these words."""
+    (found,) = (said for first, said in ROWS.items() if words in first)
+    return found
+
+
+@pytest.mark.parametrize("name", ["paper-original", "paper", "map-completion", "search", "pqn"])
+def test_the_column_of_what_agents_know_is_what_their_configs_say(name: str) -> None:
+    rows = [found for first, found in ROWS.items() if f"`{name}`" in first]
+    assert rows
+    assert set(rows) == {known(checkpoint.load(located(name)).config)}
+
+
+def test_the_column_of_what_baselines_know_is_what_they_say() -> None:
+    assert knows("random + avoidance") == known("random + avoidance")
+    assert knows("script:") == known("script")
+    assert knows("`explorer`") == known("explorer")
+
+
+def test_every_agent_and_baseline_says_what_it_knows_in_the_words_of_the_observation_space() -> None:
+    words = {RAYS, "heading", *EXTRAS}
+    assert set(WORDS) == words
+    assert set(KNOWS) == set(BASELINES) - set(PRIVILEGED)
+    configs = [*PRESETS.values(), *(checkpoint.load(located(name)).config for name in released())]
+    for knows in (*KNOWS.values(), *(config.knows for config in configs)):
+        assert set(knows) <= words
