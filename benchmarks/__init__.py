@@ -25,6 +25,7 @@ STUDIES = {
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
+    "exploration": ("benchmarks.exploration.run:Exploration", "How agents explore maps of buildings."),
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
     "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),

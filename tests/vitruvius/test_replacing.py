@@ -21,7 +21,19 @@ PLANS = ROOT / "tests" / "fixtures" / "plans.jsonl"
 FOREIGN = b"years of my own work\n"
 
 FOLDERS = (
-    *("agents", "brief", "drift", "explorers", "fuzz", "generator", "gpu", "homes", "learner", "learning"),
+    *(
+        "agents",
+        "brief",
+        "drift",
+        "exploration",
+        "explorers",
+        "fuzz",
+        "generator",
+        "gpu",
+        "homes",
+        "learner",
+        "learning",
+    ),
     *(
         "paper",
         "phases",

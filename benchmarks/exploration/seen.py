@@ -1,0 +1,193 @@
+"""What bodies have seen of a map, cell by cell, and the ways of fewest steps over what they know to be free.
+
+A laser of many beams is marched through the cells of the true map, from cell to cell as each beam crosses
+them: free cells are seen, and the first that is not free, which ends it.
+"""
+
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from logic.house.occupancy import FREE, Occupancy
+from sim.actions import HEADINGS
+from sim.backends.backend import Lattice
+from sim.runtime import Array, Bytes, Floats, Ints, Launch, kernel, start, ti
+
+UNSEEN, OPEN, SHUT = range(3)
+"""What is known of a cell."""
+
+BEGUN = 9
+"""Where a search begins; elsewhere is the heading by which it came, from 1 on."""
+
+AIR = 1e-4
+"""Metres that a body is taken to be wider on each side: what it may touch stops it."""
+
+
+class Seen:
+    """Maps that E bodies make of one true map."""
+
+    def __init__(
+        self,
+        grid: Occupancy,
+        lattice: Lattice,
+        body: float,
+        bodies: int,
+        beams: int,
+        field: float,
+        reach: float,
+    ) -> None:
+        """For ``bodies`` of a side of ``body`` metres, whose middles are on a ``lattice``, with so many
+        ``beams`` over a ``field`` of view in radians, each as long as ``reach`` metres.
+        """
+        rows, columns = grid.shape
+        self.grid, self.bodies, self.shape = grid, bodies, (rows, columns)
+        self.origin, self.pitch = np.array(lattice.origin, float), lattice.pitch
+        corner, step = self.cells(self.origin[None])[0], lattice.pitch / grid.cell
+        half = (body / 2 + AIR) / grid.cell
+        free = (grid.values == FREE).astype(np.uint8)
+        self.nodes = lattice.shape
+        self.arrays = {
+            "free": Array.of(free.ravel()),
+            "known": Array(ti.u8, bodies * rows * columns),
+            "goals": Array(ti.u8, bodies * rows * columns),
+            "places": Array(ti.f32, bodies * 3),
+            "chosen": Array(ti.i32, bodies),
+            "came": Array(ti.u8, bodies * lattice.shape[0] * lattice.shape[1]),
+            "queue": Array(ti.i32, bodies * lattice.shape[0] * lattice.shape[1]),
+            "found": Array(ti.i32, bodies),
+            "sizes": Array.of(np.array([rows, columns, beams, *lattice.shape], np.int32)),
+            "lengths": Array.of(np.array([field, reach / grid.cell, *corner, step, half], np.float32)),
+        }
+        look, spread = _kernels(start())
+        self._look, self._spread = Launch(look, self.arrays), Launch(spread, self.arrays)
+
+    @property
+    def known(self) -> np.ndarray:
+        """``UNSEEN``, ``OPEN`` or ``SHUT`` of each cell (E, H, W): the memory itself."""
+        return self.arrays["known"].view().reshape(self.bodies, *self.shape)
+
+    def cells(self, places: np.ndarray) -> np.ndarray:
+        """Places (n, 2) in metres as cells (column, row), with fractions."""
+        return (places - (self.grid.x, self.grid.y)) / self.grid.cell
+
+    def look(self, poses: np.ndarray, chosen: np.ndarray) -> None:
+        """Look from poses (E, 3), of those that are ``chosen`` (E,) bool."""
+        self._place(np.column_stack([self.cells(poses[:, :2]), poses[:, 2]]), chosen)
+        self._look()
+
+    def ways(self, poses: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> list[list[int]]:
+        """The headings of the steps of a shortest way from each chosen body to where its middle is in one of
+        its ``goals`` (E, H, W) bool, over cells that are known to be free; none where no way leads there.
+        """
+        self.arrays["goals"].view()[:] = goals.ravel()
+        nodes = np.round((poses[:, :2] - self.origin) / self.pitch)
+        self._place(np.column_stack([nodes, np.zeros(len(poses))]), chosen)
+        self._spread()
+        came = self.arrays["came"].view().reshape(self.bodies, *self.nodes)
+        found, ways = self.arrays["found"].view(), []
+        for e in range(self.bodies):
+            way, node = [], int(found[e]) if chosen[e] else -1
+            while node >= 0 and (heading := int(came[e].flat[node]) - 1) < 8:
+                way.append(heading)
+                east, south = HEADINGS[heading]
+                node -= east * self.nodes[1] + south
+            ways.append(way[::-1])
+        return ways
+
+    def _place(self, places: np.ndarray, chosen: np.ndarray) -> None:
+        self.arrays["places"].view()[:] = places.astype(np.float32).ravel()
+        self.arrays["chosen"].view()[:] = chosen
+
+
+@cache
+def _kernels(program: Any) -> tuple[Any, Any]:
+    """The kernels that look, and that spread from the bodies over what is passable."""
+
+    @kernel
+    def look(free: Bytes, known: Bytes, places: Floats, chosen: Ints, sizes: Ints, lengths: Floats):
+        for e in range(chosen.shape[0]):
+            if chosen[e]:
+                rows, columns, beams = sizes[0], sizes[1], sizes[2]
+                x, y, heading = places[3 * e], places[3 * e + 1], places[3 * e + 2]
+                for beam in range(beams):
+                    angle = heading + lengths[0] * ((ti.cast(beam, ti.f32) + 0.5) / beams - 0.5)
+                    east, south = ti.cos(angle), -ti.sin(angle)
+                    column, row = ti.cast(ti.floor(x), ti.i32), ti.cast(ti.floor(y), ti.i32)
+                    step_x, step_y = ti.select(east > 0, 1, -1), ti.select(south > 0, 1, -1)
+                    over_x, over_y = 1.0 / ti.max(ti.abs(east), 1e-9), 1.0 / ti.max(ti.abs(south), 1e-9)
+                    next_x = (ti.select(east > 0, column + 1.0 - x, x - column)) * over_x
+                    next_y = (ti.select(south > 0, row + 1.0 - y, y - row)) * over_y
+                    far, going = ti.f32(0.0), 1
+                    while going and far < lengths[1]:
+                        going = ti.cast(0 <= column < columns and 0 <= row < rows, ti.i32)
+                        if going:
+                            cell = row * columns + column
+                            known[e * rows * columns + cell] = ti.cast(2 - free[cell], ti.u8)
+                            going = ti.cast(free[cell], ti.i32)
+                        if next_x < next_y:
+                            far, column, next_x = next_x, column + step_x, next_x + over_x
+                        else:
+                            far, row, next_y = next_y, row + step_y, next_y + over_y
+
+    @ti.func
+    def stands(known: ti.template(), sizes: ti.template(), lengths: ti.template(), e, i, j):
+        """Whether all cells that a body at a place of the lattice touches are known to be free."""
+        rows, columns = sizes[0], sizes[1]
+        x, y = lengths[2] + lengths[4] * i, lengths[3] + lengths[4] * j
+        free = ti.cast(0 <= i < sizes[3] and 0 <= j < sizes[4], ti.i32)
+        if free:
+            west, east = ti.cast(ti.floor(x - lengths[5]), ti.i32), ti.cast(ti.floor(x + lengths[5]), ti.i32)
+            north, south = (
+                ti.cast(ti.floor(y - lengths[5]), ti.i32),
+                ti.cast(ti.floor(y + lengths[5]), ti.i32),
+            )
+            free = ti.cast(west >= 0 and north >= 0 and east < columns and south < rows, ti.i32)
+            if free:
+                for row in range(north, south + 1):
+                    for column in range(west, east + 1):
+                        free &= ti.cast(known[e * rows * columns + row * columns + column] == OPEN, ti.i32)
+        return free
+
+    @kernel
+    def spread(
+        known: Bytes, goals: Bytes, places: Floats, chosen: Ints, came: Bytes, queue: Ints, found: Ints,
+        sizes: Ints, lengths: Floats,
+    ):  # fmt: skip
+        for e in range(chosen.shape[0]):
+            if chosen[e]:
+                lines = sizes[4]
+                base = e * sizes[3] * lines
+                for k in range(sizes[3] * lines):
+                    came[base + k] = ti.u8(0)
+                first = ti.cast(places[3 * e], ti.i32) * lines + ti.cast(places[3 * e + 1], ti.i32)
+                came[base + first], queue[base], found[e] = ti.u8(BEGUN), first, -1
+                head, tail = 0, 1
+                while head < tail:
+                    node = queue[base + head]
+                    head += 1
+                    i, j = node // lines, node % lines
+                    column = ti.cast(lengths[2] + lengths[4] * i, ti.i32)
+                    row = ti.cast(lengths[3] + lengths[4] * j, ti.i32)
+                    if goals[(e * sizes[0] + row) * sizes[1] + column]:
+                        found[e], head = node, tail
+                    else:
+                        for heading in ti.static(range(8)):
+                            east, south = ti.static(HEADINGS[heading][0]), ti.static(HEADINGS[heading][1])
+                            there = base + node + east * lines + south
+                            # Nested: Taichi's ``and`` computes both sides.
+                            if stands(known, sizes, lengths, e, i + east, j + south):  # noqa: SIM102
+                                if came[there] == 0:
+                                    open_ = 1
+                                    if ti.static(heading % 2):
+                                        open_ = stands(known, sizes, lengths, e, i + east, j) & stands(
+                                            known, sizes, lengths, e, i, j + south
+                                        )
+                                    if open_:
+                                        came[there] = ti.u8(heading + 1)
+                                        queue[base + tail] = there - base
+                                        tail += 1
+
+    return look, spread
