@@ -10,7 +10,7 @@ import msgspec
 
 from agent.learning.learner import Progress
 from agent.report.page import Cell, ReportError, Section, details, inline, table
-from agent.report.plots import Axis, Series, line_plot, slots, some
+from agent.report.plots import Axis, DataSeries, line_plot, slots, some
 from agent.runs.runs import MOST_METRICS, Folder
 
 POINTS = 300
@@ -110,7 +110,7 @@ def _curve(
 ) -> str:
     """A field of all runs against steps."""
     series = [
-        Series(
+        DataSeries(
             _kind(run),
             [each.steps / 1e6 for each in run.thin],
             [getattr(each, field) for each in run.thin],

@@ -15,7 +15,7 @@ from agent.evaluation.scores import ModeScores, PolicyScores, ScoredBank
 from agent.evaluation.statistics import Estimate, interquartile_mean
 from agent.evaluation.tables import LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
-from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
+from agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
 from logic import load
 from logic.house.looks import looks_of, spaced
 from logic.spelling import numbered
@@ -144,7 +144,7 @@ def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dic
         if len(points) > 1 and policy != "oracle":
             rooms, figures = [rooms for rooms, _ in points], [each for _, each in points]
             value, low, high = ([getattr(each, end) for each in figures] for end in ("value", "low", "high"))
-            found.append(Series(labels[policy], rooms, value, low, high, colours[policy]))
+            found.append(DataSeries(labels[policy], rooms, value, low, high, colours[policy]))
     if not found:
         return ""
     ticks = sorted({rooms for each in found for rooms in each.x})

@@ -31,7 +31,7 @@ LEFT, RIGHT, TOP, BOTTOM = 58, 24, 12, 44
 
 
 @dataclass(frozen=True)
-class Series:
+class DataSeries:
     """A line: points (x, y), and where there are any the intervals about them."""
 
     name: str
@@ -94,7 +94,7 @@ class _Scale:
         return self.start + share * (self.end - self.start)
 
 
-def line_plot(title: str, x: Axis, y: Axis, series: Sequence[Series], note: str = "") -> str:
+def line_plot(title: str, x: Axis, y: Axis, series: Sequence[DataSeries], note: str = "") -> str:
     """A figure: lines with shaded intervals, what they are, and numbers in a table: of long lines some."""
     across = _Scale(x, (v for each in series for v in each.x), LEFT, WIDTH - RIGHT)
     values = (v for each in series for v in (*each.y, *each.low, *each.high))
@@ -162,7 +162,7 @@ def number(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
-def _drawn(series: Series, across: _Scale, up: _Scale) -> str:
+def _drawn(series: DataSeries, across: _Scale, up: _Scale) -> str:
     """A line, its interval and its marks."""
     points = [(across.at(x), up.at(y)) for x, y in zip(series.x, series.y, strict=True)]
     parts = [f'<g class="c{series.slot}">']
@@ -181,7 +181,7 @@ def _drawn(series: Series, across: _Scale, up: _Scale) -> str:
     return "".join(parts) + "</g>"
 
 
-def _interval(series: Series, k: int) -> list[str]:
+def _interval(series: DataSeries, k: int) -> list[str]:
     return [number(series.low[k]), number(series.high[k])] if series.low else []
 
 
@@ -220,7 +220,7 @@ def _text(x: float, y: float, words: str, anchor: str, kind: str = "") -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{named}>{escape(words)}</text>'
 
 
-def _legend(series: Sequence[Series]) -> str:
+def _legend(series: Sequence[DataSeries]) -> str:
     names = dict.fromkeys((each.name, each.slot) for each in series)
     items = "".join(
         f'<li class="c{slot}"><svg width="26" height="12" aria-hidden="true">'

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from agent.report.page import ReportError, Section, inline, table
-from agent.report.plots import Axis, Series, line_plot
+from agent.report.plots import Axis, DataSeries, line_plot
 from benchmarks.common.pages import machine
 from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
 
@@ -45,10 +45,10 @@ def _study(report: dict[str, Any]) -> str:
     return "\n".join([*parts, "</div>", table("Fitted laws", ("", "by least squares on logarithms"), laws)])
 
 
-def _line(name: str, points: np.ndarray, slot: int) -> Series:
+def _line(name: str, points: np.ndarray, slot: int) -> DataSeries:
     """A benchmark's medians and quartiles, without those that ran into the limit."""
     size, median, low, high, _ = points[points[:, 4] == 0].T.tolist() or [[]] * 5
-    return Series(name, size, median, low, high, slot)
+    return DataSeries(name, size, median, low, high, slot)
 
 
 def _late(series: dict[str, np.ndarray]) -> dict[str, float]:

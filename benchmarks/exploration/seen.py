@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from logic.house.occupancy import FREE, Occupancy
+from logic.house.occupancy import FREE, OccupancyGrid
 from sim.actions import HEADINGS
 from sim.backends.backend import Lattice
 from sim.runtime import Array, Bytes, Floats, Ints, Launch, kernel, start, ti
@@ -31,7 +31,7 @@ class Seen:
 
     def __init__(
         self,
-        grid: Occupancy,
+        grid: OccupancyGrid,
         lattice: Lattice,
         body: float,
         bodies: int,

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from agent.report.page import ReportError, Section, table
-from agent.report.plots import Axis, Series, line_plot
+from agent.report.plots import Axis, DataSeries, line_plot
 
 
 class Times(msgspec.Struct):
@@ -34,7 +34,7 @@ def homes(files: Sequence[Path], folder: Path) -> Section:
         low, median, high = (
             [1e3 * float(np.percentile(each, share)) for each in times] for share in (25, 50, 75)
         )
-        lines.append(Series(name, rooms, median, low, high, slot))
+        lines.append(DataSeries(name, rooms, median, low, high, slot))
     x, y = Axis("rooms", ticks=rooms), Axis("CPU milliseconds a house", least=0.0)
     plot = line_plot("Time of a home: medians and quartiles", x, y, lines)
     rows = [[str(size.rooms), str(len(size.whole))] for size in sizes]

@@ -10,7 +10,7 @@ from logic.drawing.door_leaves import Leaf
 from logic.drawing.palettes import Fill, Inks, Style
 from logic.house.boxes import walls_touched
 from logic.house.house import House
-from logic.house.occupancy import OCCUPIED, UNKNOWN, Occupancy
+from logic.house.occupancy import OCCUPIED, UNKNOWN, OccupancyGrid
 from logic.house.part_names import doors_by_name, part_names, windows_by_name
 from logic.house.parts import ORIGINAL, OUTSIDE, Door, Piece, Rect, Window
 from logic.house.walls import crossing
@@ -112,7 +112,7 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     return shapes
 
 
-def _map_shapes(house: House, grid: Occupancy, frame: Frame, style: Style) -> list[Shape]:
+def _map_shapes(house: House, grid: OccupancyGrid, frame: Frame, style: Style) -> list[Shape]:
     """A map: free cells, areas that have names, furniture, and all other cells."""
     inks, (whole, *areas) = style.inks, house.rooms
     shapes: list[Shape] = [Part(whole.name, (Block(frame.box(whole), inks.paper),))]

@@ -13,7 +13,7 @@ from logic.house.boxes import TOLERANCE, Box
 from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
-from logic.house.occupancy import Occupancy
+from logic.house.occupancy import OccupancyGrid
 from logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
@@ -52,7 +52,7 @@ def write(house: House, path: Path) -> None:
     write_whole(path.with_suffix(".yaml"), text.encode())
 
 
-def _pixels(grid: Occupancy) -> np.ndarray:
+def _pixels(grid: OccupancyGrid) -> np.ndarray:
     """The pixels of a map, as ``UNKNOWN``, ``FREE`` and ``OCCUPIED``."""
     return np.where(grid.values == UNKNOWN_CELL, UNKNOWN, np.where(grid.values, OCCUPIED, FREE)).astype(
         np.uint8

@@ -10,7 +10,7 @@ import numpy as np
 
 from logic.house.boxes import Box
 from logic.house.kinds import STARS, Kind, kind_of
-from logic.house.occupancy import Occupancy
+from logic.house.occupancy import OccupancyGrid
 from logic.house.parts import (
     FORMAT,
     MAIN,
@@ -52,7 +52,7 @@ class House(msgspec.Struct, frozen=True):
     free_walls: tuple[FreeWall, ...] = ()
     """Walls that stand by themselves, at any angle, beside those of its rooms: ``walls`` in its file."""
 
-    occupancy: Occupancy | None = None
+    occupancy: OccupancyGrid | None = None
     """The cells of a house that is a map."""
 
     plan: ClassVar[Callable[[House, int], str]]
@@ -207,10 +207,10 @@ class House(msgspec.Struct, frozen=True):
         if corner is None:
             rows, columns = np.shape(array) if np.ndim(array) == 2 else (0, 0)
             corner = -columns * cell / 2, -rows * cell / 2
-        return cls.of_map(Occupancy.of(array, cell, corner))
+        return cls.of_map(OccupancyGrid.of(array, cell, corner))
 
     @classmethod
-    def of_map(cls, grid: Occupancy) -> House:
+    def of_map(cls, grid: OccupancyGrid) -> House:
         """The house of one room that a map is."""
         west, north, east, south = grid.box
         room = Room(west, north, east - west, south - north, MAP, MAP)

@@ -30,7 +30,7 @@ RUNS = re.compile(r"(?:[1-9]\d{0,7}[.#?])+")
 RUN = re.compile(r"(\d+)(.)")
 
 
-class Occupancy(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Which cells of a square grid are free. Metres; x grows east, y south."""
 
     x: Place
@@ -47,7 +47,7 @@ class Occupancy(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     ``12#30.2?``."""
 
     @classmethod
-    def of(cls, values: np.ndarray, cell: float, corner: tuple[float, float]) -> Occupancy:
+    def of(cls, values: np.ndarray, cell: float, corner: tuple[float, float]) -> OccupancyGrid:
         """The map of ``values`` (H, W) with its north-west ``corner`` at (x, y), metres.
 
         Raises ``ValueError`` for what is no map: see ``House.from_grid``.
@@ -76,7 +76,7 @@ class Occupancy(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """
         return _decoded(self.rows)
 
-    def coarser(self, times: int) -> Occupancy:
+    def coarser(self, times: int) -> OccupancyGrid:
         """The map of cells ``times`` as wide: occupied where one of them is, free where all of them are. What
         lies beyond the east and the south edge is unknown.
 
@@ -91,7 +91,7 @@ class Occupancy(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         blocks = padded.reshape(rows, times, columns, times)
         free, taken = ((blocks == FREE).all((1, 3)), (blocks == OCCUPIED).any((1, 3)))
         cells = np.where(free, FREE, np.where(taken, OCCUPIED, UNKNOWN)).astype(np.int8)
-        return Occupancy.of(cells, times * self.cell, (self.x, self.y))
+        return OccupancyGrid.of(cells, times * self.cell, (self.x, self.y))
 
     def lines(self) -> tuple[list[Line], list[Line]]:
         """The walls around the free cells: those that run north to south, then west to east."""
@@ -170,7 +170,7 @@ def _decoded(rows: tuple[str, ...]) -> np.ndarray:
 
 
 @lru_cache(8)
-def _lines(grid: Occupancy) -> tuple[list[Line], list[Line]]:
+def _lines(grid: OccupancyGrid) -> tuple[list[Line], list[Line]]:
     free = np.pad(grid.values == FREE, 1)
     corner, found = (grid.x, grid.y), []
     for axis in (0, 1):
@@ -187,7 +187,7 @@ def _lines(grid: Occupancy) -> tuple[list[Line], list[Line]]:
 
 
 @lru_cache(8)
-def _blocks(grid: Occupancy, kinds: tuple[int, ...]) -> list[Box]:
+def _blocks(grid: OccupancyGrid, kinds: tuple[int, ...]) -> list[Box]:
     shut = np.isin(grid.values, kinds)
     by_rows, by_columns = list(_merged(shut)), list(_merged(shut.T))
     if len(by_columns) < len(by_rows):

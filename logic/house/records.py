@@ -11,7 +11,7 @@ from msgspec import Meta
 
 from logic.house.boxes import TOLERANCE
 from logic.house.kinds import STARS, Kind, kind_of
-from logic.house.occupancy import Occupancy
+from logic.house.occupancy import OccupancyGrid
 from logic.house.parts import (
     BODY,
     FARTHEST,
@@ -51,7 +51,7 @@ class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fie
     provenance: Provenance | None = None
     wall_thickness: Thickness | None = None
     walls: Annotated[tuple[FreeWall, ...], Meta(max_length=MOST_WALLS)] = ()
-    occupancy: Occupancy | None = None
+    occupancy: OccupancyGrid | None = None
 
 
 def read(record: dict[str, Any]) -> tuple[Record, Any]:

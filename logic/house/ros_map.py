@@ -18,7 +18,7 @@ import yaml
 from PIL import Image
 
 from logic.errors import HouseFileError
-from logic.house.occupancy import FREE, MOST_CELLS, OCCUPIED, UNKNOWN, Occupancy, too_many
+from logic.house.occupancy import FREE, MOST_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid, too_many
 from logic.spelling import unknown
 
 DESCRIPTIONS, PICTURES = (".yaml", ".yml"), (".pgm", ".png", ".bmp")
@@ -56,7 +56,7 @@ class Description(NamedTuple):
     mode: str
 
 
-def read_map(path: Path) -> Occupancy:
+def read_map(path: Path) -> OccupancyGrid:
     """The map that a YAML file describes; its y is turned over, as ours grows south.
 
     Raises ``HouseFileError``, in a line, for a file that is wrong, a picture that is absent, none or of more
@@ -66,7 +66,7 @@ def read_map(path: Path) -> Occupancy:
     cells = _cells(said, path)
     west, north = said.origin[0], -(said.origin[1] + said.resolution * len(cells))
     try:
-        return Occupancy.of(cells, said.resolution, (west, north))
+        return OccupancyGrid.of(cells, said.resolution, (west, north))
     except ValueError as error:
         raise HouseFileError(f"{path}: {said.image.name}: {error}") from None
 

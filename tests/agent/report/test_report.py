@@ -20,7 +20,7 @@ from agent.report import plans
 from agent.report.folder import describe, report, write_report
 from agent.report.measured import section as measured_section
 from agent.report.page import ReportError
-from agent.report.plots import Axis, Series, line_plot, some
+from agent.report.plots import Axis, DataSeries, line_plot, some
 from benchmarks.sections import SECTIONS
 from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
@@ -256,7 +256,7 @@ def test_of_many_points_some_are_shown_the_last_among_them(count, most) -> None:
 @pytest.mark.parametrize("values", [[0.0], [0.002, 0.002], [1e-9, 1e9], [3.0, -4.0, 0.0], [5.0, 6.0, 7.0]])
 def test_a_plot_is_sound_svg_within_its_box_for_any_numbers(log, values) -> None:
     points = list(range(1, len(values) + 1))
-    lines = [Series("a < b", points, values, [v - abs(v) / 2 for v in values], [v + 1 for v in values])]
+    lines = [DataSeries("a < b", points, values, [v - abs(v) / 2 for v in values], [v + 1 for v in values])]
     figure = line_plot("A & B", Axis("x", log), Axis("y", log), lines)
     tree = ElementTree.fromstring(f"<x>{figure}</x>")
     svg = next(tree.iter("svg"))

@@ -20,7 +20,7 @@ from agent.banks import benchmark
 from logic import House, HouseFileError, check, load, save
 from logic.exports import export
 from logic.house import occupancy
-from logic.house.occupancy import FREE, OCCUPIED, UNKNOWN, Occupancy
+from logic.house.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from tests.sample_houses import RANDOM, example
 from vitruvius.cli import main
 
@@ -155,7 +155,7 @@ def test_the_map_of_a_house_is_read_back_as_a_house_cell_by_cell(house: House, t
 @settings(max_examples=60)
 @given(grids)
 def test_blocks_are_all_that_is_not_free_and_walls_are_all_of_its_edges(cells) -> None:
-    grid = Occupancy.of(cells, 1.0, (0, 0))
+    grid = OccupancyGrid.of(cells, 1.0, (0, 0))
     painted = np.zeros(cells.shape, int)
     for west, north, east, south in grid.blocks():
         painted[int(north) : int(south), int(west) : int(east)] += 1
@@ -187,7 +187,7 @@ def test_a_coarser_map_is_free_where_all_its_cells_are(cells, times) -> None:
         for i in range(rows)
     ]
     expected = [[0 if (b == 0).all() else 100 if (b == 100).any() else -1 for b in row] for row in blocks]
-    grid = Occupancy.of(cells, 0.1, (-3, 2))
+    grid = OccupancyGrid.of(cells, 0.1, (-3, 2))
     if (np.array(expected) == FREE).any():
         coarse = grid.coarser(times)
         np.testing.assert_array_equal(coarse.values, expected)

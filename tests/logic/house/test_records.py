@@ -132,7 +132,7 @@ def test_the_page_about_house_files_shows_a_house_that_conforms_and_a_plan_that_
 
 
 TABLES = {"House": "A house", "Room": "A room", "Piece": "A piece", "Door": "A door", "Window": "A window"}
-TABLES |= {"Occupancy": "A map", "Provenance": "Provenance", "Promises": "What a house is judged by"}
+TABLES |= {"OccupancyGrid": "A map", "Provenance": "Provenance", "Promises": "What a house is judged by"}
 """Where the page says what the fields of each part are."""
 
 
