@@ -29,6 +29,7 @@ STUDIES = {
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
     "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),
+    "bounds": ("benchmarks.planner.bounds:Bounds", "What a network that searches may learn to know."),
     "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),
     "openings": ("benchmarks.planner.openings:Openings", "Search through openings, beside doors."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),

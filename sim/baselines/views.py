@@ -34,6 +34,7 @@ class ViewValues(Searcher):
             "asked": Array(ti.i32, count),
             "frames": Array(ti.i32, FRAME * count),
             "worth": Array(ti.f32, count * 8 * side**2),
+            "costs": Array(ti.f32, count * 8 * side**2),
         }
         watch, value = _kernels(start(), self.world.kernels.episodes, pitch, side)
         self.watch = Launch(watch, self.world.arrays | self.arrays)
@@ -52,8 +53,17 @@ class ViewValues(Searcher):
         asked[: len(environments)] = environments
         self.arrays["frames"].view()[: frames.size] = frames.ravel()
         self._value()
-        shape = len(environments), 8, self.side, self.side
-        return self.arrays["worth"].view()[: np.prod(shape)].reshape(shape)
+        return self._read("worth", len(environments))
+
+    def costs(self, count: int) -> np.ndarray:
+        """What the views that were read last cost (count, 8, S, S) float32, steps; 0 where the body cannot
+        stand or come to.
+        """
+        return self._read("costs", count)
+
+    def _read(self, name: str, count: int) -> np.ndarray:
+        shape = count, 8, self.side, self.side
+        return self.arrays[name].view()[: np.prod(shape)].reshape(shape)
 
 
 @cache
@@ -85,7 +95,9 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
         return i, j, (i >= 0) & (i < row[COLUMNS]) & (j >= 0) & (j < row[LINES])
 
     @kernel
-    def value(world: WorldArrays, search: SearcherArrays, asked: Ints, frames: Ints, worth: Floats):
+    def value(
+        world: WorldArrays, search: SearcherArrays, asked: Ints, frames: Ints, worth: Floats, costs: Floats
+    ):
         """Search for paths to all poses, and value what is asked."""
         count = asked.shape[0]
         lanes = ti.min(ti.static(AT_ONCE), count)
@@ -110,7 +122,11 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
                         if k == ti.static(middle):
                             i, j, inside = state.cell[0], state.cell[1], 1
                         for look in range(8):
-                            gain, cell = ti.f32(0.0), ti.Vector([i, j, (look + 2 * quarter) & 7])
+                            gain, cost, cell = (
+                                ti.f32(0.0),
+                                ti.f32(0.0),
+                                ti.Vector([i, j, (look + 2 * quarter) & 7]),
+                            )
                             away = 0
                             if inside:
                                 pose = 8 * (i * row[LINES] + j) + cell[2]
@@ -120,8 +136,10 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
                                     gain = planner.turned(world, search, own, e * words, state, cell)
                                 else:
                                     gain = planner.shown(search, row, e, slot, words, cell)
-                                gain /= total * (ti.cast(away, ti.f32) + VIEWPOINT_COST)
-                            worth[at + look * ti.static(side * side) + k] = gain
+                                cost = ti.cast(away, ti.f32) + VIEWPOINT_COST
+                                gain /= total * cost
+                            view = at + look * ti.static(side * side) + k
+                            worth[view], costs[view] = gain, cost
                     for k in range(base, base + tail):
                         search.distance[base + search.queue[k]] = ti.u16(0)
 
