@@ -88,7 +88,7 @@ def benchmark(name: str = NAME) -> list[House]:
 @cache
 def _frozen(path: Path, frozen: str) -> Houses:
     """The houses of a file, if they have this hash: read once a process, as they are frozen."""
-    houses = load(path)
+    houses = Houses(load(path))
     if bank_hash(houses) != frozen:
         raise HouseFileError(f"{path}: not the frozen bank ({frozen[:12]}). Restore it from Git")
     return houses
@@ -113,7 +113,7 @@ def named(houses: str | Path) -> list[House]:
     if Path(houses) != STANDARD and not Path(houses).suffix and not Path(houses).exists():
         known = unknown("bank", houses, [*BANKS, PAPER_HOUSE])
         raise HouseFileError(f"{known}; or name a house file, such as houses.jsonl")
-    return load(houses)
+    return list(load(houses))
 
 
 def require_places(targets: str, houses: str | Path) -> None:

@@ -1,5 +1,6 @@
 """Houses from rules: generate, check, explain, load, save."""
 
+from logic.dataset.reading import HouseSet, load
 from logic.errors import (
     Finding,
     GrammarError,
@@ -12,7 +13,7 @@ from logic.errors import (
     Unsatisfiable,
     VitruviusError,
 )
-from logic.house.files import load, save
+from logic.house.files import save
 from logic.house.gallery import Houses
 from logic.house.house import House
 from logic.house.parts import Door, FreeWall, Piece, Rect, Room, Window
@@ -33,6 +34,7 @@ __all__ = [
     "GrammarWarning",
     "House",
     "HouseFileError",
+    "HouseSet",
     "Houses",
     "LimitReached",
     "MissingProgram",

@@ -14,6 +14,7 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "vitruvius/test_demo.py": "the demo is run whole",
     "vitruvius/test_stopping.py": "commands are stopped at many times",
     "logic/dataset/test_kills.py": "sets are made under kills",
+    "logic/dataset/test_libraries.py": "pandas, polars, DuckDB, datasets and Croissant's reader are imported",
     "agent/play/test_play_display.py": "windows on a virtual display",
     "agent/report/test_page.py": "reports are driven in a browser",
     "agent/learning/test_ranks.py": "several processes learn as one",

@@ -20,6 +20,10 @@ from vitruvius import help, streams
 
 COMMANDS = {
     "generate": ("vitruvius.commands.generate:Generate", "Make houses from rules."),
+    "regenerate": (
+        "vitruvius.commands.regenerate:Regenerate",
+        "Make rows of a set of houses again, hash by hash.",
+    ),
     "check": (
         "vitruvius.commands.houses:Check",
         "Check houses by plain geometry, apart from the rules that made them.",

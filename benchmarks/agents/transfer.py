@@ -115,7 +115,7 @@ class Transfer:
     def bank(self, name: str) -> list[House] | None:
         """The houses of a bank, made once; None where the original's is not here."""
         if name == "original":  # starts and targets differ from episode to episode
-            return load(ORIGINAL) * 64 if ORIGINAL.exists() else None
+            return list(load(ORIGINAL)) * 64 if ORIGINAL.exists() else None
         kind = BANKS[name]
         path = self.out / f"{kind.grammar}-{kind.rooms[0]}-{kind.rooms[-1]}-{kind.cell}.jsonl"
         return kept_houses(path, kind.houses)

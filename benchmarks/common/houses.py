@@ -29,7 +29,7 @@ def kept_houses(path: Path, make: Callable[[], Iterable[House]]) -> list[House]:
     if not path.exists():
         say(f"{path}: making its houses")
         save(list(make()), path)
-    return load(path)
+    return list(load(path))
 
 
 def by_rooms(rooms: Iterable[int], count: int, seed: int, **request: Any) -> Iterator[House]:

@@ -24,7 +24,7 @@ from logic.errors import GrammarError, HouseFileError, RequestError
 from logic.grammar import Grammar, find, shipped
 from logic.house.files import write_whole
 from logic.house.promises import Promises
-from logic.workers.series import Series
+from logic.workers.series import HouseSeries
 
 Kind = TypeVar("Kind")
 
@@ -102,12 +102,12 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 shards.append(Shard(len(shards), split, self.seed_of(split), indices, Path(DATA, name)))
         return shards
 
-    def series(self, folder: Path) -> Series:
+    def series(self, folder: Path) -> HouseSeries:
         """What its houses are made by: the rules that travel with it, or shipped ones that are the same.
 
         Raises ``GrammarError`` where those are not the rules that made it.
         """
-        return Series(self.rules(folder), self.request, self.inferences, self.seconds)
+        return HouseSeries(self.rules(folder), self.request, self.inferences, self.seconds)
 
     def rules(self, folder: Path) -> Grammar:
         """See ``series``."""

@@ -4,12 +4,13 @@ import hashlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from logic.dataset.card import described
 from logic.dataset.formats import in_groups, read, written
 from logic.dataset.rows import LIMIT, Row, house_of, house_row, limit_row
-from logic.dataset.sets import MANIFEST, SET, Held, Manifest, Set, Shard, encoded, finish
+from logic.dataset.sets import SET, Held, Manifest, Set, Shard, finish
 from logic.errors import HouseFileError, Killed, RequestError
 from logic.house.house import House
-from logic.workers.series import Series
+from logic.workers.series import HouseSeries
 
 KILLS = 3
 """Times that a solver process may be killed from outside at one house."""
@@ -19,7 +20,7 @@ def make(
     folder: Path,
     of: Set,
     shard: Shard,
-    series: Series,
+    series: HouseSeries,
     workers: int = 1,
     replace: bool = False,
     report: Callable[[int], None] = lambda rows: None,
@@ -50,7 +51,7 @@ def make(
     return True
 
 
-def _rows(of: Set, shard: Shard, series: Series, workers: int) -> Iterator[Row]:
+def _rows(of: Set, shard: Shard, series: HouseSeries, workers: int) -> Iterator[Row]:
     """The rows of a shard, a house that a killed process worked on again."""
     kills, indices = 0, shard.indices
     while indices:
@@ -124,5 +125,5 @@ def complete(folder: Path, of: Set) -> Manifest | None:
     rows = sum(each.rows for each in files)
     digest = hashlib.sha256((folder / SET).read_bytes()).hexdigest()
     manifest = Manifest("vitruvius-manifest-1", digest, rows - limits, limits, files)
-    finish(folder, {MANIFEST: encoded(manifest)})
+    finish(folder, described(of, manifest))
     return manifest

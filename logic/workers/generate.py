@@ -17,7 +17,7 @@ from logic.request.own_plan import OwnPlan
 from logic.request.request import MOST_ROOMS, Count, Request, whole
 from logic.spelling import keywords
 from logic.workers.messages import Counted, CountLayouts, Done, Judged, Lint, Loaded, Open
-from logic.workers.series import Series
+from logic.workers.series import HouseSeries
 from logic.workers.solver import GRACE, Solver
 
 PLAIN = "plain"
@@ -97,7 +97,7 @@ def series_of(
     grammar: str | Path | None = None,
     inferences: int = 100_000_000,
     seconds: float = 60.0,
-) -> Series:
+) -> HouseSeries:
     """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its."""
     own = None if plan is None else read_plan(plan, plan_unit, snap)
     asked = None if brief is None else read_brief(brief)
@@ -137,7 +137,7 @@ def series_of(
     if asked and grammar is None:
         asked, grammar = alone(asked), PLAIN
     wanted = replace(wanted, plan=own, brief=asked)
-    return Series(find(grammar or "family"), wanted.to_dict(), inferences, seconds)
+    return HouseSeries(find(grammar or "family"), wanted.to_dict(), inferences, seconds)
 
 
 def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None) -> int:

@@ -28,7 +28,7 @@ _warned: set[str] = set()
 
 
 @dataclass(frozen=True)
-class Series:
+class HouseSeries:
     """What a house is a function of, but for its seed and its index; and how long it may take."""
 
     grammar: Grammar

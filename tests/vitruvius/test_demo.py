@@ -64,7 +64,7 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made, name, gra
     houses, held_out = load(made[0] / f"{name}.jsonl"), load(made[0] / f"{name}-held-out.jsonl")
     assert {house.provenance.grammar for house in [*houses, *held_out] if house.provenance} == {grammar}
     assert (len(houses), len(held_out)) == (6, 2)
-    assert not any(check(house) for house in houses + held_out)
+    assert not any(check(house) for house in [*houses, *held_out])
     assert {geometry_hash(house) for house in houses}.isdisjoint(map(geometry_hash, held_out))
 
 

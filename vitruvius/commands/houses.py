@@ -136,7 +136,7 @@ class Draw:
             require_drawn(self.out, self.format, self.replace)
             return self._drawn(houses, others)
 
-    def _drawn(self, houses: "list[House]", others: "list[House]") -> int:
+    def _drawn(self, houses: "Sequence[House]", others: "Sequence[House]") -> int:
         """Write what is asked for."""
         from logic.drawing.draw import draw
 
@@ -175,7 +175,7 @@ class Draw:
             other = "--format pdf" if self.format == "pdf" else "--one-scale"
             raise RequestError(f"--diff and {other}: leave out one of them")
 
-    def _pages(self, houses: "list[House]", scale: str) -> int:
+    def _pages(self, houses: "Sequence[House]", scale: str) -> int:
         """Write a page for each house."""
         from logic.drawing.draw import write_pages
         from logic.drawing.pages import page, scale_of
@@ -189,7 +189,7 @@ class Draw:
         say(f"{names}: {len(pages)} pages at 1:{ratio}")
         return 0
 
-    def _changes(self, *pairs: "list[House]") -> int:
+    def _changes(self, *pairs: "Sequence[House]") -> int:
         """Write a picture of what changed for each pair of houses, and print the changes."""
         from logic.drawing.difference import diff_drawing
         from logic.drawing.draw import encoded

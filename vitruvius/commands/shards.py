@@ -15,7 +15,7 @@ from logic.request.request import whole
 from logic.spelling import numbered
 from logic.terminal import counting, say
 from logic.workers.generate import series_of
-from logic.workers.series import Series
+from logic.workers.series import HouseSeries
 
 
 def make_shards(command: Any, asked: str) -> int:
@@ -53,7 +53,7 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     return command.out, parts
 
 
-def _set(command: Any, series: Series, parts: int) -> tuple[Set, list[Shard]]:
+def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard]]:
     """What the set is of, and its shards. Raises ``RequestError`` for what no set can have."""
     sizes = {"train": command.count, "validation": command.validation, "test": command.test}
     houses = {split: whole(split, number, 0) for split, number in sizes.items() if number}
@@ -83,7 +83,7 @@ def _set(command: Any, series: Series, parts: int) -> tuple[Set, list[Shard]]:
     return of, of.divided()
 
 
-def _made(folder: Path, of: Set, shards: list[Shard], series: Series, command: Any) -> int:
+def _made(folder: Path, of: Set, shards: list[Shard], series: HouseSeries, command: Any) -> int:
     """Make shards that are not there, one after the other; how many."""
     number = 0
     with counting(sum(len(shard.indices) for shard in shards), "houses") as advance:

@@ -16,7 +16,7 @@ from logic.dataset.rows import house_sha256
 from logic.dataset.sets import Manifest, read_manifest, read_set
 from logic.errors import Killed
 from logic.grammar import SHIPPED
-from logic.workers.series import Series
+from logic.workers.series import HouseSeries
 from tests.logic.dataset.sets import content, made
 from tests.programs import finished
 
@@ -147,10 +147,10 @@ def test_a_house_that_ends_in_a_limit_is_a_row_that_says_so(
     tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every third house ends in one; at the fifth a solver process is killed, twice."""
-    outcomes, kills = Series.outcomes, [0, 0]
+    outcomes, kills = HouseSeries.outcomes, [0, 0]
 
     def disturbed(
-        series: Series, seed: int, indices: range, workers: int = 1
+        series: HouseSeries, seed: int, indices: range, workers: int = 1
     ) -> Iterator[House | LimitReached]:
         for index, outcome in zip(indices, outcomes(series, seed, indices, workers), strict=True):
             if index == 4 and kills:
@@ -163,7 +163,7 @@ def test_a_house_that_ends_in_a_limit_is_a_row_that_says_so(
             else:
                 yield outcome
 
-    monkeypatch.setattr(Series, "outcomes", disturbed)
+    monkeypatch.setattr(HouseSeries, "outcomes", disturbed)
     assert made(tmp_path) == 0
     assert not kills
     assert (manifest(tmp_path).houses, manifest(tmp_path).limits) == (12, 5)
@@ -191,7 +191,7 @@ def test_a_solver_that_is_killed_each_time_ends_the_shard_and_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
-        Series, "outcomes", lambda *_: iter([Killed("a solver process was killed from outside")])
+        HouseSeries, "outcomes", lambda *_: iter([Killed("a solver process was killed from outside")])
     )
     assert made(tmp_path) == 4
     assert capsys.readouterr().err == "error: a solver process was killed from outside\n"

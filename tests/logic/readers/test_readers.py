@@ -34,7 +34,7 @@ LIVING: Ring = [(0, 0), (3.9, 0), (3.9, 4), (0, 4)]
 
 @pytest.fixture(scope="module")
 def homes() -> list[House]:
-    return load(BANK)[:HOMES]
+    return list(load(BANK)[:HOMES])
 
 
 @pytest.fixture(autouse=True)

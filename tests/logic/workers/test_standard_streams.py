@@ -180,7 +180,7 @@ def test_a_converted_file_replaces_the_same_houses_alone(command: Command) -> No
 
 @pytest.mark.parametrize("how", ["draw", "draw --scale 1:100", "convert --to ros"])
 def test_no_file_of_an_earlier_run_stays_beside_the_new(how: str, command: Command) -> None:
-    save(load(PLANS) * 4, "twelve.jsonl")
+    save([*load(PLANS)] * 4, "twelve.jsonl")
     name, *options = how.split()
     for file in ("twelve.jsonl", str(PLANS)):
         Path("out").mkdir(exist_ok=True)

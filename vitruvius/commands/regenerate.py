@@ -1,0 +1,47 @@
+"""``vitruvius regenerate``: rows of a set are made again."""
+
+import json
+from dataclasses import dataclass
+from typing import ClassVar
+
+import tyro
+
+from logic.spelling import numbered
+from logic.terminal import say
+from vitruvius.commands.common import print_line, say_warnings
+from vitruvius.options import Streamed
+
+
+@dataclass(frozen=True)
+class Regenerate:
+    """Make rows of a set again, from what they say and the rules that travel with the set."""
+
+    groups: ClassVar = {"row": "Which rows, and by which rules"}
+
+    file: tyro.conf.Positional[Streamed]
+    """A set's folder, a file of rows (Parquet or JSON Lines), or - for rows as JSON Lines."""
+
+    row: tuple[int, ...] = ()
+    """Which rows, from 0, as in --row 3 57; without it, all."""
+
+    grammar: str | None = None
+    """The rules, where rows come without their set: a folder, or a shipped grammar's name; by default the
+    shipped one that they name."""
+
+    def run(self) -> int:
+        """Print the houses; 1 where one is another house than its row's."""
+        from logic.dataset.regenerate import regenerated
+        from logic.house.house import House
+
+        say_warnings()
+        as_before = others = 0
+        for again in regenerated(self.file, self.row, self.grammar):
+            if isinstance(again.made, House):
+                print_line(json.dumps(again.made.to_dict()))
+            if again.differs:
+                others += 1
+                say(again.differs)
+            else:
+                as_before += 1
+        say(f"{numbered(as_before + others, 'row')} made again: {as_before} as before, {others} not")
+        return 1 if others else 0
