@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from logic.spelling import unknown
+from sim.drive import THREE, Drive
 
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
@@ -17,6 +18,15 @@ MOST_RAYS = 1024
 
 MOST_KINDS = 64
 """Kinds of pieces that an observation tells apart at most."""
+
+MOST_ANGLE_NOISE = 45
+"""Degrees."""
+
+DEVIATIONS = 4.0
+"""Standard deviations at which the error of a ray's direction is cut."""
+
+MOST_LATENCY = 255
+"""Steps: poses are kept for so long."""
 
 KINDS: dict[Any, tuple[Any, str]] = {
     bool: ((bool, np.bool_), "True or False"),
@@ -30,7 +40,7 @@ MOST_PUSHES = 255
 
 
 RAYS = "rays"
-EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1}
+EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, "speed": 2}
 """What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
 
 SENSOR = "sensor"
@@ -71,8 +81,9 @@ class Config:
     first_ray: float = sensed(58.5)
     """Degrees from the heading to ray 0, counter-clockwise. 58.5 makes 40 rays mirror-symmetric."""
 
-    ray_spacing: int = sensed(3)
-    """Degrees from a ray to the next one, clockwise: a divisor of 45, so that directions are few."""
+    ray_spacing: float = sensed(3)
+    """Degrees from a ray to the next one, clockwise: a divisor of 45, so that directions are few, or in the
+    backend ``free`` any number."""
 
     range: float = sensed(220 * PIXEL)
     """How far a ray sees, metres."""
@@ -95,20 +106,33 @@ class Config:
     noise: float = sensed(0.0)
     """Standard deviation of each distance, metres: normal, cut to 0 and the range."""
 
+    angle_noise: float = sensed(0.0)
+    """Standard deviation of each ray's direction, degrees: normal, cut at four of them; ``free`` alone."""
+
     dropout: float = sensed(0.0)
     """The probability that a ray returns nothing, as if there were nothing in its range."""
+
+    latency: int = sensed(0)
+    """Steps by which rays and the target are seen late: at an episode's begin, as they were then."""
 
     observe: tuple[str, ...] = sensed((RAYS,))
     """What an agent may know: ``rays``; ``bump``, whether the last move was blocked; ``last_action``, one of
     three numbers 1, none as an episode begins; ``odometry``, where it is by the body's own account: metres
     forward and left of the start, cosine and sine of the turn; ``goal``, metres forward and left of the body
-    to the target; ``geodesic``, the fewest actions to it, -1 where no path leads there."""
+    to the target; ``geodesic``, the fewest actions to it, -1 where no path leads there; in the backend
+    ``free`` also ``speed``, metres forward and radians to the left in a second."""
 
     flat: bool = sensed(False)
     """Whether an observation is one row of numbers, in the order of ``observe``."""
 
     drift: float = sensed(0.0)
     """Standard deviation of the errors of which ``odometry`` is the sum, as a share of each step and turn."""
+
+    drives: bool = False
+    """Whether bodies move freely: the backend ``free`` sets it."""
+
+    drive: Drive = field(default_factory=Drive)
+    """How bodies move in the backend ``free``."""
 
     slip: float = 0.0
     """The probability that an action does nothing, and that nothing says so."""
@@ -138,11 +162,16 @@ class Config:
         if not (1 <= self.rays <= MOST_RAYS and 1 <= self.steps < 2**31):
             found = f"{self.rays} rays and {self.steps} steps"
             raise ValueError(f"{found}: 1 to {MOST_RAYS:,} rays and 1 to {2**31 - 1:,} steps")
-        if self.ray_spacing < 1 or 45 % self.ray_spacing:
-            raise ValueError(f"ray_spacing is {self.ray_spacing} degrees: it must divide 45")
+        if not 0 < self.ray_spacing <= 360 or not abs(self.first_ray) < float("inf"):
+            found = f"ray_spacing is {self.ray_spacing} degrees, first_ray {self.first_ray}"
+            raise ValueError(f"{found}: the one above 0 and at most 360, the other finite")
+        if not 0 <= self.angle_noise <= MOST_ANGLE_NOISE:
+            raise ValueError(f"angle_noise is {self.angle_noise} degrees: from 0 to {MOST_ANGLE_NOISE}")
         if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1 and 0 <= self.slip <= 1):
             found = f"noise {self.noise} m, dropout {self.dropout} and slip {self.slip}"
             raise ValueError(f"{found}: not negative, and the last two at most 1")
+        if not 0 <= self.latency <= MOST_LATENCY:
+            raise ValueError(f"latency is {self.latency} steps: from 0 to {MOST_LATENCY}")
         if len(set(self.kinds)) < len(self.kinds) or len(self.kinds) > MOST_KINDS:
             raise ValueError(f"kinds are {', '.join(self.kinds)}: each once, {MOST_KINDS} at most")
         if strange := next((each for each in self.observe if each not in (RAYS, *EXTRAS)), None):
@@ -162,6 +191,22 @@ class Config:
                 "closed_doors needs collision 'swept', a body as wide on a diagonal as along an axis, and "
                 "episodes that do not end on a collision: walking at a door is one"
             )
+
+    def require_lattice(self, who: str) -> None:
+        """Raise ``ValueError`` where bodies move freely, which is not for who counts steps on a lattice."""
+        if self.drives:
+            raise ValueError(
+                f"{who} counts steps on a lattice: take the backend continuous or grid, not free"
+            )
+
+    def require_few_directions(self) -> None:
+        """Raise ``ValueError`` where rays have more directions than a table of eight headings can serve."""
+        if self.ray_spacing % 1 or 45 % self.ray_spacing:
+            raise ValueError(
+                f"ray_spacing is {self.ray_spacing:g} degrees: it must divide 45, but for backend free"
+            )
+        if self.angle_noise:
+            raise ValueError(f"angle_noise is {self.angle_noise:g} degrees: the backend free alone has it")
 
     @property
     def ray_angles(self) -> np.ndarray:
@@ -246,4 +291,9 @@ LONG = replace(DEFAULT, steps=3000)
 DOORS = replace(DEFAULT, closed_doors=4, sees_kind=True)
 """All doors between rooms are closed at first, and rays tell a door from a wall."""
 
-PRESETS = {"default": DEFAULT, "doors": DOORS, "long": LONG, "noisy": NOISY, "paper": PAPER}
+DRIVE = replace(DEFAULT, drive=Drive(commands=THREE))
+"""In the backend ``free``: turn left, turn right and forward, as agents of three actions know them."""
+
+PRESETS = {
+    "default": DEFAULT, "doors": DOORS, "drive": DRIVE, "long": LONG, "noisy": NOISY, "paper": PAPER,
+}  # fmt: skip

@@ -151,11 +151,16 @@ def mosaic(frames: Sequence[np.ndarray], columns: int | None = None) -> np.ndarr
 
 
 def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
-    """The square body, with an arrow that points where it heads."""
+    """The body, a square or a disc, with an arrow that points where it heads."""
     heading = float(scene.pose[2])
     diagonal = round(heading / (np.pi / 4)) % 2
     corner, side = scene.pose[:2] - scene.config.eye[diagonal], scene.config.body[diagonal]
-    draw.rounded_rectangle(view.box(*corner, *(corner + side)), view.px(0.05), BODY, "white", view.px(0.02))
+    if scene.config.drives:
+        corner = scene.pose[:2] - side / 2
+    rounding = side / 2 if scene.config.drives else 0.05
+    draw.rounded_rectangle(
+        view.box(*corner, *(corner + side)), view.px(rounding), BODY, "white", view.px(0.02)
+    )
     arrow = side * np.array([(0.4, 0.0), (-0.25, 0.3), (-0.25, -0.3)])
     turn = np.array([(np.cos(heading), -np.sin(heading)), (-np.sin(heading), -np.cos(heading))])
     draw.polygon([view.at(*point) for point in corner + side / 2 + arrow @ turn.T], "white")

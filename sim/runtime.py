@@ -302,6 +302,7 @@ class Launch:
         """Compile a kernel whose arguments are arrays, those of these names, unless it is compiled for arrays
         of these kinds.
         """
+        _require_threads()  # to compile in such a fork never ends
         self.names = list(inspect.signature(kernel).parameters)
         kinds = tuple((name, arrays[name].dtype, arrays[name].shape[1:]) for name in self.names)
         self._program: Any = impl.get_runtime().prog

@@ -33,7 +33,7 @@ FOLDERS = {
         *("workers", "dataset", "drawing", "exports", "browser"),
     ),
     "sim": (
-        *("cache", "actions", "config", "tracing", "runtime", "geometry", "film"),
+        *("cache", "actions", "drive", "config", "tracing", "runtime", "geometry", "film"),
         *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
     ),
     "agent": (

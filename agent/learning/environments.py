@@ -87,6 +87,7 @@ def require_own_maps(config: TrainConfig, envs: HouseVectorEnv) -> None:
 def shield(envs: HouseVectorEnv) -> Shield:
     """The avoidance layer for the body and the rays of these environments."""
     config = envs.config
+    config.require_lattice("the layer shield")
     return Shield(
         config.ray_angles,
         config.range,

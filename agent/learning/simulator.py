@@ -38,7 +38,7 @@ def simulator(config: TrainConfig) -> Config:
         except msgspec.DecodeError:
             values[name] = value
         try:
-            msgspec.convert(values, Config)
+            msgspec.convert(values, Config).require_few_directions()
         except ValueError as error:
             raise RequestError(f"--sim {text}: {error}") from None
     made = msgspec.convert(values, Config)

@@ -65,6 +65,7 @@ class Planner:
         no viewpoint; where they have none (``lost``) they are given one by ``lead``.
         Raises ``ValueError`` for episodes too long for a cell to keep when it was seen.
         """
+        world.require_lattice("a planner")
         if world.steps > LATEST - 2:
             raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
         count, rays, side = environments, world.rays, max(world.body)
@@ -120,7 +121,7 @@ class Planner:
             noise=world.noise / self.cell,
             dropout=world.dropout > 0,
             slip=world.slip > 0,
-            eighth=45 // world.ray_spacing,
+            eighth=int(45 // world.ray_spacing),
             errs=errs,
             prior=prior,
             led=led,

@@ -1,4 +1,4 @@
-"""The step in C (``step.c``), compiled on the spot and run on a world's own arrays."""
+"""The step in C (``step.c``, ``free.c``), compiled on the spot and run on a world's own arrays."""
 
 import ctypes
 import shutil
@@ -11,10 +11,13 @@ from sim import HouseVectorEnv
 from sim.backends.body import SKIN
 from sim.backends.continuous import Continuous
 from sim.backends.continuous.layout import CELL
+from sim.backends.free import FreeMotion
+from sim.backends.free.contact import NEVER
+from sim.backends.free.move import CORNER
 from sim.backends.rays import MARGIN, OVERLAP
 
-SOURCE = Path(__file__).with_name("step.c")
-ROOT = SOURCE.parents[2]
+SOURCES = {Continuous: Path(__file__).with_name("step.c"), FreeMotion: Path(__file__).with_name("free.c")}
+ROOT = Path(__file__).parents[2]
 FLAGS = ["-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC", "-lm"]
 LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "overlap", "margin", "widest")
 
@@ -23,6 +26,19 @@ class LoopConfig(ctypes.Structure):
     """Lengths in metres, as ``step.c`` reads them, and the steps of an episode."""
 
     _fields_ = [*((name, ctypes.c_float) for name in LENGTHS), ("steps", ctypes.c_int)]
+
+
+class LoopDrive(ctypes.Structure):
+    """The limits of a body that drives, as ``free.c`` reads them: seconds, metres, radians."""
+
+    _fields_ = [
+        ("step", ctypes.c_float),
+        ("changes", ctypes.c_float * 2),
+        ("low", ctypes.c_float * 2),
+        ("high", ctypes.c_float * 2),
+        ("corner", ctypes.c_float),
+        ("never", ctypes.c_float),
+    ]
 
 
 def compiler() -> list[str] | None:
@@ -53,19 +69,27 @@ def version(command: list[str]) -> str:
 
 
 class Loop:
-    """Steps a continuous world of the default kind in C, from its present state on copies of its arrays."""
+    """Steps a continuous or a free world of the default kind in C, from its present state on copies of its
+    arrays.
+    """
 
     def __init__(self, envs: HouseVectorEnv, folder: Path, command: list[str]) -> None:
         """Compile into ``folder`` by a compiler's ``command``."""
-        library = folder / "step.so"
-        subprocess.run([*command, *FLAGS, str(SOURCE), "-o", str(library)], check=True)
-        self.library, config, backend = ctypes.CDLL(str(library)), envs.config, envs.backend
-        assert isinstance(backend, Continuous), "the step in C is the continuous backend's"
-        rays = backend.rays
+        config, backend = envs.config, envs.backend
+        assert isinstance(backend, Continuous | FreeMotion), "there is a step in C of these backends alone"
+        source, library = SOURCES[type(backend)], folder / "step.so"
+        subprocess.run([*command, *FLAGS, str(source), "-o", str(library)], check=True)
+        self.library, rays = ctypes.CDLL(str(library)), backend.rays
         self.config = LoopConfig(
             config.body[0], config.step, config.eye[0], config.range, config.target,
             CELL, SKIN, OVERLAP, MARGIN, rays.widest, config.steps,
         )  # fmt: skip
+        self.configs: list[ctypes.Structure] = [self.config]
+        if isinstance(backend, FreeMotion):
+            drive = config.drive
+            self.configs.append(
+                LoopDrive(drive.time_step, backend.changes, drive.low, drive.high, CORNER, NEVER)
+            )
         count = self.count = envs.num_envs
         tables, state = envs.tables(), envs.state
         bank = (tables[name] for name in ("numbers", "indices", "places"))
@@ -74,7 +98,8 @@ class Loop:
         self.reward, self.flags = np.zeros(count, np.float32), np.zeros((3, count), np.uint8)
 
     def step(self, action: np.ndarray) -> None:
-        """One step of all environments; ``action`` (E,) int64."""
+        """One step of all environments; ``action`` (E,) int64, or (E, 2) float32 of bodies that drive."""
         arrays = [*self.arrays, action, self.observation, self.reward, self.flags]
         pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in arrays]
-        self.library.step(ctypes.byref(self.config), *pointers, ctypes.c_int(self.count))
+        configs = [ctypes.byref(each) for each in self.configs]
+        self.library.step(*configs, *pointers, ctypes.c_int(self.count))

@@ -44,6 +44,8 @@ def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
         processors=_by(entries, "processors"),
         backends=_by(entries, "backend"),
         loops=_by(entries, "loop"),
+        driven=_by(entries, "driven"),
+        driven_ratio=_driven_ratio(entries),
         packing=table_rows(
             [e["extra_info"]["packing"], milliseconds(e["stats"]["median"] / e["extra_info"]["packed"])]
             for e in entries
@@ -77,6 +79,17 @@ def _ratio(rates: dict[tuple[str, int], Any], count: int) -> str:
     if ours is None or bound is None:
         return ""
     return f"{ours['extra_info']['steps_per_second'] / bound['extra_info']['steps_per_second']:.2f}"
+
+
+def _driven_ratio(entries: list[dict[str, Any]]) -> str:
+    """Of bodies that drive, ours to C's, both on one core."""
+    rates = {
+        e["extra_info"]["driven"]: e["extra_info"]["steps_per_second"]
+        for e in entries
+        if "driven" in e["extra_info"]
+    }
+    ours, bound = rates.get("kernel on one core"), rates.get("C on one core")
+    return f"{ours / bound:.2f}" if ours and bound else "not measured"
 
 
 def _by(entries: list[dict[str, Any]], key: str, more: Any = None) -> str:
@@ -201,6 +214,18 @@ The loop for GPUs has a task for each environment and ray; on the CPU it gives t
 {loops}
 
 On a GPU, with its own figures: [gpu.md](gpu.md).
+
+## Bodies that drive
+Backend `free`, 4,096 environments in the 64 houses: speeds within limits, a disc that slides along what it
+touches, 40 rays from any heading. C is the same algorithm with the same results, bit for bit
+(`benchmarks/simulator/free.c`); on one core the kernel makes {driven_ratio} of its steps.
+
+| | |
+|---|---|
+{driven}
+
+A look computes its 40 directions, with two divisions a ray, where the other backends look them up; lists are
+by sectors of 45 degrees, so they hold the lines of a wider view.
 
 ## Before the first step
 Packing a house, milliseconds:

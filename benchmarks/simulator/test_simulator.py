@@ -33,6 +33,7 @@ ROOMS = [1, 2, 4, 8, 16]
 SPACING = [15, 9, 5, 3, 1]
 """Degrees between the rays of a field of view of about 120 degrees."""
 CORES = [count for count in (1, 2, 4, 8, 16, 32, 64) if count <= processors()]
+DRIVEN = ("kernel", "step torch", "kernel on one core", "C on one core")
 ROUNDS, STEPS = 15, 32
 CELL = 0.3
 """Metres: the cell of houses that fit both backends."""
@@ -59,7 +60,7 @@ def ready(count: int, houses: list[House], **kinds: Any) -> HouseVectorEnv:
     """Environments in the midst of their episodes."""
     envs = HouseVectorEnv(houses, num_envs=count, targets="mixed", **kinds)
     envs.reset(seed=0)
-    for action in plan(count):
+    for action in driven(count) if envs.config.drives else plan(count):
         envs.step_torch(action)
     return envs
 
@@ -72,18 +73,34 @@ def plan(count: int) -> torch.Tensor:
     return torch.from_numpy(rows)
 
 
+@cache
+def driven(count: int) -> torch.Tensor:
+    """Commands (STEPS, count, 2): v and w at random, v in the upper half of what the body can."""
+    rng, drive = np.random.default_rng(0), DEFAULT.drive
+    v = rng.uniform(0.5, 1, (STEPS, count)) * drive.speed
+    w = rng.uniform(-1, 1, (STEPS, count)) * drive.turn_speed
+    return torch.from_numpy(np.stack([v, w], axis=-1).astype(np.float32))
+
+
 def timed(
-    benchmark: Any, step: Callable[[torch.Tensor], Any], count: int, *, panel: str = "", **extra: Any
+    benchmark: Any,
+    step: Callable[[torch.Tensor], Any],
+    count: int,
+    actions: torch.Tensor | None = None,
+    *,
+    panel: str = "",
+    **extra: Any,
 ) -> None:
     """Rounds of steps, and the rate of the median one."""
-    actions = plan(count)
+    actions = plan(count) if actions is None else actions
+    made = actions.shape[0] * actions.shape[1]
 
     def play() -> None:
         for action in actions:
             step(action)
 
     benchmark.pedantic(play, rounds=ROUNDS, warmup_rounds=2)
-    rate = actions.numel() / benchmark.stats.stats.median
+    rate = made / benchmark.stats.stats.median
     benchmark.extra_info.update(steps_per_second=rate, panel=panel, **extra)
 
 
@@ -96,7 +113,7 @@ def kernel(envs: HouseVectorEnv) -> Callable[[torch.Tensor], None]:
 @pytest.mark.parametrize("count", ENVIRONMENTS)
 def test_kernel(benchmark, count):
     envs = ready(count, bank())
-    extra = {"lines": lines_listed(envs)} if count == MANY else {}
+    extra: dict[str, Any] = {"lines": lines_listed(envs)} if count == MANY else {}
     timed(benchmark, kernel(envs), count, environments=count, panel=BY_ENVIRONMENTS, **extra)
 
 
@@ -139,6 +156,26 @@ def test_C_on_one_core(benchmark, count, c_compiler, tmp_path):
             benchmark, lambda a: loop.step(a.numpy()), count, environments=count, panel=BY_ENVIRONMENTS,
             compiler=version(c_compiler),
         )  # fmt: skip
+
+
+@study
+@pytest.mark.parametrize("how", DRIVEN)
+def test_a_body_that_drives(benchmark, how, c_compiler, tmp_path):
+    """The free backend, and the same algorithm in C with the same results."""
+    envs, rows = ready(MANY, bank(), backend="free"), driven(MANY)
+    if how.startswith("C"):
+        loop = Loop(envs, tmp_path, c_compiler)
+        for action in rows:
+            loop.step(action.numpy())
+            observation, reward, _, truncated, info = envs.step(action.numpy())
+            assert np.array_equal(observation, loop.observation)
+            assert np.array_equal(reward, loop.reward)
+            assert np.array_equal([truncated, info["blocked"]], loop.flags[1:])
+        step = lambda a: loop.step(a.numpy())  # noqa: E731
+    else:
+        step = envs.step_torch if how == "step torch" else kernel(envs)
+    with confined(1 if "one core" in how else processors()):
+        timed(benchmark, step, MANY, rows, driven=how)
 
 
 @study

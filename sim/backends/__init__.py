@@ -1,1 +1,1 @@
-"""How bodies move and see: an interface, and two that have it, continuous and grid."""
+"""How bodies move and see: an interface, and those that have it, continuous, free and grid."""

@@ -53,9 +53,27 @@ class Lattice:
     """The i and j of the place furthest north-west."""
 
 
+def lattice_over(shape: Geometry, pitch: float, origin: np.ndarray | None) -> Lattice:
+    """A lattice over a house, through ``origin``; without one half a pitch off its corner, so that no body is
+    flush by construction.
+    """
+    west, north, east, south = shape.bounds
+    corner = np.array([west, north])
+    if origin is None:
+        origin = (corner + pitch / 2).astype(np.float32)
+    i, j = np.ceil((corner - origin) / pitch).astype(int).tolist()
+    columns, rows = (np.floor((np.array([east, south]) - origin) / pitch).astype(int) + 1).tolist()
+    return Lattice(origin, pitch, (columns - i, rows - j), (i, j))
+
+
 class Backend(Protocol):
     """Motion and sight: ``stands``, ``move``, ``see`` and ``prefetch`` are ``ti.func``s, which get a bank's
     ``numbers`` and ``indices`` and the number of a house in it.
+
+    Where bodies move freely (``Config.drives``) there is also ``drive``, with the arguments of ``move``, but
+    an action of 64 bits, a number or v and w as float32: it gives an origin, a cell and ``blocked``. Then
+    ``move`` and ``stands`` are asked about places of lattices alone, and what an origin and a cell are while
+    a body drives is the backend's own.
     """
 
     config: Config

@@ -45,6 +45,40 @@ class Body:
         self.headings = constants(np.array(HEADINGS, np.int32))
 
     @ti.func
+    def begun(self, corner, i, j, word, given):
+        """The origin and the cell of a body at a place of a lattice, with a ``given`` heading, or by a random
+        ``word`` if that is negative.
+        """
+        anyhow = ti.cast((word * ti.u64(8)) >> ti.u64(32), ti.i32)
+        return corner, ti.Vector([i, j, ti.select(given < 0, anyhow, given)])
+
+    @ti.func
+    def number(self, action):
+        """The number of an action."""
+        return action
+
+    @ti.func
+    def heading(self, cell):
+        """Radians, counter-clockwise from east."""
+        return ti.cast(cell[2], ti.f32) * ti.static(np.pi / 4)
+
+    @ti.func
+    def degrees(self, cell):
+        """The heading in degrees."""
+        return 45.0 * cell[2]
+
+    @ti.func
+    def eighth(self, cell):
+        """The heading in eighths of a turn."""
+        return cell[2]
+
+    @ti.func
+    def overlaps(self, origin, cell, target, half: ti.template()):
+        """Whether the body overlaps a square about ``target`` (i32); touching is not overlapping."""
+        near = self.half(cell) + ti.static(half - SKIN)
+        return ti.cast(ti.abs(self.centre(origin, cell) - target).max() < near, ti.i32)
+
+    @ti.func
     def ahead(self, cell):
         """The cell that is one step forward."""
         forward = self.headings[cell[2]]

@@ -23,6 +23,11 @@ PARALLEL = 1e-30
 """In place of a zero sine or cosine: a ray along an axis meets no line along it, in plain arithmetic."""
 
 
+def outermost(config: Config) -> float:
+    """Degrees from the heading to the ray that is furthest off it."""
+    return max(config.first_ray, config.ray_spacing * (config.rays - 1) - config.first_ray)
+
+
 def directions(config: Config) -> np.ndarray:
     """Degrees from east, counter-clockwise, of every direction: heading h looks along those from row
     ``turn * ((8 - h) % 8)`` on, where ``turn`` rows make 45 degrees. (7 turn + R,) float64.
@@ -32,42 +37,18 @@ def directions(config: Config) -> np.ndarray:
 
 
 @ti.data_oriented
-class Rays:
-    """``lanes`` rays of one look at a time: all of them on a CPU, one on a GPU."""
+class Hits:
+    """What shortens ``lanes`` rays of one look at a time: all of them on a CPU, one on a GPU."""
 
-    def __init__(self, config: Config, lanes: int) -> None:
+    def __init__(self, config: Config, lanes: int, outermost: float) -> None:
+        """``outermost``: degrees from the heading to the ray that is furthest off it."""
         self.config, self.lanes = config, lanes
         # At one distance the target comes after pieces, whatever their kinds.
         self.last = NAMED + len(config.kinds) if config.kinds else TARGET
-        self.turn = 45 // config.ray_spacing
         self.none = int(np.float32(config.range).view(np.uint32))
         self.floats = ti.types.vector(lanes, ti.f32)
         self.bits = ti.types.vector(lanes, ti.u32)
-        degrees = directions(config)
-        east, south = np.cos(np.deg2rad(degrees)), -np.sin(np.deg2rad(degrees))
-        east[degrees % 180 == 90] = PARALLEL
-        south[degrees % 180 == 0] = PARALLEL
-        self.count = len(degrees)
-        outermost = max(config.first_ray, config.ray_spacing * (config.rays - 1) - config.first_ray)
         self.widest = float(np.cos(np.deg2rad(min(180.0, max(0.0, outermost)))))
-        table = np.concatenate([1 / east, south / east, 1 / south, east / south]).astype(np.float32)
-        self.table = constants(table)
-
-    @ti.func
-    def first(self, heading, ray):
-        """The row of a look's first ray."""
-        return ((8 - heading) & 7) * ti.static(self.turn) + ray
-
-    @ti.func
-    def across(self, first, axis: ti.template(), over: ti.template(), slope: ti.template()):
-        """Directions as lines across an axis (0: x, 1: y) meet them: how far a ray goes for each metre along
-        that axis, and how far along the other. Local copies: from the table they would cost the vectors.
-        """
-        at = first + ti.static(2 * axis * self.count)
-        for r in range(ti.static(self.lanes)):
-            over[r] = self.table[at + r]
-        for r in range(ti.static(self.lanes)):
-            slope[r] = self.table[at + ti.static(self.count) + r]
 
     @ti.func
     def meet(
@@ -97,14 +78,12 @@ class Rays:
                 nearest[r] = ti.select(hit, ti.min(distance, nearest[r]), nearest[r])
 
     @ti.func
-    def may_see(self, offset, half, direction):
-        """Whether a square at an offset from the eye may be within the range and the field of view of a look
-        in a direction (steps east and south): never False where it is. Most are not, and cost no more.
+    def within(self, offset, half, ahead):
+        """Whether a square at an offset from the eye, so far ``ahead`` in the look's direction, may be within
+        the range and the field of view: never False where it is.
         """
         radius = half * ti.static(2**0.5)
         away = ti.sqrt(offset[0] * offset[0] + offset[1] * offset[1])
-        length = ti.select((direction[0] != 0) & (direction[1] != 0), ti.static(2**0.5), 1.0)
-        ahead = (offset[0] * direction[0] + offset[1] * direction[1]) / length
         slack = ti.static(1 + abs(self.widest)) * radius + ti.static(MARGIN)
         return (ahead > ti.static(self.widest) * away - slack) & (
             away < ti.static(self.config.range + MARGIN) + radius
@@ -140,6 +119,47 @@ class Rays:
     def metres(self, nearest):
         """Distances as floats."""
         return ti.bit_cast(nearest, ti.f32)
+
+
+@ti.data_oriented
+class Rays(Hits):
+    """Rays in few directions, from a table."""
+
+    def __init__(self, config: Config, lanes: int) -> None:
+        super().__init__(config, lanes, outermost(config))
+        self.turn = int(45 // config.ray_spacing)
+        degrees = directions(config)
+        east, south = np.cos(np.deg2rad(degrees)), -np.sin(np.deg2rad(degrees))
+        east[degrees % 180 == 90] = PARALLEL
+        south[degrees % 180 == 0] = PARALLEL
+        self.count = len(degrees)
+        table = np.concatenate([1 / east, south / east, 1 / south, east / south]).astype(np.float32)
+        self.table = constants(table)
+
+    @ti.func
+    def first(self, heading, ray):
+        """The row of a look's first ray."""
+        return ((8 - heading) & 7) * ti.static(self.turn) + ray
+
+    @ti.func
+    def across(self, first, axis: ti.template(), over: ti.template(), slope: ti.template()):
+        """Directions as lines across an axis (0: x, 1: y) meet them: how far a ray goes for each metre along
+        that axis, and how far along the other. Local copies: from the table they would cost the vectors.
+        """
+        at = first + ti.static(2 * axis * self.count)
+        for r in range(ti.static(self.lanes)):
+            over[r] = self.table[at + r]
+        for r in range(ti.static(self.lanes)):
+            slope[r] = self.table[at + ti.static(self.count) + r]
+
+    @ti.func
+    def may_see(self, offset, half, direction):
+        """Whether a square at an offset from the eye may be seen by a look in a direction (steps east and
+        south): see ``within``. Most are not, and cost no more.
+        """
+        length = ti.select((direction[0] != 0) & (direction[1] != 0), ti.static(2**0.5), 1.0)
+        ahead = (offset[0] * direction[0] + offset[1] * direction[1]) / length
+        return self.within(offset, half, ahead)
 
 
 @ti.data_oriented

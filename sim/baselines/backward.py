@@ -117,7 +117,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             if state.over != UNKNOWN:
                 action = search.choose(world, searches, s, e, state)
                 if action >= 0:
-                    cell, _, door = episodes.move(world, e, state, action)
+                    _, cell, _, door = episodes.move(world, e, state, action)
                     if door < 0:
                         state.cell = cell
                     else:

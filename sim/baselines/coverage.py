@@ -117,6 +117,7 @@ class Coverage:
         ``spots``: for each house the centres (n, 2) float64 of the targets that are looked for, metres.
         """
         self.world: World = envs.unwrapped.world
+        self.world.config.require_lattice("coverage")
         if self.world.config.closed_doors:
             raise ValueError(
                 "coverage is of looks through doorways: give it environments with closed_doors=0"

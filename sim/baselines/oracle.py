@@ -35,6 +35,7 @@ class Oracle:
     def __init__(self, envs: HouseVectorEnv) -> None:
         """Ask about these environments; each house is surveyed when one of them is first found in it."""
         self.world: World = envs.unwrapped.world
+        self.world.config.require_lattice("an oracle")
         self._searches: _Searches | None = None
 
     def act(self) -> np.ndarray:

@@ -58,6 +58,7 @@ class Searcher:
         not allow.
         """
         self.world: World = envs.unwrapped.world
+        self.world.config.require_lattice("a searcher")
         if self.world.config.closed_doors:
             raise ValueError("a searcher looks through doorways: give it environments with closed_doors=0")
         world, count = self.world, self.world.num_envs

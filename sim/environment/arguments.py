@@ -35,7 +35,11 @@ METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}
 
 METADATA_OF_MANY: dict[str, Any] = METADATA | {"render_modes": ["human", "rgb_array"]}
 
-BACKENDS = {"continuous": "sim.backends.continuous:Continuous", "grid": "sim.backends.grid:Grid"}
+BACKENDS = {
+    "continuous": "sim.backends.continuous:Continuous",
+    "free": "sim.backends.free:FreeMotion",
+    "grid": "sim.backends.grid:Grid",
+}
 
 
 class Arguments(NamedTuple):
@@ -72,10 +76,13 @@ def read_arguments(
     if render_mode not in (None, *metadata["render_modes"]):
         raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
     make = backend_class(backend)
-    require_observed(config, make)
     bank = house_list(houses)
     check_lengths(bank)
-    return Arguments(make.fit(config, bank), make, bank, wanted, device)
+    config = make.fit(replace(config, drives=False), bank)
+    require_observed(config, make)
+    if config.drives and terms_of(wanted).asks_distance:
+        raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")
+    return Arguments(config, make, bank, wanted, device)
 
 
 def house_list(houses: Houses) -> list[House]:

@@ -9,9 +9,10 @@ from gymnasium import spaces
 from logic.spelling import unknown
 from sim.actions import ACTIONS
 from sim.config import EXTRAS, RAYS, Config
+from sim.drive import Drive
 
 
-def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Discrete]:
+def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]:
     """The spaces of one environment's observations and actions: of rays alone their ``Box``, else a ``Dict``
     of the parts that ``Config.observe`` names, or where it is ``flat``, a ``Box`` (n,) of all.
     """
@@ -21,7 +22,14 @@ def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Discrete]:
         seen: spaces.Space[Any] = spaces.Box(low, high, low.shape, np.float32)
     else:
         seen = parts[RAYS] if config.observe == (RAYS,) else spaces.Dict(parts)
-    return seen, spaces.Discrete(ACTIONS)
+    return seen, _commands(config.drive) if config.drives else spaces.Discrete(ACTIONS)
+
+
+def _commands(drive: Drive) -> spaces.Space[Any]:
+    """What a body that drives can be told: one of its commands, or any v and w within its limits."""
+    if drive.commands:
+        return spaces.Discrete(len(drive.commands))
+    return spaces.Box(np.array(drive.low, np.float32), np.array(drive.high, np.float32), (2,), np.float32)
 
 
 ENDS = "low", "high"
@@ -68,7 +76,7 @@ def only(observation: Any) -> Any:
 
 def require_observed(config: Config, backend: type) -> None:
     """Raise ``ValueError`` for what a backend lacks, by its ``lacks``, of what is observed."""
-    lacks = getattr(backend, "lacks", ())
+    lacks = (*getattr(backend, "lacks", ()), *(() if config.drives else ("speed",)))
     for name in config.observe:
         if name in lacks:
             has = [each for each in (RAYS, *EXTRAS) if each not in lacks]

@@ -12,6 +12,7 @@ from sim.config import Config
 from sim.environment.arguments import BANK, METADATA, Houses, read_arguments
 from sim.environment.observed import only, single_spaces
 from sim.environment.options import for_one, read_seeds
+from sim.environment.steps import orders
 from sim.environment.vector import HouseVectorEnv
 from sim.tasks.tasks import Targets
 
@@ -88,8 +89,9 @@ class HouseEnv(gymnasium.Env):
         if self._over:
             raise ResetNeeded("the episode has ended: call reset()")
         action = np.asarray(action)
-        if action.shape:
-            raise ValueError(f"an action is one integer, 0, 1 or 2, not an array of shape {action.shape}")
+        if action.shape != self.action_space.shape:
+            words = orders(self.action_space, self.envs.config.drive).words
+            raise ValueError(f"an action is {words}, not an array of shape {action.shape}")
         observation, reward, terminated, truncated, info = self.envs.step(action[None])
         self._over = bool(terminated[0] or truncated[0])
         return only(observation), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)

@@ -26,7 +26,7 @@ from sim.environment.observed import single_spaces
 from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
 from sim.environment.pictures import Pictures, scene_of
-from sim.environment.steps import read_actions, read_tensor, require_actions, require_going_on
+from sim.environment.steps import orders, require_going_on
 from sim.environment.window import ScreenWindow
 from sim.geometry import Geometry
 from sim.runtime import start
@@ -61,6 +61,8 @@ class HouseVectorEnv(VectorEnv):
     ## Action Space
     ``Discrete(3)``: 0 turns left by 45 degrees, 1 turns right, 2 goes one step (0.0717 m) forward along
     an axis, or as far along both on a diagonal. A step into something is blocked: it is not made.
+    In the backend ``free`` a ``Box`` (2,) of speeds forward and to the left, m/s and rad/s, or where
+    ``Config.drive`` has commands, ``Discrete``.
 
     ## Observation Space
     ``Box(0, 1, (40, 2), float32)``, a row for each ray from left to right:
@@ -84,6 +86,7 @@ class HouseVectorEnv(VectorEnv):
     | odometry | (4,): forward and left of the start, cosine and sine of the turn, with ``drift`` | m |
     | goal | (2,): forward and left to the target | m |
     | geodesic | (1,): the fewest actions to the target; -1 where no path leads there | actions |
+    | speed | (2,): forward, and the turn to the left; backend ``free`` alone | m/s, rad/s |
 
     ## Rewards
     1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
@@ -181,7 +184,7 @@ class HouseVectorEnv(VectorEnv):
             "device": device,
             "by_ray": by_ray,
         }
-        self._outputs = Outputs(self.world)
+        self._outputs, self._orders = Outputs(self.world), orders(self.single_action_space, self.config.drive)
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
         window = ScreenWindow(METADATA_OF_MANY["render_fps"]) if render_mode == "human" else None
@@ -256,9 +259,9 @@ class HouseVectorEnv(VectorEnv):
         an error to step an environment that has ended.
         Raises ``ValueError``, before anything is changed, for actions of another shape, kind or range.
         """
-        actions = read_actions(actions)
+        actions = self._orders.read(actions)
         self._check(actions)
-        self.world.arrays["action"].fill(actions)
+        self.world.arrays["action"].fill(self._orders.packed(actions))
         self.world.run("step")
         flags, observation = self._outputs.flags(), self._outputs.observation()
         reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
@@ -276,23 +279,23 @@ class HouseVectorEnv(VectorEnv):
         terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and ``final_obs`` where the
         mode is ``SAME_STEP``) is the same memory at each call: clone what must outlive the next one.
         """
-        given = read_tensor(actions, self.device)
+        given = self._orders.read_tensor(actions, self.device)
         self._check(given)
         if self._tensors is None:
             self._tensors = self._outputs.tensors(self.device)
         action, outputs = self._tensors
-        action[:] = given
+        action[:] = self._orders.packed(given)
         self.world.run("step")
         if self.config.flat:
             self._outputs.join()
         return outputs
 
     def launch(self, actions: np.ndarray) -> None:
-        """Run the step's kernel alone on actions (E,) int64: for measurements, only on the CPU.
+        """Run the step's kernel alone on actions, (E,) int64 or (E, 2) float32: for measurements, on the CPU.
 
         Nothing is checked or returned; its outputs are in the memory that ``step_torch`` returns.
         """
-        self.world.arrays["action"].view()[:] = actions
+        self.world.arrays["action"].view()[:] = self._orders.packed(actions)
         self.world.run("step")
 
     def info(self) -> dict[str, np.ndarray]:
@@ -327,7 +330,7 @@ class HouseVectorEnv(VectorEnv):
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        require_state(dict(state), self.state, len(self.houses))
+        require_state(dict(state), self.state, len(self.houses), self.config.drives)
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]
@@ -376,6 +379,6 @@ class HouseVectorEnv(VectorEnv):
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, cannot be done now."""
         self._require_ready("step")
-        require_actions(actions, self.num_envs)
+        self._orders.require(actions, self.num_envs)
         if self.autoreset_mode is AutoresetMode.DISABLED:
             require_going_on(self._outputs.flags())

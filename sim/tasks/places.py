@@ -148,6 +148,7 @@ class _Room:
         self.house, self.lattice, self.reached = house, lattice, reached
         self.half, self.body = config.target / 2, max(config.body) / 2
         clear = reached & ~_touched(geometry.solids, self.half, lattice)
+        clear &= ~_crossed(geometry.slanted, self.half, lattice)
         self.main = clear & _within(geometry.floor, self.half, lattice)
         self.main &= ~_touched(geometry.rooms, self.half, lattice)
         self.inside = self.main.copy()
@@ -237,6 +238,21 @@ def _touched(boxes: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
     for box in boxes:
         touched[_slices(box, margin - TOLERANCE, lattice)] = True
     return touched
+
+
+def _crossed(walls: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
+    """Places (X, Y) where a square of half side ``margin`` overlaps one of the walls at an angle (n, 6)."""
+    crossed = np.zeros(lattice.shape, bool)
+    for x, y, u, v, long, thick in walls:
+        around = np.array([x, y, abs(u) * long + abs(v) * thick, abs(v) * long + abs(u) * thick])
+        i, j = _slices(around, margin, lattice)
+        columns, rows = (np.arange(size)[part] for size, part in zip(lattice.shape, (i, j), strict=True))
+        east = lattice.origin[0] + lattice.pitch * columns[:, None] - x
+        south = lattice.origin[1] + lattice.pitch * rows - y
+        along, across = east * u + south * v, south * u - east * v
+        reach = margin * (abs(u) + abs(v))
+        crossed[i, j] |= (np.abs(along) < long + reach) & (np.abs(across) < thick + reach)
+    return crossed
 
 
 def _slices(box: np.ndarray, grow: float, lattice: Lattice) -> tuple[slice, slice]:

@@ -5,18 +5,18 @@ environment, episode, counter): counter 0 is the episode's house and start, coun
 depends on how many environments there are, on how often others reset, or, for targets, on the agent.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 from sim.actions import FORWARD
-from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
-from sim.backends.body import SKIN
+from sim.backends.backend import Backend
 from sim.backends.doors import Doors
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, ti
 from sim.tasks.terms import Now, Terms
 from sim.world.distance_field import NOT_YET, Fields, look_up
 from sim.world.extras import Extras
-from sim.world.philox import EPISODE, SENSOR, WHEELS, below, normal, philox, uniform
+from sim.world.observing import Observing
+from sim.world.philox import EPISODE, WHEELS, below, philox, uniform
 
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
@@ -37,6 +37,7 @@ targets, and the heading of its starts, -1 for any. A start is steps east and so
 the same as two float32."""
 
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
+Cells = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 Steps = ti.types.ndarray(ti.i16, 1)
 Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
@@ -81,6 +82,8 @@ class WorldArrays(NamedTuple):
     extras: Floats
     final_extras: Floats
     last_distance: Ints
+    past_reals: Reals
+    past_cells: Cells
 
 
 State = ti.types.struct(
@@ -129,7 +132,7 @@ def store(states: ti.template(), e, state):
 
 
 @ti.data_oriented
-class Episodes:
+class Episodes(Observing):
     """One environment's step and reset, for a configuration and a backend."""
 
     def __init__(
@@ -140,7 +143,7 @@ class Episodes:
         """
         if config.closed_doors:
             self.doors = Doors(config, backend.body, lanes)
-        self.config, self.backend, self.body = config, backend, backend.body
+        self.config, self.backend, self.body = config, cast(Any, backend), cast(Any, backend.body)
         self.extras = Extras(config, backend.body)
         self.ends_on_pick_up, self.terms = ends_on_pick_up, terms
         self.knows_distance = config.knows_distance or terms.asks_distance
@@ -152,19 +155,19 @@ class Episodes:
         """One step but for sight: the state, what it earned (f32), and picked up, terminated, truncated,
         blocked (i32).
         """
-        cell, blocked, door = self.move(world, e, state, action)
+        origin, cell, blocked, door = self.move(world, e, state, action)
         if ti.static(self.config.slip > 0):
             counter = ti.Vector([state.episode, state.time, 0, WHEELS])
             words = philox(state.seed, ti.cast(counter, ti.u64))
             if uniform(words[0]) < ti.static(self.config.slip):
-                cell, blocked, door = state.cell, 0, -1
+                origin, cell, blocked, door = state.origin, state.cell, 0, -1
         self.push(world, e, door)
         terminated = 0
         if ti.static(self.config.ends_on_collision):
             terminated = blocked
-        elif blocked:
+        elif blocked and ti.static(not self.config.drives):
             cell = state.cell
-        state.cell = cell
+        state.origin, state.cell = origin, cell
         picked = self.overlaps(state.origin, cell, state.target)
         if ti.static(self.ends_on_pick_up):
             terminated |= picked
@@ -229,14 +232,14 @@ class Episodes:
     def now(self, state, action, picked, blocked, before, distance):
         """What terms see of a step: see ``Now``."""
         return Now(
-            action=action,
+            action=self.body.number(action),
             picked=picked,
             blocked=blocked,
             found=state.found - 1 + picked,
             time=state.time,
             house=state.house,
             eye=self.body.eye(state.origin, state.cell),
-            heading=state.cell[2],
+            heading=self.body.eighth(state.cell),
             target=state.target,
             before=before,
             distance=distance,
@@ -244,18 +247,23 @@ class Episodes:
 
     @ti.func
     def move(self, world: ti.template(), e, state, action):
-        """The cell that an action leads to, whether something is in the way (i32), and which closed door is,
-        -1 for none. Nothing is changed.
+        """The origin and the cell that an action leads to, whether something is in the way (i32), and which
+        closed door is, -1 for none. Nothing is changed.
         """
-        cell, blocked = self.backend.move(
-            world.numbers, world.indices, state.house, state.origin, state.cell, action
-        )
-        door = -1
+        origin, cell, blocked, door = state.origin, state.cell, 0, -1
+        if ti.static(self.config.drives):
+            origin, cell, blocked = self.backend.drive(
+                world.numbers, world.indices, state.house, state.origin, state.cell, action
+            )
+        else:
+            cell, blocked = self.backend.move(
+                world.numbers, world.indices, state.house, state.origin, state.cell, action
+            )
         if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
             if action == FORWARD:
                 door = self.doors.ahead(world, e, state.house, state.origin, state.cell)
                 blocked |= ti.cast(door >= 0, ti.i32)
-        return cell, blocked, door
+        return origin, cell, blocked, door
 
     @ti.func
     def push(self, world: ti.template(), e, door):
@@ -294,13 +302,12 @@ class Episodes:
         """Sample where an episode starts, not on its first target."""
         at = 1 + HEADER * state.house
         first, count, given = world.places[at + 2], world.places[at + 3], world.places[at + 6]
-        turn, searching = 0, 1
+        corner, turn, searching = state.origin, 0, 1
         while searching:
             turn += 1
             words = self.random(state, 0, turn)
             place = world.places[first + below(words[0], count)]
-            heading = ti.select(given < 0, below(words[1], 8), given)
-            state.cell = ti.Vector([place & 0xFFFF, place >> 16, heading])
+            state.origin, state.cell = self.body.begun(corner, place & 0xFFFF, place >> 16, words[1], given)
             on_target = self.overlaps(state.origin, state.cell, state.target)
             searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
         return state
@@ -330,66 +337,4 @@ class Episodes:
     @ti.func
     def overlaps(self, origin, cell, target):
         """Whether the body overlaps a target's square (i32); touching is not overlapping."""
-        near = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
-        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < near, ti.i32)
-
-    @ti.func
-    def look(self, world: ti.template(), e, state, ray, lanes: ti.template(), observation: ti.template()):
-        """Write what ``lanes`` rays see, from number ``ray`` on: ``Config.columns``, the angle in units of
-        359 degrees, the distance in those of the range.
-        """
-        distance, kind = self.backend.see(
-            world.numbers, world.indices, state.house, state.origin, state.cell, state.target, ray
-        )
-        if ti.static(self.config.closed_doors > 0):
-            self.doors.hide(world, e, state.house, state.origin, state.cell, ray, distance, kind)
-        if ti.static(self.config.noise > 0 or self.config.dropout > 0):
-            for r in range(ti.static(lanes)):
-                distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
-        at = e * ti.static(self.config.rays) + ray
-        if ti.static(self.config.channels == 2):
-            pairs = ti.Vector([ti.u64(0) for _ in range(ti.static(lanes))])
-            for r in range(ti.static(lanes)):
-                first = ti.bit_cast(distance[r] * ti.static(1 / self.config.range), ti.u32)
-                second = ti.bit_cast(ti.select(kind[r] == TARGET, 1.0, 0.0), ti.u32)
-                pairs[r] = ti.cast(first, ti.u64) | (ti.cast(second, ti.u64) << ti.u64(32))
-            for r in range(ti.static(lanes)):
-                observation[at + r] = pairs[r]
-        else:
-            for r in range(ti.static(lanes)):
-                to = (at + r) * ti.static(self.config.channels)
-                if ti.static(self.config.sees_angle):
-                    angle = 45.0 * state.cell[2] + ti.static(self.config.first_ray)
-                    angle -= ti.static(self.config.ray_spacing) * (ray + r)
-                    turned = angle - 360.0 * ti.floor(angle / 360.0)
-                    self.write(observation, to, "angle", turned / 359.0)
-                if ti.static(self.config.kinds):
-                    first = to + ti.static(self.config.column("distance") - len(self.config.kinds))
-                    for place in range(ti.static(len(self.config.kinds))):
-                        named = ti.cast(kind[r], ti.i32) == NAMED + place
-                        observation[first + place] = ti.select(named, 1.0, 0.0)
-                self.write(observation, to, "distance", distance[r] * ti.static(1 / self.config.range))
-                if ti.static(self.config.sees_kind):
-                    is_piece = (kind[r] == PIECE) | (kind[r] >= NAMED)
-                    self.write(observation, to, "is wall", ti.select(kind[r] == WALL, 1.0, 0.0))
-                    self.write(observation, to, "is piece", ti.select(is_piece, 1.0, 0.0))
-                if ti.static(self.config.sees_doors):
-                    self.write(observation, to, "is door", ti.select(kind[r] == DOOR, 1.0, 0.0))
-                self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
-
-    @ti.func
-    def write(self, observation: ti.template(), ray, column: ti.template(), number):
-        """Write a number into a ray's column, see ``Config.columns``."""
-        observation[ray + ti.static(self.config.column(column))] = number
-
-    @ti.func
-    def disturbed(self, state, ray, distance, kind):
-        """What a ray's sensor makes of a hit: a normal error, by Box and Muller, or nothing at all."""
-        counter = ti.Vector([state.episode, state.time, ray, SENSOR])
-        words = philox(state.seed, ti.cast(counter, ti.u64))
-        if ti.static(self.config.noise > 0):
-            distance += ti.static(self.config.noise) * normal(words)
-            distance = ti.max(0.0, ti.min(ti.static(self.config.range), distance))
-        if uniform(words[2]) < ti.static(self.config.dropout):
-            distance, kind = ti.static(self.config.range), ti.u32(0)
-        return distance, kind
+        return self.body.overlaps(origin, cell, target, ti.static(self.config.target / 2))

@@ -1,9 +1,10 @@
 """What is observed beside rays: bumps, the last action, odometry, the goal and the distance to it."""
 
+from typing import Any
+
 import numpy as np
 
 from sim.actions import ACTIONS, FORWARD, LEFT
-from sim.backends.body import Body
 from sim.config import Config
 from sim.runtime import ti
 from sim.world.philox import ODOMETER, normal, philox
@@ -13,13 +14,15 @@ from sim.world.philox import ODOMETER, normal, philox
 class Extras:
     """Writes what ``Config.observe`` asks for."""
 
-    def __init__(self, config: Config, body: Body) -> None:
+    def __init__(self, config: Config, body: Any) -> None:
         """For a configuration, and the body that is at the eye of it."""
         self.config, self.body = config, body
 
     @ti.func
     def notice(self, world: ti.template(), e, state, action, blocked):
-        """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet."""
+        """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet. Bodies
+        that drive are asked for their speeds, whatever the action.
+        """
         at = e * ti.static(self.config.extra_numbers)
         if ti.static("bump" in self.config.observe):
             world.extras[at + ti.static(self.config.extra("bump"))] = ti.cast(blocked, ti.f32)
@@ -34,12 +37,15 @@ class Extras:
             world.extras[first], world.extras[first + 1] = pose[0], pose[1]
             world.extras[first + 2], world.extras[first + 3] = ti.cos(pose[2]), ti.sin(pose[2])
         if ti.static("goal" in self.config.observe):
-            heading = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
+            heading = self.body.heading(state.cell)
             away = state.target - self.body.eye(state.origin, state.cell)
             cosine, sine = ti.cos(heading), ti.sin(heading)
             first = at + ti.static(self.config.extra("goal"))
             world.extras[first] = away[0] * cosine - away[1] * sine
             world.extras[first + 1] = -away[0] * sine - away[1] * cosine
+        if ti.static("speed" in self.config.observe):
+            speeds, first = self.body.speeds(state.cell), at + ti.static(self.config.extra("speed"))
+            world.extras[first], world.extras[first + 1] = speeds[0], speeds[1]
         self.notice_distance(world, e)
 
     @ti.func
@@ -57,13 +63,18 @@ class Extras:
         pose = world.odometer[e]
         if action < 0:
             pose = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        elif not blocked:
+        elif ti.static(self.config.drives) or not blocked:
             share = 1.0
             if ti.static(self.config.drift > 0):
                 counter = ti.Vector([state.episode, state.time, 0, ODOMETER])
                 words = philox(state.seed, ti.cast(counter, ti.u64))
                 share += ti.static(self.config.drift) * normal(words)
-            if action == FORWARD:
+            if ti.static(self.config.drives):
+                speeds = ti.static(self.config.drive.time_step) * share * self.body.speeds(state.cell)
+                pose[0] += speeds[0] * ti.cos(pose[2] + 0.5 * speeds[1])
+                pose[1] += speeds[0] * ti.sin(pose[2] + 0.5 * speeds[1])
+                pose[2] += speeds[1]
+            elif action == FORWARD:
                 long = ti.static(self.config.step) * ti.select(state.cell[2] & 1, ti.static(2**0.5), 1.0)
                 pose[0] += share * long * ti.cos(pose[2])
                 pose[1] += share * long * ti.sin(pose[2])

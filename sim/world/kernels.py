@@ -7,8 +7,6 @@ compiled once serves every world of a configuration, and banks are swapped at no
 from functools import cache
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from sim.backends.backend import Backend
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
@@ -67,8 +65,9 @@ def kernels(
     backend = make(config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
     # To set an argument takes time at each launch.
-    Arrays = WorldArrays if episodes.knows_distance or config.extras else PlainArrays
+    Arrays = WorldArrays if episodes.knows_distance or config.extras or config.latency else PlainArrays
     rays, all_rays = config.rays, not by_ray
+    Given = ti.i64 if config.drives else ti.i32
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
     Options = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 
@@ -96,7 +95,7 @@ def kernels(
                     state.target = ti.Vector([at[2], at[3]])
                 episodes.close_doors(world, e, state)
                 episodes.aim(world, e, state)
-                episodes.extras.notice(world, e, state, -1, 0)
+                episodes.notice(world, e, state, -1, 0)
                 store(world, e, state)
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, observation)
@@ -137,15 +136,16 @@ def kernels(
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(world, e, state, SAMPLE)
-                episodes.extras.notice(world, e, state, -1, 0)
+                episodes.notice(world, e, state, -1, 0)
                 reward[e] = 0.0
                 flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
                 state, earned, _, terminated, truncated, blocked = episodes.advance(
-                    world, e, state, ti.cast(action[e], ti.i32)
+                    world, e, state, ti.cast(action[e], Given)
                 )
                 reward[e] = earned
-                episodes.extras.notice(world, e, state, ti.cast(action[e], ti.i32), blocked)
+                told = 0 if ti.static(config.drives) else ti.cast(action[e], ti.i32)
+                episodes.notice(world, e, state, told, blocked)
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)
@@ -157,7 +157,7 @@ def kernels(
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = episodes.begin(world, e, state, SAMPLE)
-                    episodes.extras.notice(world, e, state, -1, 0)
+                    episodes.notice(world, e, state, -1, 0)
             store(world, e, state)
             if ti.static(all_rays):
                 episodes.look(world, e, state, 0, rays, observation)
@@ -171,7 +171,7 @@ def kernels(
                 for e in range(world.reals.shape[0]):
                     if world.wholes[e][ti.static(OVER)]:
                         state = episodes.begin(world, e, loaded(world, e), SAMPLE)
-                        episodes.extras.notice(world, e, state, -1, 0)
+                        episodes.notice(world, e, state, -1, 0)
                         store(world, e, state)
             ti.loop_config(serialize=serial)
             for e, r in ti.ndrange(world.reals.shape[0], rays):
@@ -187,7 +187,7 @@ def kernels(
             state = loaded(states, e)
             eye = backend.body.eye(state.origin, state.cell)
             pose[3 * e], pose[3 * e + 1] = eye[0], eye[1]
-            pose[3 * e + 2] = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
+            pose[3 * e + 2] = backend.body.heading(state.cell)
             target[2 * e], target[2 * e + 1] = state.target[0], state.target[1]
             house[e] = state.house
 

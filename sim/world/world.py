@@ -81,6 +81,8 @@ class World:
             "extras": Array(ti.f32, max(1, count * config.extra_numbers)),
             "final_extras": Array(ti.f32, max(1, count * config.extra_numbers)),
             "odometer": Array(ti.f32, count if "odometry" in config.observe else 1, 4),
+            "past_reals": Array(ti.f32, count * (config.latency + 1) if config.latency else 1, 4),
+            "past_cells": Array(ti.i32, count * (config.latency + 1) if config.latency else 1, 4),
             "reward": Array(ti.f32, count),
             "flags": Array(ti.u8, 3 * count),
             "prefetched": Array(ti.i32, count),
@@ -295,4 +297,5 @@ class World:
     def _state_names(self) -> tuple[str, ...]:
         doors = ("pushes",) * bool(self.config.closed_doors)
         extras = ("extras",) * bool(self.config.extras)
-        return (*STATE, *doors, *extras, *("odometer",) * ("odometry" in self.config.observe))
+        past = ("past_reals", "past_cells") * bool(self.config.latency)
+        return (*STATE, *doors, *extras, *past, *("odometer",) * ("odometry" in self.config.observe))

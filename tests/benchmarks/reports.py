@@ -42,6 +42,8 @@ def simulator_report() -> dict[str, Any]:
     for key, more in varied.items():
         value = "that" if key in ("backend", "loop") else 2
         benchmarks.append(entry(f"by_{key}", 0.001, steps_per_second=5e6, panel="Q", **{key: value}, **more))
+    for how, rate in (("kernel on one core", 3e6), ("C on one core", 2e6)):
+        benchmarks.append(entry(f"driven[{how}]", 0.001, steps_per_second=rate, driven=how))
     benchmarks.append(entry("parts[launch]", 2e-5, part="a launch"))
     benchmarks.append(entry("packing", 0.064, packing="grid", packed=64))
     benchmarks.append(entry("first", 3.0, first="compiled", parts={"import": 0.5, "first step": 1.25}))

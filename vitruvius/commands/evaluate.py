@@ -89,6 +89,10 @@ class Evaluate:
             require_task(targets)
             banks.require_places(targets, self.houses)
         whole("--seed", self.seed, 0, MOST_SEED)
+        if self.backend == "free":
+            raise RequestError(
+                "--backend free: baselines and shield need a lattice of steps: take continuous or grid"
+            )
         if self.episodes < 1:
             raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
         import torch

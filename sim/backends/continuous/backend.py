@@ -20,6 +20,7 @@ class Continuous(Motion, Sight):
     def fit(config: Config, houses: Sequence[House]) -> Config:
         """Any house whose walls run along the axes will do."""
         require_straight(houses, "continuous")
+        config.require_few_directions()
         return config
 
     def pack(self, houses: Sequence[House]) -> Bank:

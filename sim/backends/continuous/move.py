@@ -3,7 +3,7 @@
 import numpy as np
 
 from sim.actions import FORWARD
-from sim.backends.backend import Bank, Lattice
+from sim.backends.backend import Bank, Lattice, lattice_over
 from sim.backends.body import SKIN, Body, eighths, slides_into
 from sim.backends.continuous.layout import (
     BOXES,
@@ -29,14 +29,8 @@ class Motion:
     body: Body
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
-        """A house's own lattice lies half a step off its corner, so that no body is flush by construction."""
-        west, north, east, south = shape.bounds
-        corner, step = np.array([west, north]), self.config.step
-        if origin is None:
-            origin = (corner + step / 2).astype(np.float32)
-        i, j = np.ceil((corner - origin) / step).astype(int).tolist()
-        columns, rows = (np.floor((np.array([east, south]) - origin) / step).astype(int) + 1).tolist()
-        return Lattice(origin, step, (columns - i, rows - j), (i, j))
+        """The places that steps lead to."""
+        return lattice_over(shape, self.config.step, origin)
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Put origins through the given poses; a heading must be a multiple of 45 degrees."""

@@ -23,6 +23,7 @@ class Grid(Motion, Sight):
     def fit(config: Config, houses: Sequence[House]) -> Config:
         """The body is a cell wide and goes a cell a step; ``ValueError`` for a house that is off the grid."""
         require_straight(houses, "grid")
+        config.require_few_directions()
         cell = cell_side(houses)
         if cell < DEFAULT.body[0] and any(house.occupancy for house in houses):
             times = ceil(DEFAULT.body[0] / cell)

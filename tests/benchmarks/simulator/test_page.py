@@ -17,6 +17,8 @@ def test_the_simulators_page_has_its_figures_and_the_ratio_to_c() -> None:
         "| compiled | 0.50 | 1.25 |",
         "clang 1",
         "meets 10",
+        "the kernel makes 1.50 of its steps",
+        "| C on one core | 2.00 M",
     ):
         assert words in page
     assert "were not measured" in page

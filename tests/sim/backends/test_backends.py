@@ -97,7 +97,7 @@ def test_targets_in_rooms_that_it_cannot_reach_are_refused_with_the_room():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("mainroom", "there is no backend mainroom: there are continuous, grid, or module:Class"),
+        ("mainroom", "there is no backend mainroom: there are continuous, free, grid, or module:Class"),
         ("mainroom:MainRoom", "backend 'mainroom:MainRoom' cannot be had: No module named 'mainroom'"),
         (":MainRoom", "backend ':MainRoom' cannot be had"),
         (".main_room:MainRoom", "backend '.main_room:MainRoom' cannot be had"),

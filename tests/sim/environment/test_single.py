@@ -348,7 +348,8 @@ def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_works():
 
 
 WRONG_ARGUMENTS = {
-    "there is no backend grids: did you mean grid? There are continuous, grid, or module:Class": {
+    "ray_spacing is 2 degrees: it must divide 45": {"preset": Config(ray_spacing=2)},
+    "there is no backend grids: did you mean grid? There are continuous, free, grid, or module:Class": {
         "backend": "grids"
     },
     "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
@@ -377,7 +378,7 @@ def test_wrong_arguments_are_refused(message):
 @pytest.mark.parametrize(
     ("message", "wrong"),
     [
-        ("must divide 45", {"ray_spacing": 2}),
+        ("ray_spacing is 0 degrees", {"ray_spacing": 0}),
         ("positive lengths", {"step": 0.0}),
         ("0 rays and 1500 steps: 1 to 1,024 rays", {"rays": 0}),
         ("1 to 1,024 rays", {"rays": 10**9}),

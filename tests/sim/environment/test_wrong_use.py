@@ -103,7 +103,7 @@ ARGUMENTS = {
     "num_envs must be a whole number, not 2.0": {"num_envs": 2.0},
     "num_envs must be a whole number, not True": {"num_envs": True},
     "num_envs is 1000000000000: from 1 to 16,777,216": {"num_envs": 10**12},
-    "backend must be a name, one of continuous, grid or module:Class, not None": {"backend": None},
+    "backend must be a name, one of continuous, free, grid or module:Class, not None": {"backend": None},
     "there is no autoreset_mode same: did you mean SameStep": {"autoreset_mode": "same"},
     "there is no preset {'steps': 3}": {"preset": {"steps": 3}},
     "there is no device cuda:1": {"device": torch.device("cuda:1")},

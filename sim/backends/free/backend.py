@@ -1,0 +1,39 @@
+"""The free backend: a disc that drives, walls at any angle."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from logic import House
+from sim.backends.backend import Bank
+from sim.backends.free.move import Motion
+from sim.backends.free.pack import pack
+from sim.backends.free.see import Sight
+from sim.config import Config
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class FreeMotion(Motion, Sight):
+    """A driving disc among rectangles at any angle: see ``sim.backends.backend.Backend``."""
+
+    lacks = ("last_action", "geodesic")
+
+    @staticmethod
+    def fit(config: Config, houses: Sequence[House]) -> Config:
+        """Any house will do; not all that a body on a lattice has."""
+        if config.body[0] != config.body[1]:
+            found = f"{config.body[0]:.3f} and {config.body[1]:.3f} m"
+            raise ValueError(f"body is {found}: in the backend free a disc is as wide at all headings")
+        for wrong, words in (
+            (config.collision != "swept", "collision 'original'"),
+            (not config.random_start, "random_start=False, but a task with a start"),
+            (config.closed_doors, "closed_doors"),
+            (config.geodesic, "distance to the target (geodesic), which is in steps of a lattice"),
+        ):
+            if wrong:
+                raise ValueError(f"the backend free has no {words}")
+        return replace(config, drives=True)
+
+    def pack(self, houses: Sequence[House]) -> Bank:
+        """See ``Backend``."""
+        return pack(houses, self.config)

@@ -1,0 +1,124 @@
+"""A disc that drives: its pose and its speeds, as a state has them.
+
+Its ``origin`` is where it is, metres, and its ``cell`` three float32 as bits: forward speed (m/s), turn rate
+(rad/s) and heading (radians in [0, 2 pi), counter-clockwise from east). At rest with heading 0 that is the
+cell (0, 0, 0) of a lattice through the place, which ``stands`` and ``move`` ask about.
+"""
+
+import math
+
+import numpy as np
+
+from sim.actions import HEADINGS
+from sim.backends.body import SKIN
+from sim.config import Config
+from sim.runtime import constants, ti
+
+TURN = 2 * math.pi
+
+
+@ti.func
+def cosine_sine(angle):
+    """Cosine and sine of a float32, within 1e-7 for angles of some turns: an eighth of a turn by polynomials
+    of Cephes. Taichi's own differ from machine to machine, and take their time.
+    """
+    quarter = ti.floor(angle * ti.static(2 / math.pi) + 0.5)
+    r = ((angle - quarter * 1.5703125) - quarter * 4.837512969970703125e-4) - quarter * 7.549789948768648e-8
+    z = r * r
+    sine = ((-1.9515295891e-4 * z + 8.3321608736e-3) * z - 1.6666654611e-1) * z * r + r
+    cosine = ((2.443315711809948e-5 * z - 1.388731625493765e-3) * z + 4.166664568298827e-2) * z * z
+    cosine += 1.0 - 0.5 * z
+    turned = ti.cast(quarter, ti.i32)
+    odd = turned & 1
+    first, second = ti.select(odd, sine, cosine), ti.select(odd, cosine, sine)
+    return ti.select((turned + 1) & 2, -first, first), ti.select(turned & 2, -second, second)
+
+
+@ti.func
+def wrapped(angle):
+    """An angle in [0, 2 pi)."""
+    around = angle - ti.static(TURN) * ti.floor(angle * ti.static(1 / TURN))
+    return ti.select((around >= 0.0) & (around < ti.static(TURN)), around, 0.0)
+
+
+@ti.data_oriented
+class Disc:
+    """A body as wide at all headings, whose eye is its middle."""
+
+    def __init__(self, config: Config) -> None:
+        """Take the width from the configuration's body, and the lattice's pitch from its step."""
+        self.radius, self.step, self.drive = config.body[0] / 2, config.step, config.drive
+        self.headings = constants(np.array(HEADINGS, np.int32))
+        commands = config.drive.commands or ((0.0, 0.0),)
+        self.commands = constants(np.array(commands, np.float32))
+
+    @ti.func
+    def moving(self, v, w, heading):
+        """The cell of a body with these speeds and this heading."""
+        return ti.Vector([ti.bit_cast(v, ti.i32), ti.bit_cast(w, ti.i32), ti.bit_cast(heading, ti.i32)])
+
+    @ti.func
+    def speeds(self, cell):
+        """Forward speed and turn rate."""
+        return ti.Vector([ti.bit_cast(cell[0], ti.f32), ti.bit_cast(cell[1], ti.f32)])
+
+    @ti.func
+    def heading(self, cell):
+        """Radians."""
+        return ti.bit_cast(cell[2], ti.f32)
+
+    @ti.func
+    def degrees(self, cell):
+        """The heading in degrees."""
+        return self.heading(cell) * ti.static(180 / math.pi)
+
+    @ti.func
+    def eighth(self, cell):
+        """The heading in eighths of a turn, the nearest one."""
+        return ti.cast(ti.floor(self.heading(cell) * ti.static(8 / TURN) + 0.5), ti.i32) & 7
+
+    @ti.func
+    def begun(self, corner, i, j, word, given):
+        """The origin and the cell of a body at rest at a place of a lattice, with a heading that is ``given``
+        as bits, or by a random ``word`` if that is negative.
+        """
+        anyhow = ti.cast(word >> ti.u64(8), ti.f32) * ti.static(TURN * 2.0**-24)
+        heading = ti.select(given < 0, anyhow, ti.bit_cast(given, ti.f32))
+        place = corner + ti.cast(ti.Vector([i, j]), ti.f32) * ti.static(self.step)
+        return place, self.moving(0.0, 0.0, heading)
+
+    @ti.func
+    def ordered(self, action):
+        """The v and w of an action: 64 bits, the number of a command or two float32. Within the limits."""
+        wanted = ti.Vector([0.0, 0.0])
+        if ti.static(len(self.drive.commands) > 0):
+            wanted = self.commands[ti.cast(action, ti.i32)]
+        else:
+            bits = ti.cast(action, ti.u64)
+            wanted[0] = ti.bit_cast(ti.cast(bits & ti.u64(0xFFFFFFFF), ti.u32), ti.f32)
+            wanted[1] = ti.bit_cast(ti.cast(bits >> ti.u64(32), ti.u32), ti.f32)
+        for k in ti.static(range(2)):
+            wanted[k] = ti.max(ti.static(self.drive.low[k]), ti.min(ti.static(self.drive.high[k]), wanted[k]))
+        return wanted
+
+    @ti.func
+    def number(self, action):
+        """The number of an action, -1 where actions have none."""
+        return ti.cast(action, ti.i32) if ti.static(len(self.drive.commands) > 0) else -1
+
+    @ti.func
+    def position(self, origin, cell):
+        """Where a place of a lattice is, metres."""
+        return origin + ti.cast(ti.Vector([cell[0], cell[1]]), ti.f32) * ti.static(self.step)
+
+    @ti.func
+    def eye(self, origin, cell):
+        """Where rays start, metres."""
+        return origin
+
+    @ti.func
+    def overlaps(self, origin, cell, target, half: ti.template()):
+        """Whether the disc overlaps a square about ``target`` (i32); touching is not overlapping."""
+        away = ti.max(ti.abs(origin - target) - half, 0.0)
+        near = away[0] * away[0] + away[1] * away[1]
+        return ti.cast(near < ti.static((self.radius - SKIN) ** 2), ti.i32)

@@ -1,0 +1,88 @@
+"""When a disc that goes straight on touches a solid: a rectangle at any angle, or a segment."""
+
+from sim.backends.body import SKIN
+from sim.runtime import ti
+
+NEVER = 2.0
+"""In place of a share of a way: a disc touches nothing on it."""
+
+
+@ti.func
+def into(solid, v):
+    """A vector along a solid's own axes: its length and its width."""
+    return ti.Vector([v[0] * solid[2] + v[1] * solid[3], v[1] * solid[2] - v[0] * solid[3]])
+
+
+@ti.func
+def out_of(solid, v):
+    """A vector along a solid's axes in the house's."""
+    return ti.Vector([v[0] * solid[2] - v[1] * solid[3], v[0] * solid[3] + v[1] * solid[2]])
+
+
+@ti.func
+def gap(solid, place):
+    """From the nearest point of a solid to a place, along the solid's axes: 0 inside."""
+    own = into(solid, place - ti.Vector([solid[0], solid[1]]))
+    half = ti.Vector([solid[4], solid[5]])
+    return own - ti.max(-half, ti.min(half, own))
+
+
+@ti.func
+def touches(solid, place, way, radius: ti.template()):
+    """The share of a ``way`` (x, y) from a place after which a disc touches a solid, ``NEVER`` for none; the
+    direction from there to the disc, a unit vector; and how far the disc is already in, metres.
+
+    A solid counts where the disc would come into it by more than the skin; it is stopped by half of that. So
+    what a body slides along is not in its way, however its place is rounded, nor where two walls meet.
+    """
+    share, normal, depth = NEVER, ti.Vector([0.0, 0.0]), 0.0
+    away = gap(solid, place)
+    near, length = away.dot(away), way.dot(way)
+    reach = radius + ti.sqrt(length)
+    if near < reach * reach:
+        inner, outer = ti.static(radius - SKIN), ti.static(radius - SKIN / 2)
+        half = ti.Vector([solid[4], solid[5]])
+        own, along = into(solid, place - ti.Vector([solid[0], solid[1]])), into(solid, way)
+        if near < outer * outer:
+            distance = ti.sqrt(near)
+            if distance > 0.0:
+                normal = away / distance
+            else:  # The middle is inside: the nearest side is the way out.
+                inward = half - ti.abs(own)
+                side = ti.select(own >= 0.0, 1.0, -1.0)
+                if inward[0] < inward[1]:
+                    normal[0], distance = side[0], -inward[0]
+                else:
+                    normal[1], distance = side[1], -inward[1]
+            depth = outer - distance
+            further = along.dot(normal)
+            if (further < 0.0) & (distance + further < inner):
+                share = 0.0
+        else:
+            for axis in ti.static(range(2)):  # a side
+                other = ti.static(1 - axis)
+                if along[axis] != 0.0:
+                    sign = ti.select(along[axis] < 0.0, 1.0, -1.0)
+                    at = (sign * (half[axis] + outer) - own[axis]) / along[axis]
+                    in_ = (sign * (half[axis] + inner) - own[axis]) / along[axis]
+                    across = own[other] + in_ * along[other]
+                    if (at >= 0.0) & (at < share) & (in_ <= 1.0) & (ti.abs(across) <= half[other]):
+                        share = at
+            for k in ti.static(range(4)):  # a corner
+                corner = half * ti.Vector(
+                    [1.0 if ti.static(k & 1) else -1.0, 1.0 if ti.static(k & 2) else -1.0]
+                )
+                start = own - corner
+                ahead, square = start.dot(along), start.dot(start)
+                beyond, within = square - outer * outer, square - inner * inner
+                under = ahead * ahead - length * within
+                if (ahead < 0.0) & (under >= 0.0):
+                    # The smaller root, without the difference of two numbers that are nearly the same.
+                    at = beyond / (ti.sqrt(ahead * ahead - length * beyond) - ahead)
+                    if (at >= 0.0) & (at < share) & (within <= ti.sqrt(under) - ahead):
+                        share = at
+            if share <= 1.0:
+                there = own + share * along
+                leaned = there - ti.max(-half, ti.min(half, there))
+                normal = leaned / ti.max(1e-12, leaned.norm())
+    return share, out_of(solid, normal), depth

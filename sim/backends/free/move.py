@@ -1,0 +1,135 @@
+"""How a body drives in the free backend: speeds within limits, and sliding along what it touches."""
+
+import numpy as np
+
+from sim.backends.backend import Bank, Lattice, lattice_over
+from sim.backends.body import SKIN
+from sim.backends.free.body import Disc, cosine_sine, wrapped
+from sim.backends.free.contact import NEVER, gap, touches
+from sim.backends.free.layout import FIRST_SOLID, HEADER, ROW, cell_of, end_of, listed
+from sim.config import Config
+from sim.geometry import Geometry
+from sim.runtime import ti
+
+CONTACTS = 4
+"""Things that a body slides along in one step at most: then it stays where it is."""
+
+
+CORNER = 1e-2
+"""Of a way along a thing, as much of it leads into the one before if both make a corner."""
+
+
+@ti.data_oriented
+class Motion:
+    """A disc among solids."""
+
+    config: Config
+    body: Disc
+
+    @property
+    def changes(self) -> tuple[float, float]:
+        """How much a step changes v and w at most."""
+        drive = self.config.drive
+        return min(1e9, drive.acceleration * drive.time_step), min(
+            1e9, drive.turn_acceleration * drive.time_step
+        )
+
+    def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
+        """Places that are a step apart, where episodes may start and targets lie."""
+        return lattice_over(shape, self.config.step, origin)
+
+    def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Bodies at rest at the given poses."""
+        if not np.isfinite(pose).all():
+            raise ValueError("a pose is (x, y, heading), finite")
+        heading = np.mod(pose[:, 2], 2 * np.pi).astype(np.float32)
+        heading[heading >= np.float32(2 * np.pi)] = 0
+        cell = np.zeros((len(pose), 3), np.int32)
+        cell[:, 2] = heading.view(np.int32)
+        return np.ascontiguousarray(pose[:, :2], np.float32), cell
+
+    @ti.func
+    def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.stands``, of a place of a lattice."""
+        place = self.body.position(origin, ti.Vector([cell[0], cell[1], 0]))
+        block, free = cell_of(numbers, indices, house, place), 1
+        for k in range(end_of(indices, block, 1)):
+            away = gap(self.solid(numbers, indices, house, listed(indices, block, k)), place)
+            free &= ti.cast(away.dot(away) >= ti.static((self.body.radius - SKIN) ** 2), ti.i32)
+        return free
+
+    @ti.func
+    def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
+        """See ``Backend.move``, forward from a place of a lattice to the next: how a house is surveyed."""
+        forward = self.body.headings[cell[2]]
+        new = ti.Vector([cell[0] + forward[0], cell[1] + forward[1], cell[2]])
+        place = self.body.position(origin, cell)
+        way = self.body.position(origin, new) - place
+        block = cell_of(numbers, indices, house, place)
+        share, _, _ = self.first(numbers, indices, house, block, place, way)
+        return new, ti.cast(share <= 1.0, ti.i32)
+
+    @ti.func
+    def solid(self, numbers: ti.template(), indices: ti.template(), house, k):
+        """A solid of a house: see ``layout.py``."""
+        at = indices[house * HEADER + FIRST_SOLID] + ROW * k
+        return ti.Vector([numbers[at + part] for part in range(ROW)])
+
+    @ti.func
+    def first(self, numbers: ti.template(), indices: ti.template(), house, block, place, way):
+        """The first touch of a disc on its way, of all solids of a cell's list: see ``touches``."""
+        share, normal, depth = NEVER, ti.Vector([0.0, 0.0]), 0.0
+        for k in range(end_of(indices, block, 1)):
+            solid = self.solid(numbers, indices, house, listed(indices, block, k))
+            at, leaned, inside = touches(solid, place, way, self.body.radius)
+            if (at < share) | ((at == share) & (at < ti.static(NEVER)) & (inside > depth)):
+                share, normal, depth = at, leaned, inside
+        return share, normal, depth
+
+    @ti.func
+    def drive(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
+        """Where a body is after a step in which it was told to do something: its origin, its cell, and
+        whether something stopped it or turned it aside (i32).
+
+        It goes along the chord of its arc. What it is slowed down by takes its speed, too.
+        """
+        wanted, speeds = self.body.ordered(action), self.body.speeds(cell)
+        limits = ti.Vector([ti.static(self.changes[0]), ti.static(self.changes[1])])
+        speeds += ti.max(-limits, ti.min(limits, wanted - speeds))
+        half = ti.static(0.5 * self.config.drive.time_step) * speeds[1]
+        heading = self.body.heading(cell)
+        cosine, sine = cosine_sine(heading + half)
+        _, bent = cosine_sine(half)
+        chord = ti.select(ti.abs(half) < 1e-2, 1.0 - half * half / 6.0, bent / half)
+        length = ti.static(self.config.drive.time_step) * speeds[0] * chord
+        direction = ti.Vector([cosine, -sine])
+        moved = self.slide(numbers, indices, house, origin, length * direction)
+        off = moved - length * direction
+        blocked = ti.cast(off.dot(off) > ti.static(SKIN**2), ti.i32)
+        if blocked:
+            speeds[0] *= ti.max(0.0, ti.min(1.0, moved.dot(direction) / length))
+        return origin + moved, self.body.moving(speeds[0], speeds[1], wrapped(heading + 2.0 * half)), blocked
+
+    @ti.func
+    def slide(self, numbers: ti.template(), indices: ti.template(), house, origin, way):
+        """How far a body comes that would go some way (x, y), metres."""
+        block = cell_of(numbers, indices, house, origin)
+        moved, left, last, turn = ti.Vector([0.0, 0.0]), way, ti.Vector([0.0, 0.0]), 0
+        while turn < ti.static(CONTACTS):
+            turn += 1
+            share, normal, depth = self.first(numbers, indices, house, block, origin + moved, left)
+            if share > 1.0:
+                moved += left
+                turn = CONTACTS
+            else:
+                # Rounding may have left it a little inside: it is put out again.
+                moved += share * left + ti.min(depth, ti.static(SKIN)) * normal
+                left = (1.0 - share) * left
+                if ti.static(self.config.drive.at_contact == "stop"):
+                    turn = CONTACTS
+                else:
+                    left -= ti.min(0.0, left.dot(normal)) * normal
+                    if left.dot(last) < -ti.static(CORNER) * left.norm():  # into the thing before
+                        turn = CONTACTS
+                    last = normal
+        return moved

@@ -1,0 +1,101 @@
+"""Houses for the free backend: solids and lines as rows of numbers; ``layout.py`` says where."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from logic import House
+from sim.backends.backend import WALL, Bank
+from sim.backends.free.layout import CELL, HEADER, ROW
+from sim.backends.free.lists import listed_arrays
+from sim.backends.kinds import codes
+from sim.backends.rays import OVERLAP
+from sim.config import Config
+from sim.geometry import Geometry, geometry
+
+
+def pack(houses: Sequence[House], config: Config) -> Bank:
+    """Bring houses to the device: solids, lines and lists."""
+    shapes = [geometry(house) for house in houses]
+    parts = [
+        _Share.of(shape, codes(house, shape, config.kinds), max(config.body))
+        for shape, house in zip(shapes, houses, strict=True)
+    ]
+    count = len(parts)
+    numbers, at = [np.array([part.corner for part in parts], np.float32).ravel()], 2 * count
+    header = np.zeros((count, HEADER), np.int32)
+    cell = header.size
+    for k, part in enumerate(parts):
+        solids, lines = len(part.solids), len(part.lines)
+        header[k] = (at, solids, at + ROW * solids, lines, *part.across, cell, *part.used.shape)
+        numbers += [part.solids.astype(np.float32).ravel(), part.lines.astype(np.float32).ravel()]
+        at += ROW * (solids + lines)
+        cell += part.used.size
+    used = np.concatenate([part.used.T.ravel() for part in parts])  # by rows, as they are looked up
+    return Bank(shapes, *listed_arrays(np.concatenate(numbers), header, used, config))
+
+
+@dataclass(frozen=True)
+class _Share:
+    """A house's share of a bank: rows for ``numbers``, and which cells a body may be in, (columns, rows)."""
+
+    corner: tuple[float, float]
+    used: np.ndarray
+    solids: np.ndarray
+    lines: np.ndarray
+    across: tuple[int, int]
+
+    @classmethod
+    def of(cls, shape: Geometry, kinds: list[int], body: float) -> "_Share":
+        boxes, slanted, last = shape.solids, shape.slanted, len(shape.solids) - len(shape.filled)
+        solids = np.vstack([_along_longer_side(boxes), slanted])
+        lined = np.vstack(
+            [_along_longer_side(boxes[:last]), slanted]
+        )  # rays end at walls before what is filled
+        kind = np.concatenate(
+            [
+                np.full(len(shape.verticals) + len(shape.horizontals), WALL),
+                kinds,
+                np.full(len(slanted), WALL),
+            ]
+        )
+        lines = _sides(lined, kind)
+        # Across x, across y, at an angle: a line along an axis has a unit vector that is exactly one.
+        order = np.select([lines[:, 2] == 0, lines[:, 3] == 0], [0, 1], 2)
+        lines = lines[np.argsort(order, kind="stable")]
+        across = int((order == 0).sum()), int((order <= 1).sum())
+        west, north, east, south = shape.bounds
+        size = int((east - west) / CELL) + 1, int((south - north) / CELL) + 1
+        middle = np.stack(np.meshgrid(*(np.arange(n) for n in size), indexing="ij"), axis=-1) + 0.5
+        middle = np.array([west, north]) + CELL * middle
+        rooms = np.vstack([shape.floor, shape.rooms, shape.doorways])
+        near = np.abs(middle[:, :, None] - rooms[:, :2]) < rooms[:, 2:] + CELL / 2 + body
+        return cls((west, north), np.all(near, axis=3).any(axis=2), solids, lines, across)
+
+
+def _along_longer_side(boxes: np.ndarray) -> np.ndarray:
+    """Boxes (n, 4) as solids (n, 6)."""
+    upright = boxes[:, 3] > boxes[:, 2]
+    way = np.where(upright[:, None], [0.0, 1.0], [1.0, 0.0])
+    half = np.where(upright[:, None], boxes[:, [3, 2]], boxes[:, 2:])
+    return np.hstack([boxes[:, :2], way, half])
+
+
+def _sides(solids: np.ndarray, kinds: np.ndarray) -> np.ndarray:
+    """The sides of solids as lines (n, 6), each with its outside at (v, -u) of its way (u, v); of a segment
+    there is one line, of which both sides are seen.
+    """
+    rows = []
+    for (x, y, u, v, half, thick), kind in zip(solids.tolist(), kinds.tolist(), strict=True):
+        if thick == 0:
+            rows.append((x, y, u, v, half + OVERLAP, -kind))
+            continue
+        for a, b, far, long in (
+            (u, v, thick, half),
+            (-u, -v, thick, half),
+            (-v, u, half, thick),
+            (v, -u, half, thick),
+        ):
+            rows.append((x + far * b, y - far * a, a, b, long + OVERLAP, kind))
+    return np.array(rows, np.float64).reshape(-1, ROW)

@@ -1,0 +1,89 @@
+"""How a body drives where it moves freely: the limits of its speeds, and what it can be told to do."""
+
+from dataclasses import dataclass
+from math import isfinite, pi
+from typing import Literal
+
+MOST_COMMANDS = 1024
+"""Commands that a discrete action chooses from at most."""
+
+SPEED, TURN_SPEED = 0.7, 3.0
+"""Metres and radians a second: of bodies about as fast as those that make a step of 0.07 m in 0.1 s."""
+
+THREE = (0.0, TURN_SPEED), (0.0, -TURN_SPEED), (SPEED, 0.0)
+"""Turn left, turn right and forward, in the order of the lattice's actions: for agents of three actions."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The motion of the backend ``free``: a disc, as wide as ``Config.body``, that is told a forward speed v
+    and a turn rate w and comes as near to them as its limits let it. Metres, radians, seconds.
+    """
+
+    time_step: float = 0.1
+    """Seconds of a step."""
+
+    speed: float = SPEED
+    """The greatest speed forward, m/s."""
+
+    reverse: float = 0.0
+    """The greatest speed backward, m/s."""
+
+    turn_speed: float = TURN_SPEED
+    """The greatest turn rate, either way, rad/s."""
+
+    acceleration: float = 2.0
+    """How fast v changes at most, m/s²; ``inf`` for at once."""
+
+    turn_acceleration: float = 12.0
+    """How fast w changes at most, rad/s²; ``inf`` for at once."""
+
+    at_contact: Literal["slide", "stop"] = "slide"
+    """What a body does that touches something: it goes on along it, or stays there."""
+
+    commands: tuple[tuple[float, float], ...] = ()
+    """Pairs (v, w) that a discrete action chooses from; without them an action is any (v, w) in a ``Box``."""
+
+    clips: bool = False
+    """Whether an action beyond the ``Box`` becomes the nearest in it; else it is refused. NaN always is."""
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for impossible values."""
+        # JSON has lists.
+        object.__setattr__(self, "commands", tuple(tuple(pair) for pair in self.commands))
+        if not (0 < self.time_step < float("inf") and 0 < self.speed < float("inf")):
+            raise ValueError(f"drive: time_step {self.time_step} s, speed {self.speed} m/s: both above 0")
+        if not (0 <= self.reverse < float("inf") and 0 <= self.turn_speed < float("inf")):
+            found = f"reverse {self.reverse} m/s, turn_speed {self.turn_speed} rad/s"
+            raise ValueError(f"drive: {found}: not negative")
+        if not (self.acceleration > 0 and self.turn_acceleration > 0):
+            found = f"acceleration {self.acceleration}, turn_acceleration {self.turn_acceleration}"
+            raise ValueError(f"drive: {found}: both above 0")
+        if self.turn_speed * self.time_step > pi:
+            raise ValueError(f"drive: {self.turn_speed} rad/s are more than half a turn in a step")
+        if self.at_contact not in ("slide", "stop"):
+            raise ValueError(f"drive: at_contact is {self.at_contact!r}: there are slide, stop")
+        if len(self.commands) > MOST_COMMANDS:
+            raise ValueError(f"drive: {len(self.commands)} commands: {MOST_COMMANDS:,} at most")
+        for pair in self.commands:
+            if len(pair) != 2 or not all(isfinite(value) for value in pair) or not self.allows(*pair):
+                raise ValueError(f"drive: command {pair}: (v, w) within the greatest speeds")
+
+    def allows(self, v: float, w: float) -> bool:
+        """Whether a command is within the greatest speeds."""
+        return -self.reverse <= v <= self.speed and abs(w) <= self.turn_speed
+
+    @property
+    def low(self) -> tuple[float, float]:
+        """The least v and w of a command."""
+        return 0.0 - self.reverse, -self.turn_speed
+
+    @property
+    def high(self) -> tuple[float, float]:
+        """The greatest v and w of a command."""
+        return self.speed, self.turn_speed
+
+    @property
+    def travel(self) -> float:
+        """Metres that a step goes at most."""
+        return max(self.speed, self.reverse) * self.time_step

@@ -1,0 +1,127 @@
+"""What is observed: rays and what their sensor makes of them, late or not, and what is noted beside them."""
+
+import math
+from typing import Any
+
+from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL
+from sim.backends.doors import Doors
+from sim.config import DEVIATIONS, Config
+from sim.runtime import ti
+from sim.world.extras import Extras
+from sim.world.philox import DIRECTION, SENSOR, normal, philox, uniform
+
+
+@ti.data_oriented
+class Observing:
+    """One environment's observation, from its state."""
+
+    config: Config
+    backend: Any
+    body: Any
+    doors: Doors
+    extras: Extras
+
+    @ti.func
+    def notice(self, world: ti.template(), e, state, action, blocked):
+        """Write what is observed beside rays after an action, -1 as an episode begins; and note where the
+        body and its target are, if they are seen later.
+        """
+        self.extras.notice(world, e, state, action, blocked)
+        if ti.static(self.config.latency > 0):
+            kept = ti.static(self.config.latency + 1)
+            for k in range(kept):
+                if action < 0 or k == state.time % kept:
+                    here = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
+                    world.past_reals[e * kept + k] = here
+                    world.past_cells[e * kept + k] = ti.Vector(
+                        [state.cell[0], state.cell[1], state.cell[2], 0]
+                    )
+
+    @ti.func
+    def late(self, world: ti.template(), e, state):
+        """The state with the body and the target where they are seen."""
+        if ti.static(self.config.latency > 0):
+            kept = ti.static(self.config.latency + 1)
+            at = e * kept + (state.time + 1) % kept
+            where, cell = world.past_reals[at], world.past_cells[at]
+            state.origin, state.target = ti.Vector([where[0], where[1]]), ti.Vector([where[2], where[3]])
+            state.cell = ti.Vector([cell[0], cell[1], cell[2]])
+        return state
+
+    @ti.func
+    def look(self, world: ti.template(), e, now, ray, lanes: ti.template(), observation: ti.template()):
+        """Write what ``lanes`` rays see, from number ``ray`` on: ``Config.columns``, the angle in units of
+        359 degrees, the distance in those of the range.
+        """
+        state = self.late(world, e, now)
+        distance, kind = self.seen(world, e, state, ray, lanes)
+        if ti.static(self.config.closed_doors > 0):
+            self.doors.hide(world, e, state.house, state.origin, state.cell, ray, distance, kind)
+        if ti.static(self.config.noise > 0 or self.config.dropout > 0):
+            for r in range(ti.static(lanes)):
+                distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
+        at = e * ti.static(self.config.rays) + ray
+        if ti.static(self.config.channels == 2):
+            pairs = ti.Vector([ti.u64(0) for _ in range(ti.static(lanes))])
+            for r in range(ti.static(lanes)):
+                first = ti.bit_cast(distance[r] * ti.static(1 / self.config.range), ti.u32)
+                second = ti.bit_cast(ti.select(kind[r] == TARGET, 1.0, 0.0), ti.u32)
+                pairs[r] = ti.cast(first, ti.u64) | (ti.cast(second, ti.u64) << ti.u64(32))
+            for r in range(ti.static(lanes)):
+                observation[at + r] = pairs[r]
+        else:
+            for r in range(ti.static(lanes)):
+                to = (at + r) * ti.static(self.config.channels)
+                if ti.static(self.config.sees_angle):
+                    angle = self.body.degrees(state.cell) + ti.static(self.config.first_ray)
+                    angle -= ti.static(self.config.ray_spacing) * (ray + r)
+                    turned = angle - 360.0 * ti.floor(angle / 360.0)
+                    self.write(observation, to, "angle", turned / 359.0)
+                if ti.static(self.config.kinds):
+                    first = to + ti.static(self.config.column("distance") - len(self.config.kinds))
+                    for place in range(ti.static(len(self.config.kinds))):
+                        named = ti.cast(kind[r], ti.i32) == NAMED + place
+                        observation[first + place] = ti.select(named, 1.0, 0.0)
+                self.write(observation, to, "distance", distance[r] * ti.static(1 / self.config.range))
+                if ti.static(self.config.sees_kind):
+                    is_piece = (kind[r] == PIECE) | (kind[r] >= NAMED)
+                    self.write(observation, to, "is wall", ti.select(kind[r] == WALL, 1.0, 0.0))
+                    self.write(observation, to, "is piece", ti.select(is_piece, 1.0, 0.0))
+                if ti.static(self.config.sees_doors):
+                    self.write(observation, to, "is door", ti.select(kind[r] == DOOR, 1.0, 0.0))
+                self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
+
+    @ti.func
+    def seen(self, world: ti.template(), e, state, ray, lanes: ti.template()):
+        """What ``lanes`` rays hit, see ``Backend.see``; where their directions have errors, in those."""
+        off = ti.Vector([0.0 for _ in range(ti.static(lanes))])
+        if ti.static(self.config.angle_noise > 0):
+            for r in range(ti.static(lanes)):
+                counter = ti.Vector([state.episode, state.time, ray + r, DIRECTION])
+                error = normal(philox(state.seed, ti.cast(counter, ti.u64)))
+                cut = ti.max(-ti.static(DEVIATIONS), ti.min(ti.static(DEVIATIONS), error))
+                off[r] = ti.static(math.radians(self.config.angle_noise)) * cut
+        if ti.static(self.config.angle_noise > 0):
+            return self.backend.look(
+                world.numbers, world.indices, state.house, state.origin, state.cell, state.target, ray, off
+            )
+        return self.backend.see(
+            world.numbers, world.indices, state.house, state.origin, state.cell, state.target, ray
+        )
+
+    @ti.func
+    def write(self, observation: ti.template(), ray, column: ti.template(), number):
+        """Write a number into a ray's column, see ``Config.columns``."""
+        observation[ray + ti.static(self.config.column(column))] = number
+
+    @ti.func
+    def disturbed(self, state, ray, distance, kind):
+        """What a ray's sensor makes of a hit: a normal error, by Box and Muller, or nothing at all."""
+        counter = ti.Vector([state.episode, state.time, ray, SENSOR])
+        words = philox(state.seed, ti.cast(counter, ti.u64))
+        if ti.static(self.config.noise > 0):
+            distance += ti.static(self.config.noise) * normal(words)
+            distance = ti.max(0.0, ti.min(ti.static(self.config.range), distance))
+        if uniform(words[2]) < ti.static(self.config.dropout):
+            distance, kind = ti.static(self.config.range), ti.u32(0)
+        return distance, kind

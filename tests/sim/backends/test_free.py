@@ -1,0 +1,365 @@
+"""The free backend: exact beside shapely, the same in any batch, and what it refuses. 100 s."""
+
+import re
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+import shapely
+import torch
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+from logic import House, Room
+from sim import DEFAULT, Config, HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
+from sim.baselines.coverage import Coverage
+from sim.baselines.searcher import Searcher
+from sim.config import DRIVE, PAPER
+from sim.drive import Drive
+from sim.tasks.tasks import Collect
+from sim.tasks.terms import Terms
+from tests.sim.backends.free_study import Solids, compare, houses, with_slanted_walls
+
+HOUSES = houses(6, seed=50)
+EMPTY = House((Room(0, 0, 9, 9, "R0", "hall"),), hub="R0", topology="own")
+
+
+def make(**arguments) -> HouseVectorEnv:
+    return HouseVectorEnv(
+        **({"houses": HOUSES, "num_envs": 32, "backend": "free", "targets": "all"} | arguments)
+    )
+
+
+def plan(envs: HouseVectorEnv, steps: int, seed: int = 0) -> np.ndarray:
+    """Actions (T, E, 2): mostly forward."""
+    rng, space = np.random.default_rng(seed), envs.single_action_space
+    assert isinstance(space, gymnasium.spaces.Box)
+    v = rng.uniform(0.4, 1, (steps, envs.num_envs)) * space.high[0]
+    w = rng.uniform(-1, 1, (steps, envs.num_envs)) * space.high[1]
+    return np.stack([v, w], axis=-1).astype(np.float32)
+
+
+def walked(envs: HouseVectorEnv, actions: np.ndarray, seed: int = 0) -> list[np.ndarray]:
+    """All that comes out of a walk: observations, poses, rewards, and what is blocked."""
+    seen, info = envs.reset(seed=seed)
+    rows = [(seen, info["pose"], np.zeros(envs.num_envs, np.float32), info["blocked"])]
+    for action in actions:
+        seen, reward, _, _, info = envs.step(action)
+        rows.append((seen, info["pose"], reward, info["blocked"]))
+    return [np.stack(column) for column in zip(*rows, strict=True)]
+
+
+@pytest.mark.parametrize("at_contact", ["slide", "stop"])
+def test_rays_and_contacts_are_those_of_shapely(at_contact):
+    """A sample of ``free_study``, which a command runs with a million cases."""
+    found = compare(houses(12, seed=7), 25, at_contact, seed=7)
+    assert (found.wrong_rays, found.wrong_moves) == (0, 0)
+    assert found.met > 20
+    assert found.grazing <= 1e-4 * found.rays
+    assert found.close <= 0.01 * found.moves
+
+
+@pytest.mark.parametrize("preset", [DEFAULT, DRIVE])
+@pytest.mark.parametrize("mode", AutoresetMode)
+def test_it_conforms_in_every_autoreset_mode(mode, preset):
+    check_vector_env(make(num_envs=3, autoreset_mode=mode, preset=preset, max_episode_steps=20), steps=60)
+
+
+def test_its_autoreset_modes_give_the_same_episodes():
+    check_autoreset_modes(lambda mode: make(num_envs=3, autoreset_mode=mode, max_episode_steps=20), steps=60)
+
+
+@pytest.mark.filterwarnings("ignore:.*already been instantiated.*", "ignore:.*Box.*")
+def test_gymnasium_finds_nothing_wrong_with_the_single_environment():
+    env = gymnasium.make("sim:Vitruvius/House-v0", backend="free", render_mode="rgb_array")
+    check_env(env.unwrapped)
+    with pytest.raises(ValueError, match=r"an action is two numbers, \(v, w\), not an array of shape \(\)"):
+        env.unwrapped.step(2)
+
+
+def test_a_trajectory_depends_neither_on_the_batch_nor_on_the_loop():
+    rough = replace(DEFAULT, noise=0.02, angle_noise=1.0, latency=2, slip=0.02, dropout=0.02)
+    actions = plan(make(), 60)
+    whole = walked(make(preset=rough, max_episode_steps=40), actions)
+    by_ray = walked(make(preset=rough, max_episode_steps=40, by_ray=True), actions)
+    single = walked(make(preset=rough, max_episode_steps=40, num_envs=1), actions[:, 5:6], seed=5)
+    for ours, theirs, one in zip(whole, by_ray, single, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+        np.testing.assert_array_equal(ours[:, 5:6], one)
+    assert whole[3].mean() > 0.05
+    assert whole[2].sum() > 0
+
+
+def test_a_saved_state_goes_on_bit_for_bit_also_in_another_environment():
+    rough = replace(
+        DEFAULT, latency=3, observe=("rays", "bump", "odometry", "goal", "speed"), flat=True, drift=0.1
+    )
+    envs, other = make(preset=rough), make(preset=rough)
+    actions = plan(envs, 40)
+    envs.reset(seed=0)
+    for action in actions[:20]:
+        envs.step(action)
+    other.state = envs.state
+    for action in actions[20:]:
+        np.testing.assert_array_equal(envs.step(action)[0], other.step(action)[0])
+    state = envs.state
+    state["wholes"][:, 2] = np.array([np.nan], np.float32).view(np.int32)
+    with pytest.raises(ValueError, match="a state of no house: a speed or a heading is no finite number"):
+        envs.state = state
+
+
+def test_tensors_and_arrays_are_the_same_actions():
+    ours, theirs = make(), make()
+    ours.reset(seed=0), theirs.reset(seed=0)
+    for action in plan(ours, 10):
+        seen = ours.step(action)[0]
+        np.testing.assert_array_equal(seen, theirs.step_torch(torch.from_numpy(action))[0].numpy())
+
+
+def test_speeds_come_as_near_to_what_is_told_as_the_limits_let_them():
+    """In an empty room, beside the same in float64."""
+    drive = Drive(
+        time_step=0.05, speed=0.8, reverse=0.3, turn_speed=2.0, acceleration=1.5, turn_acceleration=8.0
+    )
+    config = replace(DEFAULT, drive=drive, observe=("speed", "rays"))
+    envs = make(houses=[EMPTY], preset=config)
+    rng = np.random.default_rng(0)
+    pose = np.column_stack([rng.uniform(3, 6, (32, 2)), rng.uniform(0, 2 * np.pi, 32)])
+    _, info = envs.reset(seed=0, options={"house": np.zeros(32, int), "pose": pose})
+    x, y, heading = info["pose"].astype(float).T
+    v, w = np.zeros(32), np.zeros(32)
+    for _ in range(60):
+        told = np.column_stack([rng.uniform(-0.3, 0.8, 32), rng.uniform(-2, 2, 32)]).astype(np.float32)
+        seen, _, _, _, info = envs.step(told)
+        v += np.clip(told[:, 0] - v, -1.5 * 0.05, 1.5 * 0.05)
+        w += np.clip(told[:, 1] - w, -8 * 0.05, 8 * 0.05)
+        # An arc, or where it does not turn a line.
+        end, turns = heading + w * 0.05, np.abs(w) > 1e-6
+        radius = v / np.where(turns, w, 1)
+        x += np.where(turns, radius * (np.sin(end) - np.sin(heading)), v * 0.05 * np.cos(heading))
+        y += np.where(turns, radius * (np.cos(end) - np.cos(heading)), -v * 0.05 * np.sin(heading))
+        heading = end
+        np.testing.assert_allclose(seen["speed"], np.column_stack([v, w]), atol=1e-5)
+        np.testing.assert_allclose(info["pose"][:, :2], np.column_stack([x, y]), atol=2e-5)
+        np.testing.assert_allclose(np.angle(np.exp(1j * (info["pose"][:, 2] - heading))), 0, atol=2e-5)
+        assert (info["pose"][:, 2] >= 0).all()
+        assert (info["pose"][:, 2] < 2 * np.pi).all()
+
+
+def test_what_a_body_touches_takes_its_speed():
+    config = replace(DEFAULT, observe=("speed",), drive=Drive(acceleration=float("inf"), at_contact="stop"))
+    envs = make(houses=[EMPTY], num_envs=2, preset=config)
+    envs.reset(seed=0, options={"house": [0, 0], "pose": [[4.5, 0.16, np.pi / 2], [4.5, 4.5, 0.0]]})
+    seen, _, _, _, info = envs.step(np.array([[0.7, 0.0], [0.7, 0.0]], np.float32))
+    assert info["blocked"].tolist() == [True, False]
+    reached = 0.16 - DEFAULT.body[0] / 2
+    np.testing.assert_allclose(seen["speed"][:, 0], [reached / 0.1, 0.7], atol=1e-3)
+    seen, _, _, _, info = envs.step(np.array([[0.7, 0.0], [0.7, 0.0]], np.float32))
+    assert abs(seen["speed"][0, 0]) < 1e-3
+    np.testing.assert_allclose(info["pose"][0, :2], [4.5, DEFAULT.body[0] / 2], atol=2e-5)
+
+
+def test_lists_lose_no_line_at_any_heading():
+    """Rays over 120 degrees, whose lists are by sectors of headings, are among those all around, bit for
+    bit.
+    """
+    wide = replace(DEFAULT, rays=120, first_ray=178.5, ray_spacing=3)
+    narrow, around = make(num_envs=400), make(num_envs=400, preset=wide)
+    actions = plan(narrow, 30)
+    ours, theirs = walked(narrow, actions), walked(around, actions)
+    np.testing.assert_array_equal(ours[1], theirs[1])
+    np.testing.assert_array_equal(ours[0], theirs[0][:, :, 40:80])
+
+
+def test_late_rays_are_those_of_some_steps_before():
+    actions = plan(make(), 30)
+    now, late = walked(make(), actions), walked(make(preset=replace(DEFAULT, latency=4)), actions)
+    np.testing.assert_array_equal(now[1], late[1])
+    np.testing.assert_array_equal(now[0][:-4], late[0][4:])
+    for k in range(4):
+        np.testing.assert_array_equal(now[0][0], late[0][k])
+
+
+def test_late_rays_are_those_of_some_steps_before_on_a_lattice_too():
+    ours, late = (
+        make(houses=HOUSES[:3], backend="continuous", preset=replace(DEFAULT, latency=latency))
+        for latency in (0, 3)
+    )
+    rows = np.random.default_rng(0).choice(3, p=[0.2, 0.2, 0.6], size=(20, 32))
+    now, then = walked(ours, rows), walked(late, rows)
+    np.testing.assert_array_equal(now[0][:-3], then[0][3:])
+
+
+def test_noise_of_directions_is_normal_and_cut():
+    """By where rays meet a long wall: to four standard errors."""
+    config = replace(DEFAULT, rays=1, first_ray=0.0, angle_noise=2.0)
+    envs = make(houses=[EMPTY], num_envs=20_000, preset=config)
+    pose = np.tile([4.5, 4.5, 0.0], (20_000, 1))
+    seen, _ = envs.reset(
+        seed=0, options={"house": np.zeros(20_000, int), "pose": pose, "target": 0 * pose[:, :2]}
+    )
+    angle = np.rad2deg(np.arccos(np.minimum(1, 4.5 / (seen[:, 0, 0] * config.range))))
+    assert angle.max() < 8.05
+    assert (angle**2).mean() == pytest.approx(4, rel=4 * np.sqrt(2 / 20_000))
+
+
+def test_targets_lie_clear_of_walls_at_an_angle_and_bodies_start_clear_of_them():
+    bank = [with_slanted_walls(seed) for seed in range(8)]
+    envs = make(houses=bank, num_envs=8)
+    _, info = envs.reset(seed=0, options={"house": np.arange(8)})
+    for k, house in enumerate(bank):
+        solids, here = Solids(house), envs.world.places[k]
+        places = envs.world.lattices[k].origin + envs.config.step * here.targets
+        half = envs.config.target / 2 - 1e-5
+        squares = shapely.box(*(places - half).T, *(places + half).T)
+        assert len(places) > 50
+        assert not shapely.intersects(squares, solids.all).any()
+        assert solids.away(info["pose"][k, None, :2])[0] > envs.config.body[0] / 2 - 2e-5
+
+
+def test_a_target_is_picked_up_where_the_disc_overlaps_its_square():
+    envs, near = make(houses=[EMPTY], num_envs=4), DEFAULT.target / 2
+    away = (DEFAULT.body[0] / 2) / np.sqrt(2)
+    spots = np.array([[near + away - 1e-3] * 2, [near + away + 1e-3] * 2, [near, 0.0], [0.0, 1.0]])
+    pose = np.column_stack([4.5 + spots, np.zeros(4)])
+    envs.reset(seed=0, options={"house": [0] * 4, "pose": pose, "target": [[4.5, 4.5]] * 4})
+    _, reward, *_ = envs.step(np.zeros((4, 2), np.float32))
+    assert reward.tolist() == [1, 0, 1, 0]
+
+
+ACTIONS = {
+    "actions have shape (2,): (v, w) for each of 32 environments": np.zeros(2, np.float32),
+    "actions must be numbers, (v, w) for each environment, not <U1": np.full((32, 2), "a"),
+    "action 3 is (nan, 0): v from 0 to 0.7 m/s, w up to 3 rad/s either way": [3, [np.nan, 0.0]],
+    "action 31 is (-0.1, 0): v from 0 to 0.7 m/s": [31, [-0.1, 0.0]],
+    "action 0 is (0, 3.5): v from 0 to 0.7 m/s": [0, [0.0, 3.5]],
+    "action 1 is (inf, 0)": [1, [np.inf, 0.0]],
+}
+
+
+@pytest.mark.parametrize("message", ACTIONS)
+def test_wrong_actions_are_refused_before_anything_moves(message):
+    envs, given = make(), ACTIONS[message]
+    if isinstance(given, list):
+        rows = np.zeros((32, 2), np.float32)
+        rows[given[0]] = given[1]
+        given = rows
+    envs.reset(seed=0)
+    before = envs.state
+    with pytest.raises(ValueError, match=re.escape(message)):
+        envs.step(given)
+    for name, values in envs.state.items():
+        np.testing.assert_array_equal(values, before[name])
+
+
+def test_actions_beyond_the_box_are_clipped_where_that_is_asked_for():
+    clips = replace(DEFAULT, drive=Drive(clips=True))
+    ours, theirs = make(preset=clips), make()
+    ours.reset(seed=0), theirs.reset(seed=0)
+    for action in plan(ours, 10):
+        far = np.where(np.abs(action) > 0.5, 10 * action, action)
+        low, high = np.array([0, -3], np.float32), np.array([0.7, 3], np.float32)
+        np.testing.assert_array_equal(ours.step(far)[0], theirs.step(np.clip(far, low, high))[0])
+    with pytest.raises(ValueError, match="action 0 is"):
+        ours.step(np.full((32, 2), np.nan, np.float32))
+
+
+def test_commands_are_a_discrete_choice_of_the_same_motions():
+    ours, theirs = make(preset=DRIVE), make()
+    assert ours.single_action_space == gymnasium.spaces.Discrete(3)
+    ours.reset(seed=0), theirs.reset(seed=0)
+    table = np.array(DRIVE.drive.commands, np.float32)
+    for chosen in np.random.default_rng(0).integers(3, size=(20, 32)):
+        np.testing.assert_array_equal(ours.step(chosen)[0], theirs.step(table[chosen])[0])
+    with pytest.raises(ValueError, match="actions go from 0 to 2, found 0 to 3"):
+        ours.step(np.arange(32) % 4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            {"preset": PAPER},
+            "body is 0.287 and 0.394 m: in the backend free a disc is as wide at all headings",
+        ),
+        ({"preset": "doors"}, "the backend free has no closed_doors"),
+        ({"preset": replace(DEFAULT, collision="original")}, "the backend free has no collision 'original'"),
+        ({"preset": replace(DEFAULT, random_start=False)}, "the backend free has no random_start=False"),
+        (
+            {"preset": replace(DEFAULT, geodesic=True)},
+            "the backend free has no distance to the target (geodesic)",
+        ),
+        (
+            {"preset": replace(DEFAULT, observe=("last_action",))},
+            "of backend FreeMotion there is no observation last",
+        ),
+        (
+            {"targets": Collect(terms=Terms(progress=0.1))},
+            "backend 'free' has no distance to the target, which",
+        ),
+        (
+            {"backend": "continuous", "preset": replace(DEFAULT, observe=("speed",))},
+            "of backend Continuous there",
+        ),
+        (
+            {"backend": "continuous", "preset": replace(DEFAULT, ray_spacing=2.5)},
+            "ray_spacing is 2.5 degrees",
+        ),
+        (
+            {"backend": "grid", "preset": replace(DEFAULT, angle_noise=1.0)},
+            "angle_noise is 1 degrees: the backend free alone",
+        ),
+    ],
+)
+def test_what_it_lacks_is_refused_in_a_line_and_so_is_what_others_lack(arguments, message):
+    with pytest.raises(ValueError, match=re.escape(message)) as error:
+        make(**{"houses": [EMPTY]} | arguments)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("baseline", [Oracle, Searcher, Coverage])
+def test_baselines_of_a_lattice_are_refused_in_a_line(baseline):
+    with pytest.raises(ValueError, match="counts steps on a lattice: take the backend continuous or grid"):
+        baseline(make(houses=[EMPTY]))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"time_step": 0}, "drive: time_step 0 s, speed 0.7 m/s: both above 0"),
+        ({"reverse": -1}, "drive: reverse -1 m/s, turn_speed 3.0 rad/s: not negative"),
+        ({"acceleration": 0}, "drive: acceleration 0, turn_acceleration 12.0: both above 0"),
+        ({"turn_speed": 40.0}, "drive: 40.0 rad/s are more than half a turn in a step"),
+        ({"at_contact": "bounce"}, "drive: at_contact is 'bounce': there are slide, stop"),
+        ({"commands": ((0.9, 0.0),)}, "drive: command (0.9, 0.0): (v, w) within the greatest speeds"),
+        (
+            {"commands": ((float("nan"), 0.0),)},
+            "drive: command (nan, 0.0): (v, w) within the greatest speeds",
+        ),
+    ],
+)
+def test_impossible_motions_are_refused(values, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        Drive(**values)
+
+
+@pytest.mark.parametrize(("name", "value"), [("latency", 256), ("angle_noise", 46.0), ("ray_spacing", 0)])
+def test_impossible_sensors_are_refused(name, value):
+    with pytest.raises(ValueError, match=f"{name} is {value}"):
+        Config(**{name: value})
+
+
+def test_a_map_is_seen_as_the_continuous_backend_sees_it():
+    taken = np.ones((40, 50), bool)
+    taken[1:-1, 1:-1] = False
+    for i, j in np.random.default_rng(0).integers(2, 34, (10, 2)):
+        taken[i : i + 4, j : j + 4] = True
+    ours, theirs = (
+        make(houses=[House.from_grid(taken, 0.1)], backend=name) for name in ("free", "continuous")
+    )
+    _, info = theirs.reset(seed=0)
+    options = {name: info[name] for name in ("house", "pose", "target")}
+    seen, their_seen = (envs.reset(seed=0, options=options)[0] for envs in (ours, theirs))
+    np.testing.assert_allclose(seen[..., 0], their_seen[..., 0], atol=2e-5 / DEFAULT.range)
+    assert len(ours.geometries[0].filled)
