@@ -23,6 +23,7 @@ FOREIGN = b"years of my own work\n"
 FOLDERS = (
     *(
         "agents",
+        "bounds",
         "brief",
         "drift",
         "exploration",
@@ -40,6 +41,7 @@ FOLDERS = (
         "playing",
         "realism",
         "sampling",
+        "shards",
         "simulator",
         "tasks",
         "throughput",
