@@ -4,6 +4,7 @@ import importlib.util
 import json
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -23,7 +24,12 @@ from vitruvius.commands.evaluate import Evaluate
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
-LIBRARIES = {"stable_baselines": "stable_baselines3", "torchrl_ppo": "torchrl", "one_file": "torch"}
+LIBRARIES = {
+    "stable_baselines": "stable_baselines3",
+    "free_motion": "stable_baselines3",
+    "torchrl_ppo": "torchrl",
+    "one_file": "torch",
+}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -155,3 +161,12 @@ def test_the_page_of_use_shows_the_behaviour_layer_of_the_example() -> None:
     shown = re.findall(r"```python\n(def stride.*?)```", page, re.DOTALL)
     assert shown
     assert shown[0] in (EXAMPLES / "own_behaviour.py").read_text()
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+def test_the_example_of_continuous_control_learns_and_plays_beside_its_baselines(algorithm, houses, capsys):
+    free: Any = example("free_motion")
+    free.CONFIG = replace(free.CONFIG, steps=20)
+    found = free.Example(houses, held_out=houses, steps=256, environments=4, algorithm=algorithm).run()
+    assert list(found) == [f"SB3 {algorithm.upper()}", "pursuit", "random"]
+    assert "random: " in capsys.readouterr().out
