@@ -164,9 +164,12 @@ def test_the_page_of_use_shows_the_behaviour_layer_of_the_example() -> None:
 
 
 @pytest.mark.parametrize("algorithm", ["ppo", "sac"])
-def test_the_example_of_continuous_control_learns_and_plays_beside_its_baselines(algorithm, houses, capsys):
+def test_the_example_of_continuous_control_learns_and_plays_beside_its_baselines(
+    algorithm, houses, capsys, monkeypatch
+):
     free: Any = example("free_motion")
-    free.CONFIG = replace(free.CONFIG, steps=20)
+    driving: Any = sys.modules["driving"]
+    monkeypatch.setattr(driving, "CONFIG", replace(driving.CONFIG, steps=20))
     found = free.Example(houses, held_out=houses, steps=256, environments=4, algorithm=algorithm).run()
     assert list(found) == [f"SB3 {algorithm.upper()}", "pursuit", "random"]
     assert "random: " in capsys.readouterr().out

@@ -10,6 +10,7 @@ WORDS = {
     "heading": "its heading",
     "bump": "bumps",
     "last_action": "own actions",
+    "speed": "its speeds",
     "odometry": "where it is, by its own account",
     "goal": "the way to the target",
     "geodesic": "the distance to the target",

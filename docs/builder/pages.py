@@ -46,6 +46,9 @@ def schema(_: Path) -> str:
     page += ["`vitruvius schema` prints. What the fields mean: [house files](../house-file.md).", ""]
     for name in sorted(objects, key=lambda name: name != "House"):
         page += [f"## {name}", "", _words(objects[name]["description"]), ""]
+        if "properties" not in objects[name]:
+            page += [f"It is {_kind(objects[name])}.", ""]
+            continue
         page += ["| field | is | |", "|---|---|---|"]
         for field, kind in objects[name]["properties"].items():
             page.append(f"| `{field}` | {_kind(kind)} | {_default(field, kind, objects[name])} |")
@@ -72,7 +75,7 @@ def _kind(kind: dict[str, Any]) -> str:
         "prefixItems": lambda: f"a list of {len(kind['prefixItems'])}, each {_kind(kind['prefixItems'][0])}",
         "items": lambda: f"a list of {_kind(kind['items'])}{_bounds(kind, 'minItems', 'maxItems')}",
         "additionalProperties": lambda: f"an object of {_kind(kind['additionalProperties'])} by name",
-        "pattern": lambda: f"a string: `{kind['pattern']}`, at most {kind['maxLength']} characters",
+        "pattern": lambda: f"a string: `{kind['pattern']}`{_characters(kind)}",
         "type": lambda: f"{_article(kind['type'])}{_bounds(kind, 'minimum', 'maximum')}",
     }
     return next(say() for key, say in words.items() if key in kind)
@@ -84,6 +87,10 @@ def _link(name: str) -> str:
 
 def _article(name: str) -> str:
     return "`null`" if name == "null" else f"an {name}" if name[0] in "aeiou" else f"a {name}"
+
+
+def _characters(kind: dict[str, Any]) -> str:
+    return f", at most {kind['maxLength']} characters" if "maxLength" in kind else ""
 
 
 def _bounds(kind: dict[str, Any], least: str, most: str) -> str:

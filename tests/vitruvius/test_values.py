@@ -28,6 +28,7 @@ READ = {
     *(("train", name) for name in ("houses", "config")),
     *((name, "houses") for name in ("evaluate", "record", "play")),
     ("convert", "file"),
+    ("regenerate", "file"),
 }
 """What ``-`` gives to, as the standard input: content of one file. ``info`` has a name of its own for it."""
 

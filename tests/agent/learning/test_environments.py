@@ -1,7 +1,7 @@
 """The agent in the real simulator: the shield, and flipped houses."""
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from agent.learning.environments import make_envs, shield
 from agent.learning.simulator import sensor, simulator, with_sensor
 from agent.policies.policies import RandomPolicy
 from logic import House, HouseFileError, Rect, Star, StarRoom
-from sim import DEFAULT, PAPER, Config, HouseVectorEnv
+from sim import DEFAULT, PAPER, HouseVectorEnv
 from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
 
@@ -60,7 +60,7 @@ def chance(seed: int = 0) -> torch.Generator:
 
 def test_fields_of_the_simulator_replace_those_of_the_preset_and_the_sensor_is_kept_for_measuring():
     config = PQNConfig(world="paper", sim=("rays=20", "body=[0.2, 0.3]", "collision=swept", "steps=70"))
-    learnt_in = Config(**asdict(PAPER) | {"rays": 20, "body": (0.2, 0.3), "collision": "swept", "steps": 70})
+    learnt_in = replace(PAPER, rays=20, body=(0.2, 0.3), collision="swept", steps=70)
     assert simulator(config) == learnt_in
     measured_in = replace(DEFAULT, rays=20, first_ray=PAPER.first_ray, sees_angle=True)
     assert sensor(config) == measured_in

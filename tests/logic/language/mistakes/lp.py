@@ -227,6 +227,7 @@ MISTAKES = (
         old="",
         new="rows(hal,2).",
         says="hal stands nowhere else: did you mean hall?",
+        at="hal,",
     ),
     Mistake(
         "counts upside down",

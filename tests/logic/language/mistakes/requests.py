@@ -15,7 +15,7 @@ class Command:
 MISTAKES = (
     # commands
     Command("trian", ("there is no command trian", "did you mean train?")),
-    Command("frobnicate", ("there is no command frobnicate: there are generate, check",)),
+    Command("frobnicate", ("there is no command frobnicate: there are generate, regenerate, check",)),
     Command("bench generatr", ("there is no study generatr", "did you mean generator?")),
     Command("--rooms 3 generate", ("--rooms comes after a command: vitruvius generate --rooms 3",)),
     Command("--seed", ("--seed comes after a command, as in vitruvius generate",)),

@@ -1,0 +1,101 @@
+"""What examples in the backend free share: their options, and the targets of an episode beside two baselines.
+
+Measured are targets an episode in held-out houses, the same starts and targets for all, beside a body that
+is told speeds at random and one that pursues what its rays show, by rules.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium
+import numpy as np
+import tyro
+from gymnasium.wrappers.vector import RescaleAction
+
+from agent import banks
+from logic import load
+from sim import DEFAULT
+
+CONFIG = replace(DEFAULT, observe=("rays", "speed"), flat=True)
+"""It sees 40 rays and knows how fast it is."""
+
+Act = Callable[[np.ndarray], np.ndarray]
+"""From observations (E, 82) to actions (E, 2) in [-1, 1]."""
+
+
+@dataclass(frozen=True)
+class Driving:
+    """What is learnt in, for how long, and what is measured in."""
+
+    houses: Annotated[Path, tyro.conf.Positional]
+    """House file to learn in: vitruvius generate makes one."""
+
+    held_out: Path = Path(banks.NAME)
+    """House file to be measured in, or a frozen bank: test-v1, home-test-v1."""
+
+    targets: str = "main"
+    """Where targets lie."""
+
+    steps: int = 3_000_000
+    """Environment steps to learn from."""
+
+    environments: int = 256
+    """Environments stepped at once."""
+
+    seed: int = 0
+    """Of the training. Starts and targets that are measured with do not depend on it."""
+
+    def to_learn_in(self) -> gymnasium.vector.VectorEnv:
+        """The environments to learn in."""
+        banks.require_training(load(self.houses), self.houses)
+        return self.make_envs(str(self.houses), self.environments)
+
+    def make_envs(self, houses: Any, number: int) -> gymnasium.vector.VectorEnv:
+        """Environments whose actions are from -1 to 1."""
+        envs = gymnasium.make_vec(
+            "sim:Vitruvius/House-v0", num_envs=number, houses=houses, targets=self.targets, backend="free",
+            preset=CONFIG, seed=self.seed, autoreset_mode="SameStep",
+        )  # fmt: skip
+        return RescaleAction(envs, np.full(2, -1, np.float32), np.full(2, 1, np.float32))
+
+    def play(self, act: Act) -> np.ndarray:
+        """Targets (H,) that are picked up in an episode of each held-out house."""
+        houses = banks.named(self.held_out)
+        envs = self.make_envs(houses, len(houses))
+        seen, _ = envs.reset(seed=0, options={"house": np.arange(len(houses))})
+        found = np.zeros(len(houses))
+        for _ in range(CONFIG.steps):
+            seen, reward, *_ = envs.step(np.clip(act(seen), -1, 1))
+            found += reward
+        return found
+
+    def score(self, name: str, act: Act) -> dict[str, float]:
+        """Measure and print targets an episode of an agent, and of both baselines."""
+        rng = np.random.default_rng(0)
+        agents: dict[str, Act] = {
+            name: act,
+            "pursuit": pursue,
+            "random": lambda seen: rng.uniform(-1, 1, (len(seen), 2)).astype(np.float32),
+        }
+        found = {each: self.play(act) for each, act in agents.items()}
+        for each, targets in found.items():
+            error = 1.96 * targets.std() / len(targets) ** 0.5
+            print(
+                f"{each}: {targets.mean():.2f} ± {error:.2f} targets, {self.targets}, {len(targets)} houses"
+            )
+        return {each: float(targets.mean()) for each, targets in found.items()}
+
+
+def pursue(seen: np.ndarray) -> np.ndarray:
+    """Towards the target, where a ray ends on it; else where rays go furthest, and around before walls."""
+    rays = seen[:, :80].reshape(-1, 40, 2)
+    shown = rays[..., 1] > 0
+    sees, open_ = shown.any(axis=1), rays[:, 10:30, 0].min(axis=1) * CONFIG.range > 0.4
+    middle = (shown * CONFIG.ray_angles).sum(axis=1) / np.maximum(1, shown.sum(axis=1))
+    furthest = CONFIG.ray_angles[rays[..., 0].argmax(axis=1)]
+    turn = np.where(sees, 4 * middle, np.where(open_, furthest, CONFIG.drive.turn_speed))
+    fast = np.where(sees, np.abs(middle) < 0.5, open_)
+    turn = np.clip(turn / CONFIG.drive.turn_speed, -1, 1)
+    return np.column_stack([np.where(fast, 1.0, -1.0), turn]).astype(np.float32)
