@@ -12,9 +12,9 @@ from tests.programs import PATIENCE
 
 ROOT = Path(__file__).parents[3]
 
-SET = "generate --rooms 4 --grammar home --count 100 --validation 20 --test 20 --shard all/14 --workers 2"
+SET = "generate --rooms 4 --grammar home --count 40 --validation 10 --test 10 --shard all/12 --workers 2"
 
-KILLS = 4
+KILLS = 3
 
 
 def start(folder: Path) -> subprocess.Popen[bytes]:
