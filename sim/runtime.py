@@ -9,6 +9,7 @@ import io
 import os
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
@@ -40,6 +41,12 @@ __all__ = [
     "ti",
 ]
 
+
+MOST_FIELDS = 500
+"""Of a process: Taichi has room for 512, and crashes at the next one."""
+
+_fields = Counter[Any]()
+"""How many there are, by program."""
 
 _stranded = threading.Event()
 """Set in a fork of a process in which Taichi ran: its threads are not here."""
@@ -147,24 +154,35 @@ def _begin(arch: Any, threads: int | None) -> None:
 
 
 def constants(values: np.ndarray) -> Any:
-    """A field with these numbers (n,), or vectors (n, width), which kernels read.
+    """A field with these numbers (n,), or vectors (n, width), for kernels; for the same numbers the same.
 
-    Raises ``RuntimeError`` on a GPU in another thread than the one that called ``start`` first.
+    Raises ``RuntimeError`` for more than ``MOST_FIELDS`` different ones, and on a GPU in another thread than
+    the one that called ``start`` first.
     """
+    with _compiling:
+        return _field(impl.get_runtime().prog, values.dtype.type, values.shape, values.tobytes())
+
+
+@cache
+def _field(program: Any, kind: type[np.generic], shape: tuple[int, ...], content: bytes) -> Any:
+    if _fields[program] == MOST_FIELDS:
+        raise RuntimeError(
+            f"this process has made environments of so many kinds that Taichi has no room for more "
+            f"({MOST_FIELDS} tables of rays and headings): make these in another process"
+        )
+    _fields[program] += 1
 
     def make() -> Any:
-        dtype = _TYPES[values.dtype.type]
-        if values.ndim == 1:
-            field = ti.field(dtype, shape=len(values))
+        if len(shape) == 1:
+            field = ti.field(_TYPES[kind], shape=shape[0])
         else:
-            field = ti.Vector.field(values.shape[1], dtype, shape=len(values))
-        field.from_numpy(values)
+            field = ti.Vector.field(shape[1], _TYPES[kind], shape=shape[0])
+        field.from_numpy(np.frombuffer(content, kind).reshape(shape).copy())
         return field
 
-    with _compiling:
-        if _owner and _owner.program is impl.get_runtime().prog:
-            return _owner.call(make)
-        return make()
+    if _owner and _owner.program is program:
+        return _owner.call(make)
+    return make()
 
 
 def drop_stale_lock(folder: Path) -> None:

@@ -87,3 +87,25 @@ def test_a_kernel_has_arrays_together_as_a_record_and_takes_them_by_its_fields()
     assert launch.names == ["scale", "wide", "high", "found"]
     launch()
     assert arrays["found"].numpy().tolist() == [80, 150]
+
+
+MANY_TABLES = """
+import numpy as np
+from sim.runtime import MOST_FIELDS, constants, start
+
+start("cpu")
+numbers = np.arange(4.0, dtype=np.float32)
+assert constants(numbers) is constants(numbers.copy())
+try:
+    for k in range(MOST_FIELDS):
+        table = constants(numbers + k)
+        assert (table.to_numpy() == numbers + k).all()
+    constants(numbers - 1)
+except RuntimeError as error:
+    print(k, error)
+"""
+
+
+def test_more_kinds_of_environments_than_taichi_has_room_for_are_an_error_and_no_crash():
+    done = finished([sys.executable, "-c", MANY_TABLES])
+    assert done.stdout.startswith("499 this process has made environments of so many kinds")
