@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from sim import HouseVectorEnv
+from sim.backends.blocks import CELL
 from sim.backends.body import SKIN
 from sim.backends.continuous import Continuous
-from sim.backends.continuous.layout import CELL
 from sim.backends.free import FreeMotion
 from sim.backends.free.contact import NEVER
 from sim.backends.free.move import CORNER

@@ -5,7 +5,7 @@
 #include "common.h"
 
 enum { SECTORS = 8, HEADER = 9, LISTS = 1 + 3 * SECTORS, ENDS = LISTS / 2 + 1, ROW = 6, CONTACTS = 4 };
-enum { FIRST_SOLID, SOLIDS, FIRST_LINE, LINES, ACROSS_X, ACROSS, FIRST_CELL, COLUMNS, ROWS };
+enum { FIRST_SOLID, SOLIDS, FIRST_LINE, LINES, ACROSS_X, FIRST_CELL, COLUMNS, ROWS, ACROSS };
 
 typedef struct { float step, changes[2], low[2], high[2], corner, never; } Drive;
 

@@ -179,27 +179,37 @@ def _read(path: Path, kind: type[Kind]) -> Kind | None:
 def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
     """Write what the set is of, and its rules, unless that is there; another one goes with ``replace``.
 
+    What it is of comes first: of several processes that begin at once, each finds it before anything else.
     Raises ``RequestError`` where another set or something else is there.
     """
+    others = _others(folder)  # Before what the set is of: what another process writes comes after that.
     there = _there(folder)
-    if there != of:
-        if there and not replace:
+    if there != of and (there or others):
+        if not replace and there:
             differs = next(
                 name for name in Set.__struct_fields__ if getattr(there, name) != getattr(of, name)
             )
             old, new = (_short(getattr(each, differs)) for each in (there, of))
             raise _refused(folder, f"a set of another {differs} ({old}, not {new})")
-        if not replace and folder.exists() and any(folder.iterdir()):
+        if not replace:
             raise _refused(folder, "something else than a set")
         for path in (folder / MANIFEST, *files_of_shards(folder)):
             path.unlink(missing_ok=True)
+    _write(folder / SET, encoded(of))
     place = folder / GRAMMAR / rules.name
     for file in sorted(rules.directory.iterdir()):
         if file.suffix in RULES and file.is_file() and not file.name.startswith("."):
             _write(place / file.name, file.read_bytes())
     if find(place).hash != of.grammar_hash:
         raise _refused(place, "other rules")
-    _write(folder / SET, encoded(of))
+
+
+def _others(folder: Path) -> bool:
+    """Whether a folder holds more than the beginning of ``set.json`` beside its place."""
+    if not folder.is_dir():
+        return False
+    beside = (BESIDE.fullmatch(path.name) for path in folder.iterdir())
+    return any(named is None or named[1] != SET for named in beside)
 
 
 def _there(folder: Path) -> Set | None:

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from logic.errors import RequestError
 from logic.spelling import unknown
 
 if TYPE_CHECKING:
@@ -23,13 +24,15 @@ class Format(NamedTuple):
     """Of the files that are written for one house; the first is named in messages."""
     words: str
     """What the command's help says of it."""
+    free_walls: bool = False
+    """Whether it has walls that stand by themselves, at any angle."""
 
 
 FORMATS = {
-    "geojson": Format("geojson", (".geojson",), "in metres: rooms, doors, windows, furniture"),
+    "geojson": Format("geojson", (".geojson",), "in metres: rooms, doors, windows, furniture", True),
     "gltf": Format("gltf", (".glb",), "binary glTF 2.0, walls 2.5 m high, furniture as boxes"),
     "mjcf": Format("mjcf", (".xml",), "MuJoCo's XML, with a robot and its range finders"),
-    "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2"),
+    "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2", True),
     "usd": Format("usd", (".usda",), "OpenUSD, the same solids as gltf"),
 }
 """By the name that ``--to`` takes."""
@@ -39,14 +42,21 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     """Write each house into the folder ``out`` in a format of ``FORMATS``; return the first file of each.
 
     House 0 is ``house-0``. Each file appears whole or not at all. Raises ``ValueError`` for another format
-    and for no house, ``ImportError`` where its library is missing.
+    and for no house, ``RequestError`` for free walls that the format lacks, ``ImportError`` where its library
+    is missing.
     """
     if format not in FORMATS:
         raise ValueError(unknown("format", format, FORMATS))
     houses, out = list(houses), Path(out)
     if not houses:
         raise ValueError(f"no house to write to {out}")
-    module, endings, _ = FORMATS[format]
+    module, endings, _, has_free_walls = FORMATS[format]
+    for index, house in enumerate(houses):
+        if house.free_walls and not has_free_walls:
+            able = " and ".join(name for name, each in FORMATS.items() if each.free_walls)
+            raise RequestError(
+                f"house {index} has walls that stand by themselves, which {format} has not: {able} have them"
+            )
     write: Callable[[House, Path], None] = import_module(f"logic.exports.{module}").write
     digits = len(str(len(houses) - 1))
     paths = []

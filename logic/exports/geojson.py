@@ -1,6 +1,7 @@
 """GeoJSON (RFC 7946), in metres instead of degrees: x east, y north, as ``generate --plan`` reads it.
 
-Rooms come first; a feature's property ``kind`` is room, door, window or piece.
+Rooms come first; a feature's property ``kind`` is room, door, window, piece, or wall: one that stands by
+itself.
 """
 
 from pathlib import Path
@@ -10,7 +11,7 @@ import msgspec
 
 from logic.house.files import write_whole
 from logic.house.house import House
-from logic.house.parts import Rect
+from logic.house.parts import FreeWall, Rect
 
 
 def write(house: House, path: Path) -> None:
@@ -32,6 +33,8 @@ def to_geojson(house: House) -> dict[str, Any]:
         for piece in room.pieces:
             properties = {"type": piece.type, "room": room.name, "orientation": piece.orientation}
             features.append(_feature(piece, "piece", **properties))
+    for wall in house.free_walls:
+        features.append(_of_geometry(_free_wall(wall), "wall"))
     thick = msgspec.to_builtins({"wall_thickness": house.wall_thickness} if house.wall_thickness else {})
     return {"type": "FeatureCollection", **thick, "features": features}
 
@@ -46,4 +49,16 @@ def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
         geometry = {"type": "Polygon", "coordinates": [ring]}
     else:
         geometry = {"type": "LineString", "coordinates": [(west, north), (east, south)]}
+    return _of_geometry(geometry, kind, **properties)
+
+
+def _free_wall(wall: FreeWall) -> dict[str, Any]:
+    """A polygon anticlockwise, or a line for a wall without a thickness."""
+    if not wall.thickness:
+        return {"type": "LineString", "coordinates": [(wall.x1, -wall.y1), (wall.x2, -wall.y2)]}
+    ring = [(x, -y) for x, y in reversed(wall.corners)]
+    return {"type": "Polygon", "coordinates": [[*ring, ring[0]]]}
+
+
+def _of_geometry(geometry: dict[str, Any], kind: str, **properties: Any) -> dict[str, Any]:
     return {"type": "Feature", "properties": {"kind": kind, **properties}, "geometry": geometry}

@@ -6,6 +6,7 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+import shapely
 from PIL import Image
 
 from logic.drawing.plan import drawn_extent, extent
@@ -14,6 +15,7 @@ from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
 from logic.house.occupancy import OccupancyGrid
+from logic.house.parts import FreeWall
 from logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
@@ -42,6 +44,8 @@ def write(house: House, path: Path) -> None:
         cells, corner, cell = _pixels(grid), (grid.x, -grid.box[3]), grid.cell
     else:
         (cells, corner), cell = occupancy(house), RESOLUTION
+    for wall in house.free_walls:
+        _fill(cells, wall, corner[0], -corner[1] - cell * len(cells), cell)
     # Of y in ROS's axes no more digits are left than metres can have.
     west, south = (round(float(at), 9) for at in corner)
     buffer = BytesIO()
@@ -88,6 +92,21 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
     for y, low, high in horizontals:
         fill((low, y, high, y), OCCUPIED)
     return cells, (left, -(up + rows * RESOLUTION))
+
+
+def _fill(cells: np.ndarray, wall: FreeWall, west: float, north: float, cell: float) -> None:
+    """Occupy the cells (H, W), whose north-west corner is there, that a wall at any angle touches."""
+    ends = (wall.x1, wall.y1), (wall.x2, wall.y2)
+    shape = shapely.Polygon(wall.corners) if wall.thickness else shapely.LineString(ends)
+    left, top, right, bottom = shape.bounds
+    (x0, x1), (y0, y1) = (
+        np.clip([int((low - edge) // cell), int((high - edge) // cell) + 1], 0, most)
+        for low, high, edge, most in ((left, right, west, cells.shape[1]), (top, bottom, north, len(cells)))
+    )
+    y, x = np.mgrid[y0:y1, x0:x1]
+    xs, ys = west + cell * x, north + cell * y  # What touches a cell at its edge alone is not in it.
+    boxes = shapely.box(xs + TOLERANCE, ys + TOLERANCE, xs + cell - TOLERANCE, ys + cell - TOLERANCE)
+    cells[y0:y1, x0:x1][shapely.intersects(boxes, shape)] = OCCUPIED
 
 
 def _cells(low: float, high: float) -> tuple[int, int]:

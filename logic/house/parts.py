@@ -184,6 +184,16 @@ class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fiel
         middle = (self.x1 + self.x2) / 2, (self.y1 + self.y2) / 2
         return *middle, x / length, y / length, length / 2, self.thickness / 2
 
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Its four corners, metres, clockwise as it is seen from above, y south."""
+        x, y, u, v, half, thick = self.oriented
+        along, across = (half * u, half * v), (-thick * v, thick * u)
+        return tuple(
+            (x + a * along[0] + b * across[0], y + a * along[1] + b * across[1])
+            for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+        )
+
 
 class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
     """Where a house comes from: enough to make it again."""

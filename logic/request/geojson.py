@@ -25,7 +25,7 @@ GEOMETRIES = ("Polygon", "MultiPolygon")
 FAR = 1e8
 """Metres: as far from the origin as coordinates of maps are."""
 
-OTHER_KINDS = ("door", "window", "piece")
+OTHER_KINDS = ("door", "window", "piece", "wall")
 """What our own exports call the parts of a house that are no rooms."""
 
 NAMES = ("name", "Name", "NAME", "label", "id")

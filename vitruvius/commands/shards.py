@@ -29,7 +29,8 @@ def make_shards(command: Any, asked: str) -> int:
     begin(folder, of, series.grammar, command.replace)
     made = _made(folder, of, shards, of.series(folder), command)
     last = _completed(folder, of)
-    say(f"{folder}: {numbered(made, 'shard')} of {len(shards)} made, the others were there. {last}")
+    there = "" if made == len(shards) else f" of {len(shards)} made, the others were there"
+    say(f"{folder}: {numbered(made, 'shard')}{there or ' made'}. {last}")
     if command.json:
         command.answer(time.monotonic() - began, made=sum(len(shard.indices) for shard in shards))
     return 0

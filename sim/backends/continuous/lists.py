@@ -6,23 +6,16 @@ from typing import Any
 import numpy as np
 
 from sim.backends.backend import PIECE
+from sim.backends.blocks import AHEAD, CELL, COLUMNS, FIRST_CELL, HEADER, LONGEST, ROWS, end_of
 from sim.backends.continuous.layout import (
-    AHEAD,
     BOXES,
-    CELL,
-    COLUMNS,
     ENDS,
     FIRST_BOX,
-    FIRST_CELL,
     FIRST_LINE,
     FIRST_PIECE,
     FLOOR,
-    HEADER,
     LISTS,
-    LONGEST,
     ROOMS,
-    ROWS,
-    end_of,
 )
 from sim.backends.rays import MARGIN
 from sim.config import Config

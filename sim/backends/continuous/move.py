@@ -4,18 +4,9 @@ import numpy as np
 
 from sim.actions import FORWARD
 from sim.backends.backend import Bank, Lattice, lattice_over
+from sim.backends.blocks import HEADER, cell_of, end_of
 from sim.backends.body import SKIN, Body, eighths, slides_into
-from sim.backends.continuous.layout import (
-    BOXES,
-    FIRST_BOX,
-    FIRST_PIECE,
-    FLOOR,
-    HEADER,
-    ROOMS,
-    cell_of,
-    end_of,
-    listed,
-)
+from sim.backends.continuous.layout import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, ROOMS, listed
 from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import ti

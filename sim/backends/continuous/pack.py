@@ -7,7 +7,7 @@ import numpy as np
 
 from logic import House
 from sim.backends.backend import WALL, Bank
-from sim.backends.continuous.layout import CELL, HEADER
+from sim.backends.blocks import CELL, HEADER
 from sim.backends.continuous.lists import listed_arrays
 from sim.backends.kinds import codes
 from sim.backends.rays import OVERLAP

@@ -1,6 +1,7 @@
 """What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
 
-from sim.backends.continuous.layout import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
+from sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
+from sim.backends.continuous.layout import FIRST_LINE, listed
 from sim.backends.rays import RayBody
 from sim.runtime import ti
 

@@ -5,32 +5,23 @@ from typing import Any
 
 import numpy as np
 
+from sim.backends.blocks import AHEAD, CELL, COLUMNS, FIRST_CELL, HEADER, LONGEST, ROWS, end_of
 from sim.backends.free.layout import (
     ACROSS,
     ACROSS_X,
-    AHEAD,
-    CELL,
-    COLUMNS,
     ENDS,
-    FIRST_CELL,
     FIRST_LINE,
     FIRST_SOLID,
-    HEADER,
     LINES,
     LISTS,
     ROW,
-    ROWS,
     SECTORS,
     SOLIDS,
-    end_of,
 )
 from sim.backends.free.see import swing
 from sim.backends.rays import MARGIN
 from sim.config import Config
 from sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
-
-LONGEST = 2**16 - 1
-"""Of a cell's lists together: they are counted in 16 bits."""
 
 
 def listed_arrays(

@@ -3,10 +3,11 @@
 import numpy as np
 
 from sim.backends.backend import Bank, Lattice, lattice_over
+from sim.backends.blocks import HEADER, cell_of, end_of
 from sim.backends.body import SKIN
 from sim.backends.free.body import Disc, cosine_sine, wrapped
 from sim.backends.free.contact import NEVER, gap, touches
-from sim.backends.free.layout import FIRST_SOLID, HEADER, ROW, cell_of, end_of, listed
+from sim.backends.free.layout import FIRST_SOLID, ROW, listed
 from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import ti

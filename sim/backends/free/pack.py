@@ -7,7 +7,8 @@ import numpy as np
 
 from logic import House
 from sim.backends.backend import WALL, Bank
-from sim.backends.free.layout import CELL, HEADER, ROW
+from sim.backends.blocks import CELL, HEADER
+from sim.backends.free.layout import ROW
 from sim.backends.free.lists import listed_arrays
 from sim.backends.kinds import codes
 from sim.backends.rays import OVERLAP
@@ -28,7 +29,8 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     cell = header.size
     for k, part in enumerate(parts):
         solids, lines = len(part.solids), len(part.lines)
-        header[k] = (at, solids, at + ROW * solids, lines, *part.across, cell, *part.used.shape)
+        across_x, across = part.across
+        header[k] = (at, solids, at + ROW * solids, lines, across_x, cell, *part.used.shape, across)
         numbers += [part.solids.astype(np.float32).ravel(), part.lines.astype(np.float32).ravel()]
         at += ROW * (solids + lines)
         cell += part.used.size

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
 from sim.backends.free.body import TURN, Disc, cosine_sine
-from sim.backends.free.layout import AHEAD, FIRST_LINE, HEADER, LINE, ROW, SECTORS, cell_of, end_of, listed
+from sim.backends.free.layout import FIRST_LINE, ROW, SECTORS, listed
 from sim.backends.rays import PARALLEL, Hits, outermost
 from sim.config import DEVIATIONS, Config
 from sim.runtime import constants, ti

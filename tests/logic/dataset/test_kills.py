@@ -37,3 +37,22 @@ def test_a_set_that_is_killed_at_any_time_ends_in_the_same_bytes(tmp_path: Path)
     assert kills
     assert start(folder).wait(PATIENCE) == 0
     assert content(folder) == content(undisturbed)
+
+
+def test_shards_that_begin_at_once_make_one_set(tmp_path: Path) -> None:
+    """As those of a Slurm array do: none takes what another has begun for something else."""
+    words = "generate --rooms 2 --grammar family --count 6 --files jsonl --shard {}/6 --out {}"
+    for turn in range(3):
+        folder = tmp_path / f"{turn}"
+        started = [
+            subprocess.Popen(
+                [sys.executable, "-m", "vitruvius.cli", *words.format(shard, folder).split()],
+                cwd=ROOT,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            for shard in range(6)
+        ]
+        said = [process.communicate(timeout=PATIENCE)[1] for process in started]
+        assert [process.returncode for process in started] == [0] * 6, said
+        assert read_manifest(folder) is not None

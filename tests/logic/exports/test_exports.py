@@ -14,13 +14,14 @@ import numpy as np
 import pygltflib
 import pytest
 import shapely
+import shapely.geometry
 import trimesh
 import yaml
 from PIL import Image
 from pxr import Usd, UsdGeom
 
 from agent.banks import benchmark
-from logic import House, save
+from logic import FreeWall, House, RequestError, Room, save
 from logic.exports import FORMATS, export
 from logic.exports.solids import HEAD, SILL, WALL_HEIGHT, solids
 from logic.request.given_plan import read_plan
@@ -276,3 +277,37 @@ def test_formats_and_files_that_are_not_are_named(tmp_path: Path) -> None:
 def test_the_page_of_house_files_has_a_row_for_each_format() -> None:
     table = PAGE.read_text().partition("| `--to` |")[2].partition("\n\n")[0]
     assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == [*FORMATS]
+
+
+SLANTED = FreeWall(0.7, 0.5, 2.6, 1.9, 0.12), FreeWall(0.5, 2.5, 1.5, 2.2, 0.0)
+WITH_WALLS = House((Room(0, 0, 4, 3, "R0", "hall"),), hub="R0", topology="own", free_walls=SLANTED)
+
+
+def test_walls_at_an_angle_are_in_maps_of_ros_and_in_geojson(tmp_path: Path) -> None:
+    lines = [shapely.LineString([(each.x1, each.y1), (each.x2, each.y2)]) for each in SLANTED]
+    halves = [each.thickness / 2 or 1e-9 for each in SLANTED]
+    solid = shapely.union_all(shapely.buffer(lines, halves, cap_style="flat"))
+    found = occupancy_grid(only(WITH_WALLS, tmp_path, "ros"))
+    rows, columns = np.indices(found.cells.shape)
+    side = found.resolution
+    x, y = found.west + columns * side, -(found.south + rows * side)
+    inside = shapely.intersects(solid, shapely.box(x + 1e-4, y - side + 1e-4, x + side - 1e-4, y - 1e-4))
+    floor = (x > 0.1) & (x < 3.8) & (y > 0.2) & (y < 2.9)
+    assert inside.sum() > 60
+    assert (found.cells[inside] == 100).all()
+    assert (found.cells[~inside & floor] == 0).all()
+    features = json.loads(only(WITH_WALLS, tmp_path, "geojson").read_text())["features"]
+    thick, thin = (
+        shapely.geometry.shape(each["geometry"]) for each in features if each["properties"]["kind"] == "wall"
+    )
+    assert thick.area == pytest.approx(0.12 * np.hypot(1.9, 1.4))
+    assert thick.exterior.is_ccw
+    assert thin.length == pytest.approx(np.hypot(1, 0.3))
+    assert len(read_plan(only(WITH_WALLS, tmp_path, "geojson")).rooms) == 1
+
+
+@pytest.mark.parametrize("format", ["gltf", "mjcf", "usd"])
+def test_formats_without_walls_at_an_angle_say_so_and_write_nothing(format: str, tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match=f"which {format} has not: geojson and ros have them"):
+        export([HOME, WITH_WALLS], tmp_path, format)
+    assert list(tmp_path.iterdir()) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from sim.backends.continuous.layout import CELL
+from sim.backends.blocks import CELL
 from tests import sample_houses
 from tests.maps import random_map
 from tests.plans import PLANS, random_plan
