@@ -46,13 +46,16 @@ def write(house: House, path: Path) -> None:
         (cells, corner), cell = occupancy(house), RESOLUTION
     for wall in house.free_walls:
         _fill(cells, wall, corner[0], -corner[1] - cell * len(cells), cell)
-    # Of y in ROS's axes no more digits are left than metres can have.
-    west, south = (round(float(at), 9) for at in corner)
+    # Of y in ROS's axes no more digits are left than metres can have. Without an exponent: to YAML 1.1, which
+    # many readers go by, 6e-08 is a word.
+    west, south, side = (
+        np.format_float_positional(each, trim="0") for each in (*np.round(corner, 9).tolist(), float(cell))
+    )
     buffer = BytesIO()
     Image.fromarray(cells).save(buffer, "PNG")
     picture = path.with_suffix(".png")
     write_whole(picture, buffer.getvalue())
-    text = DESCRIPTION.format(image=picture.name, resolution=cell, west=west, south=south)
+    text = DESCRIPTION.format(image=picture.name, resolution=side, west=west, south=south)
     write_whole(path.with_suffix(".yaml"), text.encode())
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from hypothesis import example as example_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
@@ -121,6 +122,7 @@ def test_a_picture_of_sixteen_bits_is_read_by_its_lightness(tmp_path: Path) -> N
 
 @settings(max_examples=40)
 @given(grids, st.sampled_from([0.05, 0.1, 0.3, 1 / 3]), st.tuples(*[st.floats(-50, 50)] * 2))
+@example_of(np.zeros((1, 1), np.int8), 0.05, (6e-8, 0.0))
 def test_a_map_written_for_ros_is_the_same_map_cell_by_cell(
     tmp_path_factory: pytest.TempPathFactory, cells, cell, corner
 ) -> None:
