@@ -163,15 +163,17 @@ def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Pat
 def test_a_limit_of_a_search_names_the_rule_without_which_a_layout_is_found_and_is_kept(
     tmp_path: Path,
 ) -> None:
-    """Another process finds it meanwhile, which has to start: longer under load."""
+    """Another process finds it meanwhile, which has to start: longer under load. To refute sixteen rooms with
+    fifteen keys takes clingo hours, thirteen with twelve a quarter of a minute.
+    """
     made = shutil.copytree(SHIPPED / "family", tmp_path / "mine")
-    choice, rule = "option(key(R),1..12,1) :- R = 0..rooms-1.", ":- pick(key(R),K), pick(key(Q),K), R < Q."
+    choice, rule = "option(key(R),1..15,1) :- R = 0..rooms-1.", ":- pick(key(R),K), pick(key(Q),K), R < Q."
     place, said = add(made / "rooms.lp", f"{choice}\n{rule}\n"), ""
     for seconds in (4.0, 16.0, 64.0):
         next(generate(rooms=3, grammar=made))  # So that rules are loaded.
         began = time.monotonic()
         with pytest.raises(LimitReached) as caught:
-            next(generate(rooms=13, grammar=made, seconds=seconds))
+            next(generate(rooms=16, grammar=made, seconds=seconds))
         assert seconds <= time.monotonic() - began < seconds + solver.GRACE + LATE
         said = str(caught.value)
         if place in said:
