@@ -1,0 +1,203 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+"""Shortest paths of a disc's middle among what stops it, in the backend ``free``: a visibility graph.
+
+Each solid is widened by a distance: a convex polygon, whose corners are the graph's where they are free. A
+shortest path is straight from one to the next. Two forms of polygon: with its corners cut, it lies inside
+of what the middle keeps out of, so paths are no longer than the body's; without, it lies outside, so a body
+that follows a path touches nothing.
+"""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.backends.blocks import HEADER
+from sim.backends.body import SKIN
+from sim.backends.free.contact import into
+from sim.backends.free.layout import FIRST_SOLID, ROW, SOLIDS
+from sim.geometry import Geometry
+from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
+from sim.world.world import World
+
+MOST_CORNERS = 4096
+"""Of a house's graph: it takes 4 bytes for each pair."""
+
+FAR = 1e9
+"""Metres, of a path that is not there."""
+
+
+class Roads(NamedTuple):
+    """A bank's graphs as kernels read them."""
+
+    numbers: Floats
+    indices: Ints
+    corners: Floats
+    """(x, y) of each corner, house by house."""
+    firsts: Ints
+    """(H + 1) the first corner of each house, then (H) where its distances begin."""
+    lengths: Floats
+    """Metres of the shortest path between each two corners of a house, ``FAR`` where there is none."""
+
+
+@ti.func
+def crosses(solid, p, q, wide, cut: ti.template()):
+    """Whether a segment from p to q goes through a solid that is widened (i32); along it is not through."""
+    a = into(solid, p - ti.Vector([solid[0], solid[1]]))
+    way = into(solid, q - p)
+    near, far = ti.f32(0.0), ti.f32(1.0)
+    x, y = solid[4] + wide, solid[5] + wide
+    near, far = clipped(near, far, a[0], way[0], x)
+    near, far = clipped(near, far, a[1], way[1], y)
+    if ti.static(cut):
+        near, far = clipped(near, far, a[0] + a[1], way[0] + way[1], x + solid[5])
+        near, far = clipped(near, far, a[0] - a[1], way[0] - way[1], x + solid[5])
+    return ti.cast(near < far, ti.i32)
+
+
+@ti.func
+def clipped(near, far, at, way, half):
+    """The part of a segment, by two shares of it, that is within ``half`` of 0."""
+    low, high = near, far
+    if ti.abs(way) > 1e-9:
+        one, other = (-half - at) / way, (half - at) / way
+        low, high = ti.max(near, ti.min(one, other)), ti.min(far, ti.max(one, other))
+    elif ti.abs(at) >= half:
+        low = high
+    return low, high
+
+
+@ti.func
+def sees(roads: ti.template(), house, p, q, wide, cut: ti.template()):
+    """Whether no widened solid of a house is between p and q (i32)."""
+    header = house * HEADER
+    at, left, free = roads.indices[header + FIRST_SOLID], roads.indices[header + SOLIDS], 1
+    low, high = ti.min(p, q), ti.max(p, q)
+    while left > 0:
+        solid = ti.Vector([roads.numbers[at + part] for part in range(ROW)])
+        reach = solid[4] * ti.abs(ti.Vector([solid[2], solid[3]])) + wide
+        reach += solid[5] * ti.abs(ti.Vector([solid[3], solid[2]]))
+        middle = ti.Vector([solid[0], solid[1]])
+        if ((middle + reach > low) & (middle - reach < high)).all():  # noqa: SIM102 - Taichi does both
+            if crosses(solid, p, q, wide, cut):
+                free, left = 0, 0
+        at, left = at + ROW, left - 1
+    return free
+
+
+@ti.func
+def graph(roads: ti.template(), house):
+    """A house's first corner, how many it has, and where their lengths begin."""
+    houses = ti.cast((roads.firsts.shape[0] - 1) // 2, ti.i32)
+    first = roads.firsts[house]
+    return first, roads.firsts[house + 1] - first, roads.firsts[houses + 1 + house]
+
+
+@ti.func
+def point(values: ti.template(), k):
+    """The k-th (x, y)."""
+    return ti.Vector([values[2 * k], values[2 * k + 1]])
+
+
+class Roadmap:
+    """The graphs of a world's bank, which must stay as it is."""
+
+    def __init__(self, world: World, wide: float, cut: bool) -> None:
+        """With solids widened by ``wide`` metres, their corners ``cut`` or not.
+
+        Raises ``ValueError`` for a house with more than ``MOST_CORNERS`` corners.
+        """
+        shapes = world.bank.geometries
+        rows = solids_of(world)
+        corners = [corners_of(each, shape, wide, cut) for each, shape in zip(rows, shapes, strict=True)]
+        counts = np.array([len(each) for each in corners])
+        if counts.max() > MOST_CORNERS:
+            house = int(counts.argmax())
+            raise ValueError(
+                f"house {house} of {len(counts)} has {counts[house]:,} corners that paths may turn at: "
+                f"{MOST_CORNERS:,} at most"
+            )
+        squares = np.cumsum([0, *counts**2])
+        if squares[-1] >= 1 << 31:
+            raise ValueError(f"{len(counts)} houses have too many corners for one graph: take fewer at once")
+        firsts = np.concatenate([np.cumsum([0, *counts]), squares[:-1]])
+        self.most, self.cut = int(counts.max()), cut
+        self.inside = wide - 2 * SKIN
+        """Metres that solids are widened by where it is asked what is between: what is straight along one
+        passes it, however it is rounded."""
+        self.arrays = {
+            "numbers": world.bank.numbers,
+            "indices": world.bank.indices,
+            "corners": Array.of(np.concatenate(corners).astype(np.float32).ravel()),
+            "firsts": Array.of(firsts.astype(np.int32)),
+            "lengths": Array(ti.f32, int(squares[-1])),
+        }
+        houses = np.repeat(np.arange(len(counts)), counts).astype(np.int32)
+        self._launch(0, {"houses": Array.of(houses)})
+        self._launch(1, {})
+
+    def _launch(self, which: int, more: dict[str, Array]) -> None:
+        Launch(_kernels(start(), self.inside, self.cut)[which], self.arrays | more)()
+
+
+def solids_of(world: World) -> list[np.ndarray]:
+    """The solids of each house of a bank, (n, 6) float64: see ``sim.backends.free.layout``."""
+    numbers, indices = world.bank.numbers.numpy(), world.bank.indices.numpy()
+    found = []
+    for house in range(len(world.bank.geometries)):
+        first, count = indices[house * HEADER + FIRST_SOLID], indices[house * HEADER + SOLIDS]
+        found.append(numbers[first : first + ROW * count].reshape(-1, ROW).astype(float))
+    return found
+
+
+def corners_of(solids: np.ndarray, shape: Geometry, wide: float, cut: bool) -> np.ndarray:
+    """The corners (n, 2) of widened solids that are in the house and in no other widened solid."""
+    middle, along, half = solids[:, :2], solids[:, 2:4], solids[:, 4:]
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    found = []
+    for sides in ((wide, 0), (0, wide)) if cut else ((wide, wide),):
+        reach = half + sides
+        for east in (-1, 1):
+            for south in (-1, 1):
+                found.append(middle + east * reach[:, :1] * along + south * reach[:, 1:] * across)
+    corners = np.concatenate(found)
+    corners = corners[shape.holds(corners)]
+    free = np.ones(len(corners), bool)
+    for x, y, u, v, length, width in solids.tolist():
+        away = corners - (x, y)
+        own = np.abs(np.column_stack([away @ (u, v), away @ (-v, u)]))
+        inner = wide - 2 * SKIN
+        taken = (own < (length + inner, width + inner)).all(axis=1)
+        if cut:
+            taken &= own.sum(axis=1) < length + width + inner
+        free &= ~taken
+    return np.unique(corners[free].round(6), axis=0)
+
+
+@cache
+def _kernels(program: Any, wide: float, cut: bool) -> tuple[Any, Any]:
+    """Kernels that look from each corner to each other one of its house, and that join what they see."""
+
+    @kernel
+    def look(roads: Roads, houses: Ints):
+        for a in range(houses.shape[0]):
+            first, count, table = graph(roads, houses[a])
+            for b in range(count):
+                here, there = point(roads.corners, a), point(roads.corners, first + b)
+                seen = sees(roads, houses[a], here, there, ti.static(wide), cut)
+                roads.lengths[table + (a - first) * count + b] = ti.select(seen, (there - here).norm(), FAR)
+
+    @kernel
+    def join(roads: Roads):
+        for house in range((roads.firsts.shape[0] - 1) // 2):
+            _, count, table = graph(roads, house)
+            for k in range(count):  # Floyd and Warshall
+                for a in range(count):
+                    first = roads.lengths[table + a * count + k]
+                    if first < FAR:
+                        for b in range(count):
+                            at = table + a * count + b
+                            by = first + roads.lengths[table + k * count + b]
+                            roads.lengths[at] = ti.min(roads.lengths[at], by)
+
+    return look, join
