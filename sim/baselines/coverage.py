@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from sim.backends.rays import Rays
+from sim.backends.free.body import cosine_sine
+from sim.backends.free.see import FreeRays
+from sim.backends.rays import PARALLEL, Rays
+from sim.config import Config
 from sim.environment.vector import HouseVectorEnv
 from sim.geometry import Geometry
 from sim.runtime import Array, Floats, Ints, Launch, Words, kernel, start, ti
@@ -40,9 +43,25 @@ class LineOfSight:
         """Look as the bodies of a configuration do, with all rays at once."""
         self.episodes, self.config = episodes, episodes.config
         self.backend = type(episodes.backend)(self.config, self.config.rays)
-        self.rays = Rays(self.config, 1)
+        # By how much a bearing may be off what a ray's direction is counted as: whole turns.
+        self.turns, self.rays = (0,), self.rays_of(self.config)
         self.half = self.config.target / 2
         self.radius = self.half * 2**0.5
+
+    def rays_of(self, config: Config) -> Any:
+        """The directions of rays."""
+        return Rays(config, 1)
+
+    @ti.func
+    def over(self, cell, ray):
+        """How far a ray goes for each metre along x and along y."""
+        row = self.rays.first(cell[2], ray)
+        return ti.Vector([self.rays.table[row], self.rays.table[row + ti.static(2 * self.rays.count)]])
+
+    @ti.func
+    def may_see(self, offset, cell):
+        """Whether a target at an offset from the eye may be seen: see ``Rays.may_see``."""
+        return self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]])
 
     @ti.func
     def distances(self, world: ti.template(), house, origin, cell):
@@ -54,13 +73,12 @@ class LineOfSight:
     @ti.func
     def window(self, distance: ti.template(), corner, origin, cell):
         """Where the spots are that a look may show: the least and the greatest i, then j (ivec4)."""
-        eye, row = self.backend.body.eye(origin, cell), self.rays.first(cell[2], 0)
+        eye = self.backend.body.eye(origin, cell)
         low, high = eye - ti.static(max(self.config.body)), eye + ti.static(max(self.config.body))
         for r in range(ti.static(self.config.rays)):
+            over = self.over(cell, r)
             for axis in ti.static(range(2)):
-                end = (
-                    eye[axis] + distance[r] / self.rays.table[row + r + ti.static(2 * axis * self.rays.count)]
-                )
+                end = eye[axis] + distance[r] / over[axis]
                 low[axis], high[axis] = ti.min(low[axis], end), ti.max(high[axis], end)
         low = (low - ti.static(self.half) - corner) / ti.static(self.config.step)
         high = (high + ti.static(self.half) - corner) / ti.static(self.config.step)
@@ -77,31 +95,62 @@ class LineOfSight:
         """Whether a target at a spot is under the body or before the end of one of the rays (i32)."""
         met = self.episodes.overlaps(origin, cell, spot)
         offset = spot - self.backend.body.eye(origin, cell)
-        if not met and self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]]):
+        if not met and self.may_see(offset, cell):
             away = offset.norm()
             # Only rays whose bearing is about the spot's can meet a target there.
-            bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - 45.0 * cell[2]
+            bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - self.backend.body.degrees(
+                cell
+            )
             bearing -= 360.0 * ti.round(bearing / 360.0)
             middle = (ti.static(self.config.first_ray) - bearing) / ti.static(self.config.ray_spacing)
             width = ti.f32(ti.static(180 / self.config.ray_spacing))
             if away > ti.static(self.radius):
                 width = ti.asin(self.radius / away) * ti.static(180 / np.pi / self.config.ray_spacing)
-            first = ti.max(0, ti.cast(ti.ceil(middle - width), ti.i32))
-            last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(middle + width), ti.i32))
-            for ray in range(first, last + 1):
-                met |= self.crosses(offset, self.rays.first(cell[2], ray), distance[ray])
+            for turn in ti.static(self.turns):
+                number = middle + ti.static(360.0 * turn / self.config.ray_spacing)
+                first = ti.max(0, ti.cast(ti.ceil(number - width), ti.i32))
+                last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(number + width), ti.i32))
+                for ray in range(first, last + 1):
+                    met |= self.crosses(offset, self.over(cell, ray), distance[ray])
         return met
 
     @ti.func
-    def crosses(self, offset, row, distance):
-        """Whether a ray in the direction of a row enters a target at an offset before it ends (i32)."""
+    def crosses(self, offset, over, distance):
+        """Whether a ray enters a target at an offset before it ends (i32): ``over`` is its direction's."""
         near, far = ti.f32(0.0), distance
         for axis in ti.static(range(2)):
             # The ray is in the square between its entry and its exit along both axes.
-            over = self.rays.table[row + ti.static(2 * axis * self.rays.count)]
-            one, other = (offset[axis] - self.half) * over, (offset[axis] + self.half) * over
+            one, other = (offset[axis] - self.half) * over[axis], (offset[axis] + self.half) * over[axis]
             near, far = ti.max(near, ti.min(one, other)), ti.min(far, ti.max(one, other))
         return ti.cast(near < far, ti.i32)
+
+
+@ti.data_oriented
+class FreeLineOfSight(LineOfSight):
+    """The same for bodies with any heading: rays of any number, also all around."""
+
+    def __init__(self, episodes: Episodes) -> None:
+        """Look as the bodies of a configuration do."""
+        super().__init__(episodes)
+        self.turns = (-1, 0, 1)
+
+    def rays_of(self, config: Config) -> Any:
+        """See ``LineOfSight``."""
+        return FreeRays(config, 1)
+
+    @ti.func
+    def over(self, cell, ray):
+        """See ``LineOfSight``."""
+        cosine, sine = cosine_sine(self.backend.body.heading(cell))
+        first, second = self.rays.table[ray], self.rays.table[ti.static(self.config.rays) + ray]
+        way = ti.Vector([cosine * first - sine * second, -(sine * first + cosine * second)])
+        return 1.0 / ti.select(ti.abs(way) < ti.static(PARALLEL), ti.static(PARALLEL), way)
+
+    @ti.func
+    def may_see(self, offset, cell):
+        """See ``LineOfSight``."""
+        cosine, sine = cosine_sine(self.backend.body.heading(cell))
+        return self.rays.within(offset, ti.static(self.half), offset[0] * cosine - offset[1] * sine)
 
 
 class Coverage:
@@ -117,7 +166,6 @@ class Coverage:
         ``spots``: for each house the centres (n, 2) float64 of the targets that are looked for, metres.
         """
         self.world: World = envs.unwrapped.world
-        self.world.config.require_lattice("coverage")
         if self.world.config.closed_doors:
             raise ValueError(
                 "coverage is of looks through doorways: give it environments with closed_doors=0"
@@ -206,7 +254,7 @@ def in_steps(length: float, world: World) -> int:
 
 @cache
 def _kernels(program: Any, episodes: Episodes) -> Any:
-    sight = LineOfSight(episodes)
+    sight = FreeLineOfSight(episodes) if episodes.config.drives else LineOfSight(episodes)
 
     @kernel
     def look(world: WorldArrays, spots: Floats, starts: Ints, origins: Floats, seen: Words, counts: Ints):

@@ -13,7 +13,6 @@ from gymnasium.vector import AutoresetMode
 
 from logic import House, Room
 from sim import DEFAULT, Config, HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
-from sim.baselines.coverage import Coverage
 from sim.baselines.searcher import Searcher
 from sim.config import DRIVE, PAPER
 from sim.drive import Drive
@@ -318,7 +317,7 @@ def test_what_it_lacks_is_refused_in_a_line_and_so_is_what_others_lack(arguments
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("baseline", [Oracle, Searcher, Coverage])
+@pytest.mark.parametrize("baseline", [Oracle, Searcher])
 def test_baselines_of_a_lattice_are_refused_in_a_line(baseline):
     with pytest.raises(ValueError, match="counts steps on a lattice: take the backend continuous or grid"):
         baseline(make(houses=[EMPTY]))

@@ -1,9 +1,11 @@
 """The searcher: what counts as seen is what environments show, and it never rules out where the target is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv, Oracle
+from sim import DEFAULT, HouseVectorEnv, Oracle
 from sim.baselines.coverage import WORD, Coverage
 from sim.baselines.searcher import DONE, KNOWN, Searcher
 from tests import sample_houses
@@ -18,25 +20,35 @@ def bits(words, count):
     return np.unpackbits(words.view(np.uint8), bitorder="little")[:count].astype(bool)
 
 
-@pytest.mark.parametrize("backend", ["continuous", "grid"])
-def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend):
-    house = HOUSE if backend == "continuous" else GRID
-    one = HouseVectorEnv([house], targets="mixed", backend=backend)
+AROUND = replace(DEFAULT, rays=90, first_ray=180.0, ray_spacing=4.0)
+
+
+@pytest.mark.parametrize(
+    ("backend", "preset"),
+    [("continuous", DEFAULT), ("grid", DEFAULT), ("free", DEFAULT), ("free", AROUND)],
+    ids=["continuous", "grid", "free", "all around"],
+)
+def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend, preset):
+    house, how = GRID if backend == "grid" else HOUSE, {"backend": backend, "preset": preset}
+    one = HouseVectorEnv([house], targets="mixed", **how)
     one.reset(seed=0)
     coverage = Coverage(one)
     targets = coverage.spots[0]
     number = len(targets)
-    many = HouseVectorEnv([house], num_envs=number, targets="mixed", backend=backend)
+    many = HouseVectorEnv([house], num_envs=number, targets="mixed", **how)
     for seed in range(12):
         _, info = one.reset(seed=seed)
         coverage.begin()
         pose = np.repeat(info["pose"].astype(float), number, axis=0)
         options = {"house": np.zeros(number, int), "pose": pose, "target": targets}
         shown = many.reset(seed=0, options=options)[0][..., 1].any(axis=1)
-        half = (one.config.body[0] + one.config.target) / 2 - 1e-5
-        under = (np.abs(targets - pose[:, :2]) < half).all(axis=1)
+        away, half, body = np.abs(targets - pose[:, :2]), one.config.target / 2, one.config.body[0] / 2
+        under = (away < half + body - 1e-5).all(axis=1)
+        if backend == "free":
+            under = np.hypot(*np.maximum(0, away - half).T) < body - 1e-5
         seen = bits(coverage.seen[0], number)
         assert (seen == (shown | under)).mean() > 0.998  # but for a ray along a target's edge
+        assert 0.02 < seen.mean() < 1
         assert coverage.share()[0] == seen.sum() / number
 
 
