@@ -1,4 +1,5 @@
-"""Taichi's start, its threads, and arrays that kernels are launched on.
+"""The start of Taichi or of the fork in its place (see ``sim.tracing``), its threads, and arrays that kernels
+are launched on.
 
 It greets on standard output, which belongs to the program that imports us: the greeting is dropped.
 """
@@ -12,13 +13,13 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.tracing import KEEPS_KERNELS, core, gen_cpp_kernel, impl, kernel, ti
+from sim.tracing import KEEPS_KERNELS, compiler, core, impl, kernel, ti
 
 if TYPE_CHECKING:
     import torch
@@ -51,15 +52,16 @@ _fields = Counter[Any]()
 _stranded = threading.Event()
 """Set in a fork of a process in which Taichi ran: its threads are not here."""
 
-os.register_at_fork(after_in_child=lambda: _stranded.set() if impl.get_runtime().prog else None)
+os.register_at_fork(after_in_child=lambda: _stranded.set() if compiler.program() else None)
 
 
 def _require_threads() -> None:
     """Raise ``RuntimeError`` in a fork of a process in which Taichi ran."""
     if _stranded.is_set():
         raise RuntimeError(
-            "Taichi ran before this process was forked, and cannot run in it: start processes by 'spawn', as "
-            'in vector_kwargs={"context": "spawn"}; or make one HouseVectorEnv for all environments'
+            f"{compiler.NAME} ran before this process was forked, and cannot run in it: start processes "
+            "by 'spawn', as in "
+            'vector_kwargs={"context": "spawn"}; or make one HouseVectorEnv for all environments'
         )
 
 
@@ -68,7 +70,7 @@ _compiling = threading.RLock()
 
 
 class _Owner:
-    """The thread that starts Taichi, the only one in which Taichi then makes fields.
+    """The thread that starts the compiler, the only one in which it then makes fields.
 
     On the CPU it is a thread of ours: a caller's may end, or wait for another that needs a field. On a GPU it
     is the caller's: if another thread starts it, the driver fails when the process ends.
@@ -86,8 +88,8 @@ class _Owner:
             return self.pool.submit(make).result()
         if self.caller is not threading.current_thread():
             raise RuntimeError(
-                f"Taichi was started on the GPU in the thread {self.caller.name}: make environments there; "
-                "they step in any thread"
+                f"{compiler.NAME} was started on the GPU in the thread {self.caller.name}: make environments "
+                "there; they step in any thread"
             )
         return make()
 
@@ -107,7 +109,7 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
     global _owner  # noqa: PLW0603 - Taichi has one program a process
     _require_threads()
     with _compiling:
-        if impl.get_runtime().prog is None:
+        if compiler.program() is None:
             device = device or "cpu"
             arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
             if device == "cuda" and not has_cuda():  # Taichi would take the CPU in its place
@@ -116,14 +118,14 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
                 )
             owner = _Owner(device)
             owner.call(lambda: _begin(arch, threads))
-            owner.program = impl.get_runtime().prog
+            owner.program = compiler.program()
             _owner = owner
     running = impl.current_cfg().arch
     if device and (running == ti.cuda) != (device == "cuda"):
         names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
         now = names.get(running, running.name)
-        raise ValueError(f"device {device!r} cannot be had: Taichi runs on {now} in this process")
-    return impl.get_runtime().prog
+        raise ValueError(f"device {device!r} cannot be had: {compiler.NAME} runs on {now} in this process")
+    return compiler.program()
 
 
 def has_cuda() -> bool:
@@ -160,14 +162,14 @@ def constants(values: np.ndarray) -> Any:
     the one that called ``start`` first.
     """
     with _compiling:
-        return _field(impl.get_runtime().prog, values.dtype.type, values.shape, values.tobytes())
+        return _field(compiler.program(), values.dtype.type, values.shape, values.tobytes())
 
 
 @cache
 def _field(program: Any, kind: type[np.generic], shape: tuple[int, ...], content: bytes) -> Any:
     if _fields[program] == MOST_FIELDS:
         raise RuntimeError(
-            f"this process has made environments of so many kinds that Taichi has no room for more "
+            f"this process has made environments of so many kinds that {compiler.NAME} has no room for more "
             f"({MOST_FIELDS} tables of rays and headings): make these in another process"
         )
     _fields[program] += 1
@@ -191,7 +193,7 @@ def drop_stale_lock(folder: Path) -> None:
     A process that is killed while it writes its kernels leaves the lock there. As long as it stays no process
     reads or writes the cache, so each compiles all kernels.
     """
-    lock = folder / "ticache.lock"
+    lock = folder / compiler.LOCK
     with contextlib.suppress(FileNotFoundError):
         if time.time() - lock.stat().st_mtime > LOCK_AGE:
             lock.unlink()
@@ -280,7 +282,7 @@ class Array:
 
     def _interface(self, shape: tuple[int, ...], dtype: type) -> dict[str, Any]:
         """Where its memory lies, as NumPy's and CUDA's array interfaces say it."""
-        program: Any = impl.get_runtime().prog
+        program: Any = compiler.program()
         pointer = program.get_ndarray_data_ptr_as_int(self.ndarray.arr)
         return {"data": (pointer, False), "shape": shape, "typestr": np.dtype(dtype).str, "version": 3}
 
@@ -323,27 +325,19 @@ class Launch:
         _require_threads()  # to compile in such a fork never ends
         self.names = list(inspect.signature(kernel).parameters)
         kinds = tuple((name, arrays[name].dtype, arrays[name].shape[1:]) for name in self.names)
-        self._program: Any = impl.get_runtime().prog
-        make: Any = _graph if on_gpu() else _compiled
         with _compiling:
-            self._made = make(self._program, kernel, kinds)
+            self._made = _compiled(compiler.program(), kernel, kinds)
         self.bind(arrays)
 
     def bind(self, arrays: Mapping[str, Array]) -> None:
         """Run on these arrays from now on, of the same kinds."""
         self._arrays = [arrays[name].ndarray for name in self.names]
         if on_gpu():
-            given = {name: array.arr for name, array in zip(self.names, self._arrays, strict=True)}
-            self._run = partial(self._made.jit_run, self._program.config(), given)
+            self._run = self._made.on_device(self._arrays)
             return
-        kernel, compiled = self._made
-        context = kernel.make_launch_context()
-        for place, name in enumerate(self.names):
-            # Taichi has no arrays of nothing: the memory is of one element at least.
-            view = arrays[name].view()
-            shape = (max(1, view.shape[0]),)
-            context.set_arg_external_array_with_shape((place,), view.ctypes.data, view.nbytes, shape, 0)
-        self._run = partial(self._program.launch_kernel, compiled, context)
+        views = [arrays[name].view() for name in self.names]
+        # There are no arrays of nothing: the memory is of one element at least.
+        self._run = self._made.on_host([(v.ctypes.data, v.nbytes, max(1, v.shape[0])) for v in views])
 
     def __call__(self) -> None:
         """Run it."""
@@ -356,27 +350,12 @@ Kinds = tuple[tuple[str, type, tuple[int, ...]], ...]
 """Names, types and widths of a kernel's arguments."""
 
 
-def _symbols(kinds: Kinds) -> list[Any]:
-    """Arguments of these kinds, without memory."""
-    return [
-        ti.graph.Arg(ti.graph.ArgKind.NDARRAY, name, _element(_TYPES[dtype], *width), ndim=1)
-        for name, dtype, width in kinds
-    ]
-
-
 @cache
-def _graph(program: Any, kernel: Any, kinds: Kinds) -> Any:
-    """The graph of a kernel in a running Taichi."""
-    builder = ti.graph.GraphBuilder()
-    builder.dispatch(kernel, *_symbols(kinds))
-    return builder.compile()._compiled_graph  # its ``run`` looks at each argument, 5 us in all
-
-
-@cache
-def _compiled(program: Any, kernel: Any, kinds: Kinds) -> tuple[Any, Any]:
-    """A kernel in a running Taichi, as it makes contexts and as it is launched."""
-    made = gen_cpp_kernel(kernel, _symbols(kinds))
-    return made, program.compile_kernel(program.config(), program.get_device_caps(), made)
+def _compiled(program: Any, kernel: Any, kinds: Kinds) -> Any:
+    """A kernel in a running program."""
+    return compiler.Compiled(
+        program, kernel, {name: _element(_TYPES[dtype], *width) for name, dtype, width in kinds}
+    )
 
 
 def _element(dtype: Any, width: int = 1) -> Any:

@@ -1,56 +1,55 @@
-"""The one place that imports Taichi, so that a maintained fork can take its place here; and how it reads
-kernels: the source of each function once, and records of arrays.
+"""Which compiler of kernels runs, and how it reads them: the source of each function once, and records of
+arrays.
 
-Taichi greets on standard output, which belongs to the program that imports us: the greeting is dropped.
+Taichi does, or what the variable ``VITRUVIUS_RUNTIME`` names: ``taichi`` or ``quadrants``, its maintained
+fork. They greet on standard output, which belongs to the program that imports us: the greeting is dropped.
 """
 
 import ast
 import contextlib
+import importlib.util
 import inspect
 import io
 import os
 import textwrap
 from collections.abc import Callable
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sim import cache
 
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
-# Else Taichi takes the redirection for a notebook's, says so, and wraps each launch to print through it.
-os.environ.setdefault("TI_ENABLE_PYBUF", "0")
-# Taichi would ask its makers for a newer version once a day, by a name that it keeps for this machine.
-os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
+VARIABLE = "VITRUVIUS_RUNTIME"
+COMPILERS = "taichi", "quadrants"
 KEEPS_KERNELS = cache.provide()
 """Whether what is compiled can be kept on disk for the next process."""
-with contextlib.redirect_stdout(io.StringIO()):
-    import taichi as ti
-    from taichi._lib import core
-    from taichi.graph._graph import gen_cpp_kernel
-    from taichi.lang import _ndarray, impl, kernel_impl, matrix
-    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
-__all__ = ["KEEPS_KERNELS", "core", "gen_cpp_kernel", "impl", "kernel", "ti"]
+if TYPE_CHECKING:
+    import sim.compiler.taichi as compiler
+    from sim.compiler.taichi import core, impl, ti
 
 
-def _once(describe: Callable[[Any, Any], str]) -> Any:
-    """Taichi formats the source of every expression that it meets, for errors, each time it is inlined: half
-    of the time of tracing. Once is enough.
+def _named() -> str:
+    """The compiler that the variable names, or else the first that is installed.
+
+    Raises ``ValueError`` for another name.
     """
-    known: dict[tuple[Any, ...], str] = {}
+    installed = (name for name in COMPILERS if importlib.util.find_spec(name))
+    name = os.environ.get(VARIABLE) or next(installed, COMPILERS[0])
+    if name not in COMPILERS:
+        raise ValueError(f"{VARIABLE}: there is no {name!r}: take one of {', '.join(COMPILERS)}")
+    return name
 
-    def describe_once(context: Any, node: Any) -> str:
-        place = node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
-        key = context.file, context.lineno_offset, context.func.func.__name__, *place
-        if key not in known:
-            known[key] = describe(context, node)
-        return known[key]
 
-    return describe_once
+if not TYPE_CHECKING:
+    with contextlib.redirect_stdout(io.StringIO()):
+        compiler = importlib.import_module(f"sim.compiler.{_named()}")
+    ti, core, impl = compiler.ti, compiler.core, compiler.impl
+
+__all__ = ["KEEPS_KERNELS", "compiler", "core", "impl", "kernel", "ti"]
 
 
 _sources: dict[CodeType, tuple[list[str], int]] = {}
-"""Taichi finds a function's source in its file each time that it inlines it: a quarter of the rest."""
+"""A compiler finds a function's source in its file each time that it inlines it: a quarter of tracing."""
 
 
 def _source(function: Any) -> tuple[list[str], int]:
@@ -62,15 +61,12 @@ def _source(function: Any) -> tuple[list[str], int]:
     return _sources[function.__code__]
 
 
-ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
-kernel_impl.getsourcelines = _source
-# Taichi formats the whole stack for each array that it makes, should that fail: longer than to make it.
-_ndarray.get_traceback = matrix.get_traceback = lambda: ""
+compiler.read_sources_by(_source)
 
 
 def kernel(function: Callable[..., None]) -> Any:
-    """A Taichi kernel whose parameters may be records of arrays: a ``NamedTuple`` of its module, whose fields
-    are annotated as a kernel's arguments are. Taichi passes arrays one by one, so each field becomes an
+    """A kernel whose parameters may be records of arrays: a ``NamedTuple`` of its module, whose fields
+    are annotated as a kernel's arguments are. Compilers pass arrays one by one, so each field becomes an
     argument by its name, which the function may not assign to, and the record of them is under its own.
     """
     records = {name: kind for name, kind in function.__annotations__.items() if hasattr(kind, "_fields")}

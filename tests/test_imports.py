@@ -1,6 +1,7 @@
 """Imports run one way: between the packages, between the folders of each, and in no circle of modules."""
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import sim
+from sim.tracing import COMPILERS
 
 ROOT = Path(__file__).parents[1]
 
@@ -33,7 +35,7 @@ FOLDERS = {
         *("workers", "dataset", "drawing", "exports", "browser"),
     ),
     "sim": (
-        *("cache", "actions", "drive", "config", "tracing", "runtime", "geometry", "film"),
+        *("cache", "actions", "drive", "config", "compiler", "tracing", "runtime", "geometry", "film"),
         *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
     ),
     "agent": (
@@ -149,9 +151,15 @@ def test_a_folder_has_one_sentence_and_about_a_dozen_modules() -> None:
                 assert len([*init.parent.glob("*.py")]) <= 18, init.parent
 
 
-def test_taichi_is_imported_in_one_place() -> None:
-    users = [path.name for path in (ROOT / "sim").rglob("*.py") if "import taichi" in path.read_text()]
-    assert users == ["tracing.py"]
+@pytest.mark.parametrize("name", COMPILERS)
+def test_a_compiler_is_imported_in_one_place(name: str) -> None:
+    users = [
+        path.relative_to(ROOT)
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("*.py")
+        if re.search(rf"^ *(import|from) {name}\b", path.read_text(), re.M)
+    ]
+    assert users == [Path("sim/compiler", f"{name}.py")]
 
 
 def test_the_public_names_of_the_simulator_are_these() -> None:

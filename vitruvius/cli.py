@@ -87,6 +87,7 @@ STUDY_GROUPS = {"generator": "Houses", "simulator": "Simulator", "agents": "Agen
 EXTRAS = {
     "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
     "sim": ("gymnasium", "taichi"),
+    "quadrants": ("quadrants",),
     "agent": ("safetensors", "scipy", "tensorboard", "tomli_w", "torch"),
     "keras": ("h5py",),
     "export": ("pxr", "trimesh"),

@@ -1,12 +1,12 @@
 """What a device does, in a process of its own: Taichi runs on one device a process.
 
-``python -m benchmarks.simulator.on_device DEVICE FILE``: steps a second by environments, printed as JSON, and
-what some environments go through, into FILE, to be compared with another device's.
+``python -m benchmarks.simulator.on_device DEVICE FILE [COUNT ...]``: steps a second by environments, printed
+as JSON, and what some environments go through, into FILE, to be compared with another device's.
 """
 
 import json
 from argparse import ArgumentParser
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -26,10 +26,10 @@ SHARES = (0.15, 0.15, 0.7)
 """Of the actions."""
 
 
-def main(device: str, file: str) -> None:
+def main(device: str, file: str, counts: Sequence[int]) -> None:
     """Write the outcomes, print the rates."""
     write_trails(device, file)
-    print(json.dumps([rates(device, count) for count in ENVIRONMENTS]))
+    print(json.dumps([rates(device, count) for count in counts]))
 
 
 def write_trails(device: str, file: str) -> None:
@@ -85,5 +85,6 @@ if __name__ == "__main__":
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("device")
     parser.add_argument("file")
+    parser.add_argument("counts", nargs="*", type=int, default=ENVIRONMENTS)
     given = parser.parse_args()
-    main(given.device, given.file)
+    main(given.device, given.file, given.counts)

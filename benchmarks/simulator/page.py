@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from benchmarks.common.pages import machine, milliseconds, table_rows, versions
 from benchmarks.common.series import name_of
 
@@ -56,6 +58,7 @@ def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
             for e in entries
             if "first" in e["extra_info"]
         ),
+        compilers=_compilers(entries),
         peers=_peers(peers) if peers else "They were not measured in this run.",
     )
 
@@ -101,6 +104,17 @@ def _by(entries: list[dict[str, Any]], key: str, more: Any = None) -> str:
             value = extra[key]
             shown = value if isinstance(value, str) else f"{value:,.0f}"
             rows.append([shown, *([more(extra)] if more else []), _rate(entry)])
+    return table_rows(rows)
+
+
+def _compilers(entries: list[dict[str, Any]]) -> str:
+    """A row for each compiler, and whether all went the same way."""
+    found = [e["extra_info"] for e in entries if "runtime" in e["extra_info"]]
+    rows = []
+    for extra in found:
+        low, median, high = (_short(rate) for rate in np.percentile(extra["rates"], [0, 50, 100]))
+        same = "yes" if extra["outcome"] == found[0]["outcome"] else "no"
+        rows.append([extra["runtime"], f"{median} [{low}, {high}]", f"{extra['compiling']:.1f}", same])
     return table_rows(rows)
 
 
@@ -226,6 +240,16 @@ touches, 40 rays from any heading. C is the same algorithm with the same results
 
 A look computes its 40 directions, with two divisions a ray, where the other backends look them up; lists are
 by sectors of 45 degrees, so they hold the lines of a wider view.
+
+## Two compilers
+`VITRUVIUS_RUNTIME=quadrants` takes [Quadrants](https://github.com/Genesis-Embodied-AI/quadrants), the
+maintained fork of Taichi, in its place. 4,096 environments among the package's houses, medians of
+three processes, the slowest and the fastest; seconds until the first step with an empty cache; and
+whether 64 environments go the same way in 500 steps, bit for bit.
+
+| compiler | kernel | first step | the same |
+|---|---|---|---|
+{compilers}
 
 ## Before the first step
 Packing a house, milliseconds:

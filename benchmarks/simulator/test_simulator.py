@@ -5,6 +5,7 @@ all rooms: dynamics, collision, 40 rays, pick-up and autoreset. A round is some 
 70 % forward; ``extra_info`` has the rate of the median round.
 """
 
+import hashlib
 import json
 import os
 import subprocess
@@ -24,6 +25,7 @@ from logic import House, generate, save
 from sim import DEFAULT, Config, HouseVectorEnv, Oracle
 from sim.backends.continuous.layout import lines_listed as listed_at
 from sim.runtime import start
+from sim.tracing import COMPILERS, VARIABLE
 
 ENVIRONMENTS = [1, 16, 256, 4096, 65536]
 MANY = 4096
@@ -284,6 +286,31 @@ def test_first_step(benchmark, kernels, tmp_path):
     benchmark.pedantic(run, rounds=5, warmup_rounds=1)
     medians = {part: float(np.median([each[part] for each in parts[1:]])) for part in parts[0]}
     benchmark.extra_info.update(first=kernels, parts=medians)
+
+
+@study
+@pytest.mark.parametrize("name", COMPILERS)
+def test_compilers(benchmark, name, tmp_path):
+    """In new processes: steps of some environments, and the first step of one house without a cache."""
+    save(bank()[:1], tmp_path / "house.jsonl")
+    environment = os.environ | {VARIABLE: name, "PYTHONPATH": str(Path(__file__).parents[2])}
+    uncached = environment | {"TI_OFFLINE_CACHE": "0", "QD_OFFLINE_CACHE": "0"}
+    rates, firsts = list[float](), list[float]()
+
+    def printed(environment: dict[str, str], module: str, *given: object) -> Any:
+        command = [sys.executable, "-m", f"benchmarks.simulator.{module}", *map(str, given)]
+        return json.loads(subprocess.check_output(command, env=environment, cwd=tmp_path))
+
+    def run() -> None:
+        [row] = printed(environment, "on_device", "cpu", "trails.npz", MANY)
+        rates.append(row["kernel"][1])
+        firsts.append(printed(uncached, "first_step", "house.jsonl")["first step"])
+
+    benchmark.pedantic(run, rounds=3)
+    with np.load(tmp_path / "trails.npz") as trails:
+        outcome = hashlib.sha256(b"".join(trails[part].tobytes() for part in sorted(trails))).hexdigest()
+    compiling = float(np.median(firsts))
+    benchmark.extra_info.update(runtime=name, rates=rates, compiling=compiling, outcome=outcome)
 
 
 @pytest.fixture(scope="module")

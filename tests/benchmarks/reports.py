@@ -46,6 +46,9 @@ def simulator_report() -> dict[str, Any]:
         benchmarks.append(entry(f"driven[{how}]", 0.001, steps_per_second=rate, driven=how))
     benchmarks.append(entry("parts[launch]", 2e-5, part="a launch"))
     benchmarks.append(entry("packing", 0.064, packing="grid", packed=64))
+    for name, outcome in (("taichi", "a"), ("quadrants", "a"), ("another", "b")):
+        more = {"rates": [2e6, 1e6, 3e6], "compiling": 4.0, "outcome": outcome}
+        benchmarks.append(entry(f"compilers[{name}]", 9.0, runtime=name, **more))
     benchmarks.append(entry("first", 3.0, first="compiled", parts={"import": 0.5, "first step": 1.25}))
     machine = {"python_version": "3.12", "machine": "x86_64", "system": "Linux"}
     return {"benchmarks": benchmarks, "machine_info": machine, "datetime": "2026-01-02T00:00:00"}

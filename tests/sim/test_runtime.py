@@ -10,12 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
+from sim.tracing import compiler
 from tests.programs import finished
 
 
 def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(tmp_path):
     drop_stale_lock(tmp_path)  # there is none
-    lock = tmp_path / "ticache.lock"
+    lock = tmp_path / compiler.LOCK
     lock.touch()
     drop_stale_lock(tmp_path)
     assert lock.exists()  # another process may be writing now

@@ -19,6 +19,8 @@ def test_the_simulators_page_has_its_figures_and_the_ratio_to_c() -> None:
         "meets 10",
         "the kernel makes 1.50 of its steps",
         "| C on one core | 2.00 M",
+        "| quadrants | 2.00 M [1.00 M, 3.00 M] | 4.0 | yes |",
+        "| another | 2.00 M [1.00 M, 3.00 M] | 4.0 | no |",
     ):
         assert words in page
     assert "were not measured" in page

@@ -1,0 +1,68 @@
+"""Taichi and Quadrants, its maintained fork: the same bits from both, and what is said of another name."""
+
+import json
+import os
+import sys
+
+from sim.tracing import COMPILERS, VARIABLE
+from tests.programs import finished
+
+PLAYED = """
+import hashlib
+import json
+
+import numpy as np
+import torch
+
+from agent.avoidance import Free
+from agent.policies.policies import Explorer
+from sim import HouseVectorEnv
+from sim.runtime import compiler
+from tests import sample_houses
+
+E, STEPS = 16, 60
+plan = np.random.default_rng(3).choice(3, p=[0.15, 0.15, 0.7], size=(STEPS, E))
+driven = np.random.default_rng(3).uniform([0, -3], [0.7, 3], (STEPS, E, 2)).astype(np.float32)
+house = sample_houses.drawn("aa+aa.bbb\\n......+bb\\n......bbb", cell=1.2)
+found = {}
+for backend in ("continuous", "grid", "free"):
+    envs = HouseVectorEnv([house], num_envs=E, backend=backend, targets="mixed", max_episode_steps=40)
+    seen = [envs.reset(seed=5)[0]]
+    for actions in driven if backend == "free" else plan:
+        observation, reward, *ends, info = envs.step(actions)
+        seen += [observation, reward, *ends, info["pose"], info["target"]]
+    found[backend] = seen
+envs = HouseVectorEnv([house], num_envs=E, targets="mixed", max_episode_steps=40)
+explorer = Explorer(Free())
+explorer.begin(E)
+observation, found["explorer"] = envs.reset(seed=5)[0], []
+blocked = torch.zeros(E, dtype=torch.bool)
+for _ in range(STEPS):
+    actions = explorer(torch.from_numpy(observation), blocked)
+    observation, *_, info = envs.step(actions.numpy())
+    blocked = torch.from_numpy(info["blocked"])
+    found["explorer"] += [actions.numpy(), observation]
+hashes = {
+    name: hashlib.sha256(b"".join(np.ascontiguousarray(each).tobytes() for each in arrays)).hexdigest()
+    for name, arrays in found.items()
+}
+print(json.dumps([compiler.NAME, hashes]))
+"""
+
+
+def test_simulator_and_planner_go_the_same_way_on_taichi_and_on_its_fork() -> None:
+    """All backends, and the explorer, whose map is kernels too."""
+    played = {}
+    for name in COMPILERS:
+        done = finished([sys.executable, "-c", PLAYED], env=os.environ | {VARIABLE: name})
+        assert done.returncode == 0, done.stderr
+        ran, played[name] = json.loads(done.stdout)
+        assert ran.lower() == name
+    assert played["taichi"] == played["quadrants"]
+    assert len({*played["taichi"].values()}) == len(played["taichi"]) == 4
+
+
+def test_another_compiler_is_an_error_by_its_name() -> None:
+    done = finished([sys.executable, "-c", "import sim"], env=os.environ | {VARIABLE: "numba"})
+    last = done.stderr.splitlines()[-1]
+    assert last == "ValueError: VITRUVIUS_RUNTIME: there is no 'numba': take one of taichi, quadrants"
