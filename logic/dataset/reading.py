@@ -11,10 +11,15 @@ from logic.dataset.rows import Row, house_of
 from logic.dataset.sets import MANIFEST, SET, Held, Set, read_manifest, read_set
 from logic.dataset.splits import SPLITS
 from logic.errors import HouseFileError, RequestError
+from logic.house.files import MOST_LINE
 from logic.house.files import load as load_file
 from logic.house.gallery import Houses
 from logic.house.house import House
+from logic.readers.world import read_world
 from logic.spelling import unknown
+
+WORLDS = (".json", ".geojson")
+"""How the names of plans end that are read as houses to simulate."""
 
 
 class HouseSet(Sequence[House]):
@@ -99,10 +104,14 @@ def _opened(folder: Path) -> tuple[Set, list[Held]]:
 
 
 def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequence[House]:
-    """The houses of a set's folder, which are read as they are asked for, or of a house file.
+    """The houses of a set's folder, which are read as they are asked for, or of a house file; a plan of
+    HouseExpo (``.json``) or GeoJSON, with walls at any angle, is one house to simulate.
 
-    See ``HouseSet``, and ``logic.house.files.load``.
+    See ``HouseSet``, ``logic.house.files.load`` and ``logic.readers.world``.
     """
-    if file is None and (Path(path) / SET).is_file():
+    path = Path(path)
+    if file is None and (path / SET).is_file():
         return HouseSet(path)
-    return load_file(path, file, **options)
+    might_be = file is None and path.suffix in WORLDS and path.is_file() and path.stat().st_size <= MOST_LINE
+    world = read_world(path.read_bytes(), path) if might_be else None
+    return Houses([world]) if world else load_file(path, file, **options)

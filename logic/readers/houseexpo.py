@@ -28,10 +28,7 @@ def is_houseexpo(_: bytes, record: Any) -> bool:
 
 def read_houseexpo(_: bytes, record: Any) -> Sketch:
     """The rooms are their boxes, of which what is no floor and what is another, smaller room's is cut off."""
-    corners = [numbers(each, 2) for each in _list(record["verts"])]
-    if len(corners) < 4 or None in corners:
-        raise RequestError(f"plan: {FORMAT} has verts, a list of at least four corners of two numbers each")
-    floor = shapely.make_valid(Polygon([each[:2] for each in corners if each]))
+    floor = shapely.make_valid(outline(record))
     boxes = _boxes(record["room_category"])
     spaces, taken = [], Polygon()
     for box, words in sorted(boxes, key=lambda each: each[0].area):
@@ -44,6 +41,14 @@ def read_houseexpo(_: bytes, record: Any) -> Sketch:
         spaces.append(Space(words[0].replace("_", " "), words, shape))
     doors = [Passage(each) for each in shapely.get_parts(floor.difference(taken)) if _is_door(each)]
     return Sketch(FORMAT, spaces[::-1], doors, [])
+
+
+def outline(record: Any) -> Polygon:
+    """The free floor as the file has it. Raises ``RequestError`` where it is none."""
+    corners = [numbers(each, 2) for each in _list(record["verts"])]
+    if len(corners) < 4 or None in corners:
+        raise RequestError(f"plan: {FORMAT} has verts, a list of at least four corners of two numbers each")
+    return Polygon([each[:2] for each in corners if each])
 
 
 def _boxes(categories: Any) -> list[tuple[Polygon, tuple[str, ...]]]:

@@ -6,21 +6,15 @@ from itertools import pairwise
 from statistics import median
 from typing import Any, NamedTuple
 
-import msgspec
 from msgspec import UNSET
 
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import LONGEST_NAME, Room
-from logic.house.promises import Thickness
+from logic.readers.features import GEOMETRIES, features, inner_wall
 from logic.readers.regular import unlike
 from logic.readers.units import metres_to
 from logic.spelling import numbered
-
-GEOJSON = "FeatureCollection"
-
-GEOMETRIES = ("Polygon", "MultiPolygon")
-"""Those that may be a room."""
 
 FAR = 1e8
 """Metres: as far from the origin as coordinates of maps are."""
@@ -49,12 +43,6 @@ class Polygon(NamedTuple):
     points: list[tuple[float, float]]
 
 
-def is_geojson(record: object) -> bool:
-    """Whether a JSON value is GeoJSON: a collection of features, a feature, or a polygon."""
-    kinds = (GEOJSON, "Feature", "GeometryCollection", *GEOMETRIES)
-    return isinstance(record, Mapping) and record.get("type") in kinds and "format" not in record
-
-
 def from_geojson(
     record: Mapping[str, Any], unit: str = "m", snap: float = 0.0
 ) -> tuple[list[Room], list[str]]:
@@ -65,7 +53,7 @@ def from_geojson(
     room.
     """
     found, passed = list[Polygon](), Counter[str]()
-    for number, feature in enumerate(_features(record)):
+    for number, feature in enumerate(features(record)):
         polygon = _polygon(feature, number, passed)
         if polygon:
             found.append(polygon)
@@ -86,32 +74,10 @@ def from_geojson(
         whole = each.whole if each.whole in wholes else UNSET
         rooms.append(Room(x, y, *size, name=name, type=each.type, part_of=whole))
     if thick := record.get("wall_thickness"):  # our own export: rooms end at the faces of their walls
-        inner = _inner_wall(thick) * factor
+        inner = inner_wall(thick) * factor
         rooms = [room.grown(inner / 2) for room in rooms]
     notes = [f"passed over beside the rooms: {_counted(passed)}"] if passed else []
     return rooms, notes
-
-
-def _inner_wall(thick: Any) -> float:
-    """How thick walls between rooms are, in the unit of the file."""
-    try:
-        return msgspec.convert(thick, Thickness).inner
-    except msgspec.ValidationError as error:
-        raise RequestError(f"plan: wall_thickness: {error}") from None
-
-
-def _features(record: Mapping[str, Any]) -> list[Any]:
-    """The features of a collection, or the one that a feature or a geometry is."""
-    kind = record.get("type") if isinstance(record, Mapping) else None
-    if kind == GEOJSON and isinstance(record.get("features"), list) and record["features"]:
-        return record["features"]
-    if kind == "Feature":
-        return [record]
-    if kind in GEOMETRIES:
-        return [{"type": "Feature", "properties": None, "geometry": record}]
-    if kind == "GeometryCollection" and isinstance(record.get("geometries"), list):
-        return [{"type": "Feature", "properties": None, "geometry": each} for each in record["geometries"]]
-    raise RequestError(f"plan: GeoJSON is a {GEOJSON} with a list of features, a polygon for each room")
 
 
 def _polygon(feature: Any, number: int, passed: Counter[str]) -> Polygon | None:

@@ -24,10 +24,11 @@ from logic.house.files import STANDARD, load, opened
 from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
 from logic.readers import sketch
+from logic.readers.features import is_geojson
 from logic.readers.lines import MOST_WALL
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
-from logic.request.geojson import from_geojson, is_geojson
+from logic.request.geojson import from_geojson
 from logic.request.openings import placed
 from logic.request.other_formats import named
 from logic.request.own_plan import OwnPlan

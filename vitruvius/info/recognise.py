@@ -19,8 +19,8 @@ from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
 from logic.house.ros_map import DESCRIPTIONS
 from logic.readers import sketch
+from logic.readers.features import is_geojson
 from logic.readers.sketch import Sketch
-from logic.request.geojson import is_geojson
 from logic.spelling import closest, quoted, unknown
 from vitruvius import settings
 from vitruvius.info.kinds import Kind

@@ -1,0 +1,148 @@
+"""Plans whose walls stand at any angle, as houses to simulate: HouseExpo's JSON, and GeoJSON.
+
+Such a house is a map (``House.occupancy``): its cells say what lies outside, and ``House.free_walls`` are the
+walls as they are, which stop rays and bodies before the cells do. It has one room and no furniture.
+"""
+
+import json
+from collections.abc import Mapping
+from itertools import pairwise
+from math import ceil
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import shapely
+from shapely import LineString
+
+from logic.errors import HouseFileError, RequestError
+from logic.house.house import House
+from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
+from logic.house.parts import FreeWall
+from logic.readers.features import features, inner_wall, is_geojson
+from logic.readers.houseexpo import is_houseexpo, outline
+from logic.readers.sketch import FAR, polygons
+
+CELL = 0.1
+"""Metres. A body must not fit between a wall and the cells behind it."""
+
+SAME = 1e-3
+"""Metres within which lines are one: files are written to a millimetre."""
+
+SMALLEST, THICKEST = 1.0, 10.0
+"""Metres: what is smaller in all is in other units; walls are not so thick."""
+
+
+def read_world(content: bytes, path: Path) -> House | None:
+    """The house that a file of HouseExpo or GeoJSON is, its middle at (0, 0); None for another file.
+
+    Of GeoJSON, in metres and with y growing north: polygons are floor with walls around it, lines are walls,
+    as thick as their ``thickness`` says. By the property ``kind`` polygons are solid (``wall``, ``piece``),
+    and lines and polygons are doors, open where they join two polygons of floor. Windows are shut; points are
+    passed over. Raises ``HouseFileError`` where there is no floor or another unit, and for more cells than a
+    map may have.
+    """
+    try:
+        record = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    try:
+        if is_houseexpo(content, record):
+            return _house([outline(record)], [], [], [])
+        return _of_geojson(record) if is_geojson(record) else None
+    except (RequestError, ValueError) as error:
+        raise HouseFileError(f"{path}: {str(error).removeprefix('plan: ')}") from None
+
+
+def _of_geojson(record: Mapping[str, Any]) -> House:
+    """What the features of a collection are together."""
+    floor, doors, solids, walls = list[Any](), list[Any](), list[Any](), list[FreeWall]()
+    # Of our own files with thick walls: their doors are lines in the middle of these.
+    thick = record.get("wall_thickness")
+    deep = inner_wall(thick) / 2 if thick else 0.0
+    for number, feature in enumerate(features(record)):
+        shape, properties = _shape(feature, f"features[{number}]")
+        kind, dimensions = properties.get("kind"), shapely.get_dimensions(shape)
+        if kind == "window" or dimensions < 1:
+            continue
+        if kind == "door":
+            doors.append(shape.buffer(deep, cap_style="flat") if deep and dimensions == 1 else shape)
+        elif dimensions == 1:
+            width = properties.get("thickness", 0.0)
+            if type(width) not in (int, float) or not 0 <= width < THICKEST:
+                raise ValueError(
+                    f"features[{number}]: thickness is metres, 0 to {THICKEST:g}, not {str(width)[:40]}"
+                )
+            walls += _walls(shape, float(width))
+        else:
+            (solids if kind in ("wall", "piece") else floor).append(shape)
+    return _house(floor, doors, solids, walls)
+
+
+def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
+    """A feature's geometry, y growing south, and its properties."""
+    geometry = feature.get("geometry") if isinstance(feature, Mapping) else None
+    if not isinstance(geometry, Mapping):
+        raise ValueError(f"{where}: has no geometry")
+    try:
+        shape = shapely.force_2d(shapely.from_geojson(json.dumps(geometry)))
+    except (shapely.errors.GEOSException, ValueError) as error:
+        raise ValueError(f"{where}: {str(error)[:80]}") from None
+    if not (np.abs(shapely.get_coordinates(shape)) < FAR).all():
+        raise ValueError(f"{where}: numbers are too large")
+    properties = feature.get("properties")
+    southward = shapely.transform(shape, lambda corners: corners * (1, -1))
+    return southward, properties if isinstance(properties, Mapping) else {}
+
+
+def _house(shapes: list[Any], doors: list[Any], solids: list[Any], more: list[FreeWall]) -> House:
+    """Floor without what is solid, with walls around each part of it but where doors are, and more walls."""
+    solid = shapely.union_all(solids)
+    floor = [part for shape in shapes for each in polygons(shape) for part in polygons(each - solid)]
+    if not floor:
+        raise ValueError("it has no polygon that is floor")
+    opened = [door for door in doors if sum(each.distance(door) <= SAME for each in floor) > 1]
+    ways = shapely.union_all([door.buffer(SAME) for door in opened])
+    jambs = [polygon.boundary for door in opened if door.area for polygon in polygons(door)]
+    all_floor = shapely.union_all(floor)
+    lines = [
+        shapely.union_all([each.boundary for each in floor]) - ways,
+        shapely.union_all(jambs) - all_floor.buffer(SAME),
+    ]
+    inside = all_floor | ways
+    west, north, east, south = inside.bounds
+    x, y = (west + east) / 2, (north + south) / 2
+    outlines = shapely.line_merge(shapely.union_all(lines)).simplify(SAME / 10)
+    walls = tuple(
+        FreeWall(wall.x1 - x, wall.y1 - y, wall.x2 - x, wall.y2 - y, wall.thickness)
+        for wall in (*_walls(outlines, 0.0), *more)
+    )
+    return msgspec.structs.replace(House.of_map(_outside(inside, x, y)), free_walls=walls)
+
+
+def _walls(shape: Any, thickness: float) -> list[FreeWall]:
+    """A wall along each stretch of lines."""
+    lines = [line for line in shapely.get_parts(shape) if isinstance(line, LineString)]
+    ends = (pair for line in lines for pair in pairwise(line.coords))
+    return [FreeWall(x1, y1, x2, y2, thickness) for (x1, y1), (x2, y2) in ends]
+
+
+def _outside(inside: Any, x: float, y: float) -> OccupancyGrid:
+    """The map, its middle at (0, 0), whose free cells are those that floor is in."""
+    west, north, east, south = inside.bounds
+    if max(east - west, south - north) < SMALLEST:
+        raise ValueError(
+            f"it is {east - west:.2g} by {south - north:.2g} m: project it to metres first, as in a GIS"
+        )
+    columns, rows = ceil((east - west) / CELL), ceil((south - north) / CELL)
+    if columns * rows > MOST_CELLS:
+        raise ValueError(f"in cells of {CELL:g} m {too_many(rows, columns)}")
+    corner = -columns * CELL / 2, -rows * CELL / 2
+    shapely.prepare(inside)
+    free = np.zeros((rows, columns), bool)
+    left = x + corner[0] + CELL * np.arange(columns)
+    for row in range(rows):
+        top = y + corner[1] + CELL * row
+        free[row] = shapely.intersects(inside, shapely.box(left, top, left + CELL, top + CELL))
+    return OccupancyGrid.of(np.where(free, FREE, UNKNOWN), CELL, corner)
