@@ -8,7 +8,7 @@
     ├── HouseFileError  a house file is absent, truncated or wrong
     ├── Unsatisfiable   proved: no house satisfies the request
     ├── LimitReached    the stated budget ran out before a house or a proof: OutOfInferences, Killed
-    └── MissingProgram  SWI-Prolog or one of its libraries is not installed
+    └── MissingProgram  SWI-Prolog or another program is not installed, or does not answer
 """
 
 from pathlib import Path
@@ -35,6 +35,10 @@ class GrammarError(VitruviusError):
         self.message, self.file, self.line, self.column = message, file, line, column
         place = ":".join(str(part) for part in (file, line, column) if part is not None)
         super().__init__(f"{place}: {message}" if place else message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle all of it."""
+        return from_record, (to_record(self),)
 
 
 class GrammarWarning(UserWarning):
@@ -111,6 +115,10 @@ class Unsatisfiable(VitruviusError):
         hint = f"\n{advice}" if advice else ""
         super().__init__(f"no house of {grammar} has {request}{since}: {only}{listed}{hint}")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle all of it."""
+        return from_record, (to_record(self),)
+
 
 class LimitReached(VitruviusError):
     """The stated budget, of inferences or seconds, ran out before a house or a proof was found."""
@@ -131,7 +139,7 @@ class Killed(LimitReached):
 
 
 class MissingProgram(VitruviusError):
-    """A program that Vitruvius needs is not installed."""
+    """A program that Vitruvius needs is not installed, or does not answer."""
 
     exit_code = 69
 

@@ -19,7 +19,17 @@ PACKAGES = ("logic", "sim", "agent", "benchmarks", "vitruvius")
 
 FOLDERS = {
     "logic": (
-        *("encoding", "errors", "spelling", "stopping", "copies", "includes", "grammar", "terminal"),
+        *(
+            "encoding",
+            "errors",
+            "spelling",
+            "stopping",
+            "copies",
+            "includes",
+            "grammar",
+            "terminal",
+            "cluster",
+        ),
         *(
             "house",
             "checking",

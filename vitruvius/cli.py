@@ -96,6 +96,7 @@ EXTRAS = {
     "film": ("imageio_ffmpeg",),
     "ifc": ("ifcopenshell",),
     "data": ("pyarrow",),
+    "cluster": ("ray",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 

@@ -8,6 +8,7 @@ import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from logic.dataset.sets import read_manifest
 from logic.errors import VitruviusError
@@ -55,10 +56,10 @@ class Shards:
     def run(self) -> int:
         """Write the figures; 1 where a file differs."""
         undisturbed, killed = self.out / "undisturbed", self.out / "killed"
-        took = self._finished(undisturbed)
+        took = finished(self, undisturbed)
         kills = self._killed(killed, took)
-        resumed = self._finished(killed)
-        same = _content(undisturbed) == _content(killed)
+        resumed = finished(self, killed)
+        same = content(undisturbed) == content(killed)
         manifest = read_manifest(undisturbed)
         assert manifest
         figures = {
@@ -81,24 +82,11 @@ class Shards:
         print(self.out / "shards.md")
         return 0 if same else 1
 
-    def _start(self, folder: Path) -> "subprocess.Popen[bytes]":
-        asked = f"generate --rooms {self.rooms} --count {self.houses} --shard all/{self.shards}"
-        words = [*asked.split(), "--workers", str(self.workers), "--grammar", self.grammar]
-        command = [sys.executable, "-m", "vitruvius.cli", *words, "--out", str(folder)]
-        return subprocess.Popen(command, stderr=subprocess.DEVNULL)
-
-    def _finished(self, folder: Path) -> float:
-        """Make what is missing of a set; the seconds."""
-        began = time.monotonic()
-        if code := self._start(folder).wait():
-            raise NotMade(f"{folder}: the command that makes it ended with exit code {code}")
-        return time.monotonic() - began
-
     def _killed(self, folder: Path, took: float) -> int:
         """Kill what makes a set, each time after some of the seconds that it takes; how often."""
         moments, kills = random.Random(self.seed), 0
         while kills < self.kills and read_manifest(folder) is None:
-            process = self._start(folder)
+            process = start(self, folder)
             time.sleep(2 + moments.uniform(0, 2 * took / self.kills))
             if process.poll() is None:
                 kills += 1
@@ -108,7 +96,23 @@ class Shards:
         return kills
 
 
-def _content(folder: Path) -> dict[str, str]:
+def start(study: Any, folder: Path, *words: str) -> "subprocess.Popen[bytes]":
+    """The command that makes a set, as the options of a study say."""
+    asked = f"generate --rooms {study.rooms} --count {study.houses} --shard all/{study.shards}"
+    asked = [*asked.split(), "--workers", str(study.workers), "--grammar", study.grammar, *words]
+    command = [sys.executable, "-m", "vitruvius.cli", *asked, "--out", str(folder)]
+    return subprocess.Popen(command, stderr=subprocess.DEVNULL)
+
+
+def finished(study: Any, folder: Path, *words: str) -> float:
+    """Make what is missing of a set; the seconds."""
+    began = time.monotonic()
+    if code := start(study, folder, *words).wait():
+        raise NotMade(f"{folder}: the command that makes it ended with exit code {code}")
+    return time.monotonic() - began
+
+
+def content(folder: Path) -> dict[str, str]:
     """The hash of each file in a folder."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file())
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}

@@ -1,16 +1,20 @@
 """Shards of a set: each is made whole or not at all, and one that is there is verified."""
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 from logic.dataset.card import described
 from logic.dataset.formats import in_groups, read, written
 from logic.dataset.rows import LIMIT, Row, house_of, house_row, limit_row
-from logic.dataset.sets import SET, Held, Manifest, Set, Shard, finish
-from logic.errors import HouseFileError, Killed, RequestError
+from logic.dataset.sets import SET, Held, Manifest, Set, Shard, finish, read_set
+from logic.errors import HouseFileError, Killed, MissingProgram, RequestError
 from logic.house.house import House
 from logic.workers.series import HouseSeries
+
+Mapper = Callable[[Callable[[Shard], Held], list[Shard]], Iterable[Held]]
+"""As the built-in ``map``."""
 
 KILLS = 3
 """Times that a solver process may be killed from outside at one house."""
@@ -49,6 +53,18 @@ def make(
         if not path.exists():  # else another process made it, and took our half for what a kill had left
             raise
     return True
+
+
+def make_on_node(folder: Path, of: Set, replace: bool, shard: Shard) -> bool:
+    """``make`` by another machine. Raises ``MissingProgram`` where it would make something else."""
+    if read_set(folder) != of:
+        raise MissingProgram(f"{folder}: the set is not there: the folder must be one that all nodes share")
+    series = of.series(folder)
+    versions, _ = series.described()
+    for name, version in of.versions.items():
+        if (own := versions.get(name)) != version:
+            raise MissingProgram(f"houses of the set are made by {name} {version}, not {own}")
+    return make(folder, of, shard, series, replace=replace)
 
 
 def _rows(of: Set, shard: Shard, series: HouseSeries, workers: int) -> Iterator[Row]:
@@ -108,19 +124,22 @@ def missing(folder: Path, of: Set) -> list[Shard]:
     return [shard for shard in of.divided() if shard.place.name not in there]
 
 
-def complete(folder: Path, of: Set) -> Manifest | None:
+def verified(folder: Path, of: Set, shard: Shard) -> Held:
+    """``held``. Raises ``HouseFileError`` where a shard's file is not what it is to be."""
+    try:
+        return held(folder, of, shard)
+    except ValueError as error:
+        raise HouseFileError(f"{folder / shard.place}: is no shard of the set: {error}") from None
+
+
+def complete(folder: Path, of: Set, each: Mapper = map) -> Manifest | None:
     """Write the manifest if all shards are there, and verify them before; None where some are missing.
 
-    Raises ``HouseFileError`` for the first one that is not what it is to be.
+    ``each`` calls what verifies a shard. Raises ``HouseFileError`` for one that is not what it is to be.
     """
     if missing(folder, of):
         return None
-    files = list[Held]()
-    for shard in of.divided():
-        try:
-            files.append(held(folder, of, shard))
-        except ValueError as error:
-            raise HouseFileError(f"{folder / shard.place}: is no shard of the set: {error}") from None
+    files = list(each(partial(verified, folder, of), of.divided()))
     limits = sum(len(each.limits) for each in files)
     rows = sum(each.rows for each in files)
     digest = hashlib.sha256((folder / SET).read_bytes()).hexdigest()

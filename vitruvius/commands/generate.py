@@ -98,8 +98,9 @@ class Generate:
     start: int = 0
     """Index of the first house: any slice of a series can be made by itself."""
 
-    workers: int = 1
-    """Solver processes. They change the time, never the houses."""
+    workers: int | None = None
+    """Solver processes: 1, or with --engine all that its processors can take. They change the time, never the
+    houses."""
 
     inferences: int = 100_000_000
     """Most Prolog inferences for a house."""
@@ -114,6 +115,13 @@ class Generate:
     shard: Annotated[str | None, tyro.conf.arg(metavar="K/N")] = None
     """Make shard K (from 0) of the N that a set of houses is divided into, or all/N, in the folder --out: one
     that is there is skipped, and with the last one the set is whole (docs/scale.md)."""
+
+    engine: Literal["ray"] | None = None
+    """Make shards as tasks of Ray, on this machine or on a cluster (docs/scale.md)."""
+
+    address: str | None = None
+    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here and
+    ends with the command."""
 
     validation: int = 0
     """Of a set: how many houses beside, of the seeds that are reserved to choose settings by."""
@@ -149,6 +157,10 @@ class Generate:
             from vitruvius.commands.shards import make_shards
 
             return make_shards(self, self.shard)
+        if self.engine is not None or self.address is not None:
+            raise RequestError(
+                "--engine and --address are of a set: say which of its shards by --shard, as in all/8"
+            )
         out = None if self.out == STANDARD else self.out
         _require_writable(out, self.count)
         houses: list[House] = []
@@ -160,7 +172,7 @@ class Generate:
             seed=self.seed,
             count=self.count,
             start=self.start,
-            workers=self.workers,
+            workers=1 if self.workers is None else self.workers,
         )
         try:
             for house in progress(request, self.count, "houses"):

@@ -2,12 +2,15 @@
 
 import re
 import time
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from logic.cluster import Cluster, connected
 from logic.dataset.formats import schema
 from logic.dataset.sets import Set, Shard, begin
-from logic.dataset.shards import complete, make, missing
+from logic.dataset.shards import Mapper, complete, make, make_on_node, missing
 from logic.dataset.splits import SPLITS
 from logic.errors import RequestError
 from logic.house.files import require_folder
@@ -26,9 +29,10 @@ def make_shards(command: Any, asked: str) -> int:
     of, shards = _set(command, series, parts)
     if not asked.startswith("all"):
         shards = [shards[int(asked.partition("/")[0])]]
-    begin(folder, of, series.grammar, command.replace)
-    made = _made(folder, of, shards, of.series(folder), command)
-    last = _completed(folder, of)
+    with _engine(command) as cluster:
+        begin(folder, of, series.grammar, command.replace)
+        made = _made(folder, of, shards, command, cluster)
+        last = _completed(folder, of, cluster.map if cluster else map)
     there = "" if made == len(shards) else f" of {len(shards)} made, the others were there"
     say(f"{folder}: {numbered(made, 'shard')}{there or ' made'}. {last}")
     if command.json:
@@ -51,7 +55,7 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     require_folder(command.out)
     if command.files == "parquet":
         schema()  # before the work, where pyarrow is missing
-    return command.out, parts
+    return command.out.resolve() if command.engine else command.out, parts
 
 
 def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard]]:
@@ -84,20 +88,38 @@ def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard
     return of, of.divided()
 
 
-def _made(folder: Path, of: Set, shards: list[Shard], series: HouseSeries, command: Any) -> int:
-    """Make shards that are not there, one after the other; how many."""
+def _engine(command: Any) -> AbstractContextManager[Cluster | None]:
+    """What makes the shards, beside this process."""
+    if command.engine is None:
+        if command.address is not None:
+            raise RequestError("--address: is of --engine ray: add it")
+        return nullcontext()
+    if command.workers is not None:
+        whole("workers", command.workers, 1)
+    return connected(command.address, command.workers)
+
+
+def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Cluster | None) -> int:
+    """Make shards that are not there, one after the other or as tasks; how many."""
     number = 0
     with counting(sum(len(shard.indices) for shard in shards), "houses") as advance:
+        if cluster:
+            task = partial(make_on_node, folder, of, command.replace)
+            for place, new in cluster.each(task, shards):
+                number += new
+                advance(len(shards[place].indices))
+            return number
+        series, workers = of.series(folder), 1 if command.workers is None else command.workers
         for shard in shards:
-            new = make(folder, of, shard, series, command.workers, command.replace, advance)
+            new = make(folder, of, shard, series, workers, command.replace, advance)
             number += new
             if not new:
                 advance(len(shard.indices))
     return number
 
 
-def _completed(folder: Path, of: Set) -> str:
+def _completed(folder: Path, of: Set, each: Mapper) -> str:
     """Complete the set if all its shards are there; in words, what it is then."""
-    if (left := len(missing(folder, of))) or (manifest := complete(folder, of)) is None:
+    if (left := len(missing(folder, of))) or (manifest := complete(folder, of, each)) is None:
         return f"{numbered(left, 'shard')} of the set {'is' if left == 1 else 'are'} missing yet."
     return f"The set is whole: {numbered(manifest.houses, 'house')}, {numbered(manifest.limits, 'limit')}."

@@ -1,0 +1,219 @@
+"""Shards as tasks of Ray: the same set as without it, whatever is lost or stopped on the way."""
+
+import os
+import pickle
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from logic import cluster
+from logic.errors import GrammarError, Reason, Unsatisfiable, to_record
+from tests.logic.dataset.sets import command, content
+from tests.programs import PATIENCE, finished
+
+ROOT = Path(__file__).parents[3]
+
+MARK = "VITRUVIUS_TEST_ENGINE"
+
+LOCAL = re.compile(r"^vitruvius (generate .+) --engine ray --workers 2 --out homes$", re.MULTILINE)
+"""The command of docs/scale.md that makes a set by Ray on one machine."""
+
+[COMMAND] = LOCAL.findall((ROOT / "docs" / "scale.md").read_text())
+ALL = COMMAND.split()
+
+TASKS = """
+import importlib, os, sys, warnings
+from pathlib import Path
+from logic import cluster
+from logic.grammar import find
+
+warnings.showwarning = lambda message, *_: print(message)
+cluster.RETRIES = 1
+with cluster.connected(sys.argv[1]) as nodes:
+    print(nodes.map(abs, range(-40, 0)) == [*range(40, 0, -1)])
+    nodes.map(warnings.warn, ["twice"] * 2)
+    for function, item in (
+        (find, "nobodys"),
+        (Path.read_bytes, Path("/nowhere")),
+        (importlib.import_module, "nothing"),
+        (os._exit, 1),
+    ):
+        try:
+            nodes.map(function, [item])
+        except Exception as error:
+            print(f"{type(error).__name__}: {error}")
+"""
+"""Tasks that go wrong in each way."""
+
+
+def start(folder: Path, *words: str) -> subprocess.Popen[str]:
+    """The command at work, in a session of its own; all that it starts has its folder in the environment."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "vitruvius.cli", *ALL, "--out", str(folder), *words],
+        cwd=ROOT,
+        env=os.environ | {MARK: str(folder)},
+        start_new_session=True,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def started_for(folder: Path) -> dict[int, str]:
+    """The processes that have a folder in their environment, with their commands."""
+    found = {}
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if f"{MARK}={folder}".encode() in (process / "environ").read_bytes().split(b"\0"):
+                found[int(process.name)] = (process / "cmdline").read_text()
+        except OSError:  # it has ended
+            continue
+    return found
+
+
+def left_of(folder: Path) -> list[str]:
+    """Those that are there after some seconds to end."""
+    end = time.monotonic() + 10
+    while (found := started_for(folder)) and time.monotonic() < end:
+        time.sleep(0.1)
+    return [*found.values()]
+
+
+def wait(process: subprocess.Popen[str], until: Callable[[], bool]) -> None:
+    """Wait for what a command does on its way."""
+    end = time.monotonic() + PATIENCE
+    while not until():
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def shards_of(folder: Path) -> list[Path]:
+    return [*folder.glob("data/t*")]
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The set as it is made without an engine."""
+    folder = tmp_path_factory.mktemp("plain") / "set"
+    assert command(*ALL, "--out", folder) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def nodes() -> Iterator[Any]:
+    """A cluster of a node with one processor, that others can be added to."""
+    pytest.importorskip("ray")
+    from ray.cluster_utils import Cluster
+
+    soon = {"health_check_initial_delay_ms": 0, "health_check_period_ms": 300, "health_check_timeout_ms": 300}
+    head = {"num_cpus": 1, "object_store_memory": cluster.STORE, "_system_config": soon}
+    found = Cluster(initialize_head=True, head_node_args=head | {"include_dashboard": False})
+    yield found
+    found.shutdown()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_a_node_that_is_killed_is_made_up_for_by_the_others(nodes: Any, plain: Path, tmp_path: Path) -> None:
+    """Its raylet and all that runs there: the set has each row once and the bytes of a plain one."""
+    folder, there = tmp_path / "set", tmp_path / "lost"
+    node = nodes.add_node(num_cpus=1, object_store_memory=cluster.STORE, env_vars={MARK: str(there)})
+    process = start(folder, "--engine", "ray", "--address", nodes.address)
+    wait(process, lambda: len(shards_of(folder)) >= 3)
+    wait(process, lambda: any("_called" in each for each in started_for(there).values()))
+    for each in started_for(there):
+        os.kill(each, signal.SIGKILL)
+    nodes.remove_node(node, allow_graceful=False)
+    said = process.communicate(timeout=PATIENCE)[1]
+    assert process.returncode == 0, said
+    *lost, last = said.splitlines()
+    assert last == f"{folder}: 15 shards made. The set is whole: 300 houses, 0 limits."
+    assert all(line.startswith("Ray: ") for line in lost), said
+    assert content(folder) == content(plain)
+
+
+def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
+    nodes: Any, tmp_path: Path
+) -> None:
+    (tmp_path / "logic.py").write_text("raise ImportError('a file in the current folder')\n")
+    ended = finished([sys.executable, "-P", "-c", TASKS, nodes.address], cwd=tmp_path)
+    where = f"(node {nodes.head_node.node_ip_address})"
+    right, warned, grammar, file, module, lost = ended.stdout.splitlines()
+    assert (right, warned) == ("True", "twice")
+    assert grammar.startswith("GrammarError: ")
+    assert file == f"FileNotFoundError: [Errno 2] No such file or directory: '/nowhere {where}'"
+    assert module == f"MissingProgram: No module named 'nothing' {where}"
+    assert lost.startswith("Killed: the process or node of a task was lost 2 times: ")
+    assert {line.partition(":")[0] for line in ended.stderr.splitlines()} == {"Ray"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_ctrl_c_keeps_what_is_done_and_ends_all_that_was_started(plain: Path, tmp_path: Path) -> None:
+    pytest.importorskip("ray")
+    folder = tmp_path / "set"
+    process = start(folder, "--engine", "ray", "--workers", "2")
+    wait(process, lambda: len(shards_of(folder)) >= 3)
+    os.killpg(process.pid, signal.SIGINT)
+    assert process.communicate(timeout=PATIENCE)[1] == "interrupted\n"
+    assert process.returncode == 130
+    assert left_of(folder) == []
+    done = {path: path.stat().st_mtime_ns for path in shards_of(folder)}
+    assert len(done) < 15
+    assert command(*ALL, "--out", folder) == 0
+    assert content(folder) == content(plain)
+    assert done == {path: path.stat().st_mtime_ns for path in done}
+
+
+WRONG = {
+    "--engine ray --address ray://127.0.0.1:10001": (2, "name a cluster of Ray as HOST:PORT"),
+    "--engine ray --workers 0": (2, "workers must be a whole number, 1 or more, not 0"),
+    "--address auto": (2, "--address: is of --engine ray: add it"),
+    "--engine ray --address 127.0.0.1:{closed}": (69, "no cluster of Ray to connect to: Connection refused"),
+    "--engine ray --address 127.0.0.1:{silent}": (
+        69,
+        "no cluster of Ray to connect to: none answered in 1 s",
+    ),
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_what_is_no_engine_is_one_line_before_anything_is_written(
+    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("ray")
+    monkeypatch.setattr(cluster, "ANSWERS", 1.0)
+    with socket.create_server(("127.0.0.1", 0)) as silent, socket.create_server(("127.0.0.1", 0)) as closed:
+        ports = {"silent": silent.getsockname()[1], "closed": closed.getsockname()[1]}
+        closed.close()
+        code, line = WRONG[words]
+        assert command(*ALL, "--out", tmp_path / "set", *words.format(**ports).split()) == code
+    assert line in (said := capsys.readouterr().err)
+    assert said.count("\n") == 1
+    assert not (tmp_path / "set").exists()
+
+
+def test_without_ray_it_is_said_how_to_install_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "ray", None)
+    assert command(*ALL, "--out", tmp_path / "set", "--engine", "ray") == 69
+    said = "error: vitruvius generate needs ray: pip install vitruvius[cluster]\n"
+    assert capsys.readouterr().err == said
+
+
+def test_errors_cross_processes_whole() -> None:
+    for error in (
+        GrammarError("no such rule", "rooms.lp", 8, 1),
+        Unsatisfiable(
+            "family", "4 rooms", (Reason("a :- b.", "rooms.lp", 8, 1),), "Try --rooms 5", ("bath",)
+        ),
+    ):
+        again = pickle.loads(pickle.dumps(error))
+        assert (str(again), to_record(again)) == (str(error), to_record(error))
