@@ -151,9 +151,13 @@ class PaperRule:
 class Free:
     """A layer that allows everything."""
 
+    def __init__(self, actions: int = ACTIONS) -> None:
+        """Of so many actions."""
+        self.actions = actions
+
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, A) bool are allowed: all."""
-        return torch.ones(len(blocked), ACTIONS, dtype=torch.bool, device=blocked.device)
+        return torch.ones(len(blocked), self.actions, dtype=torch.bool, device=blocked.device)
 
 
 class Stack:
@@ -184,11 +188,12 @@ def best_value(q: Tensor, allowed: Tensor) -> Tensor:
 
 
 def random_preference(like: Tensor, generator: torch.Generator, forward: float = 0.93) -> Tensor:
-    """Preferences (..., A) whose best allowed action is a random one, ``forward`` with that probability.
+    """Preferences (..., A) whose best allowed action is a random one, ``forward`` with that probability, all
+    others alike.
 
     Gumbel noise on log-probabilities: its argmax is a sample of them, also under a mask.
     """
-    turn = (1 - forward) / 2
-    share = torch.tensor([turn, turn, forward], device=like.device)
+    share = torch.full(like.shape[-1:], (1 - forward) / (like.shape[-1] - 1), device=like.device)
+    share[FORWARD] = forward
     uniform = torch.rand(like.shape, generator=generator, device=like.device)
     return share.log() - (-(uniform.clamp(1e-12, 1 - 1e-7)).log()).log()

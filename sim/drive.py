@@ -13,6 +13,9 @@ SPEED, TURN_SPEED = 0.7, 3.0
 THREE = (0.0, TURN_SPEED), (0.0, -TURN_SPEED), (SPEED, 0.0)
 """Turn left, turn right and forward, in the order of the lattice's actions: for agents of three actions."""
 
+FIVE = (*THREE, (SPEED, TURN_SPEED / 2), (SPEED, -TURN_SPEED / 2))
+"""And forward in a bow, to the left and to the right."""
+
 
 @dataclass(frozen=True)
 class Drive:

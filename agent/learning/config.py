@@ -42,8 +42,9 @@ class TrainConfig:
     """Where targets lie: main, secondary, mixed or habit; or another task: module:Class, or as JSON, such as
     '{"task": "reach", "room": "kitchen"}'."""
 
-    world: Literal["default", "paper"] = "default"
-    """Preset of the simulator."""
+    world: Literal["default", "drive", "paper"] = "default"
+    """Preset of the simulator. drive: bodies drive by commands, in the backend free, without an avoidance
+    layer."""
 
     sim: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FIELD=VALUE")] = ()
     """Field of the simulator's configuration in place of the preset's (sim/config.py lists them), as in
@@ -97,6 +98,9 @@ class TrainConfig:
     reads_maps: ClassVar[bool] = False
     """Whether it learns from a body's maps: then it plays no other task than its own, and no other body."""
 
+    drives: ClassVar[bool] = False
+    """Whether it can learn to drive."""
+
     parallel: ClassVar[bool] = False
     """Whether several processes can learn as one."""
 
@@ -109,6 +113,11 @@ class TrainConfig:
         """What its agents act by, in the words of ``sim.Config.observe``."""
         return "rays", "bump", "last_action"
 
+    @property
+    def backend(self) -> str:
+        """The backend that it learns in and plays in."""
+        return "free" if self.world == "drive" else "continuous"
+
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
         """Configs that run by name."""
@@ -116,6 +125,13 @@ class TrainConfig:
 
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
+        if self.world == "drive":
+            if not self.drives:
+                raise RequestError(f"world drive: {self.algorithm} is of bodies on a lattice: try pqn-free")
+            if self.avoidance != "none":
+                raise RequestError(
+                    f"world drive: the layer {self.avoidance} is of bodies on a lattice: add --avoidance none"
+                )
         for name in self.positive:
             if getattr(self, name) is not None and not getattr(self, name) > 0:
                 raise RequestError(f"{name} must be above 0, not {getattr(self, name)}")
@@ -130,6 +146,7 @@ class QLearningConfig(TrainConfig):
     """What PQN and DQN have in common: a discount, linear schedules, and a Q-network that remembers."""
 
     groups: ClassVar = {"half_lives": "Q-learning"}
+    drives: ClassVar[bool] = True
 
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""

@@ -9,7 +9,7 @@ import torch
 
 from agent.avoidance import Free, Layer, PaperRule, Shield, air
 from agent.learning.config import TrainConfig
-from agent.learning.simulator import simulator
+from agent.learning.simulator import actions, simulator
 from logic import House, HouseFileError, RequestError
 from logic.spelling import keywords
 from sim import HouseVectorEnv
@@ -102,10 +102,19 @@ def shield(envs: HouseVectorEnv) -> Shield:
 
 
 def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generator) -> Layer:
-    """The config's avoidance layer, for the body and the rays of these environments."""
+    """The config's avoidance layer, for the body and the rays of these environments.
+
+    Raises ``RequestError`` where they are of another kind of motion than the one that was learnt.
+    """
+    if envs.config.drives != (config.world == "drive"):
+        raise RequestError(
+            "an agent that drives plays in the backend free alone"
+            if config.world == "drive"
+            else "an agent of a body on a lattice does not play in the backend free"
+        )
     match config.avoidance:
         case "paper":
             return PaperRule(generator, distance=envs.config.column("distance"))
         case "none":
-            return Free()
+            return Free(actions(config))
     return shield(envs)

@@ -7,6 +7,7 @@ import msgspec
 from agent.learning.config import TrainConfig
 from logic import RequestError
 from logic.spelling import unknown
+from sim.actions import ACTIONS, FORWARD
 from sim.config import DEFAULT, PRESETS, SENSOR, Config
 from sim.tasks.tasks import task
 
@@ -38,7 +39,9 @@ def simulator(config: TrainConfig) -> Config:
         except msgspec.DecodeError:
             values[name] = value
         try:
-            msgspec.convert(values, Config).require_few_directions()
+            made = msgspec.convert(values, Config)
+            if config.world != "drive":
+                made.require_few_directions()
         except ValueError as error:
             raise RequestError(f"--sim {text}: {error}") from None
     made = msgspec.convert(values, Config)
@@ -52,7 +55,21 @@ def simulator(config: TrainConfig) -> Config:
 
 def sensor(config: TrainConfig, world: str = "default") -> Config:
     """The simulator that an agent is measured in: a preset's body and episodes, with the agent's sensor."""
-    return with_sensor(PRESETS[world], simulator(config))
+    learnt_in = simulator(config)
+    measured_in = with_sensor(PRESETS[world], learnt_in)
+    return replace(measured_in, drive=learnt_in.drive) if config.world == "drive" else measured_in
+
+
+def actions(config: TrainConfig) -> int:
+    """How many actions an agent chooses from: a body's on a lattice, or the commands of one that drives.
+
+    Raises ``RequestError`` where that has none.
+    """
+    if config.world != "drive":
+        return ACTIONS
+    if len(commands := simulator(config).drive.commands) <= FORWARD:
+        raise RequestError(f"world drive: {len(commands)} commands: three at least, the third one forward")
+    return len(commands)
 
 
 def with_sensor(world: Config, seeing: Config = DEFAULT) -> Config:

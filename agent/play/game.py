@@ -66,7 +66,7 @@ def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[S
 
 def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> list[Scene]:
     """The scenes of the episode that an agent plays from the same start with the same targets."""
-    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config), backend=agent.config.backend)
     observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)
     return [envs.scene(0) for _ in moments(envs, policy, observation)]

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import torch
 from torch import Tensor, nn
 
-from agent.policies.memory import SIGNALS, Memory
+from agent.policies.memory import Memory
 from sim.actions import ACTIONS
 
 WINDOW, STRIDE = 5, 2
@@ -34,26 +34,27 @@ class QNetwork(nn.Module):
         channels: int = 2,
         half_lives: tuple[float, ...] = (1, 4, 16, 64),
         width: int = 128,
+        actions: int = ACTIONS,
     ) -> None:
         """Draw first weights from torch's generator: see ``seeded``."""
         super().__init__()
-        self.shape = (rays, channels, half_lives)
-        self.memory = Memory(half_lives)
+        self.shape, self.actions = (rays, channels, half_lives), actions
+        self.memory = Memory(half_lives, actions)
         # A convolution, as a matrix product of overlapping windows: torch's own is slower on a CPU.
         self.look = nn.Linear(WINDOW * channels, 16)
         self.judge = nn.Sequential(
-            nn.Linear(16 * ((rays - WINDOW) // STRIDE + 1) + SIGNALS * len(half_lives), width),
+            nn.Linear(16 * ((rays - WINDOW) // STRIDE + 1) + self.memory.signals * len(half_lives), width),
             nn.LayerNorm(width),
             nn.ReLU(inplace=True),
             nn.Linear(width, width),
             nn.LayerNorm(width),
             nn.ReLU(inplace=True),
-            nn.Linear(width, ACTIONS),
+            nn.Linear(width, actions),
         )
 
     def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
         """Q-values (B, A), in discounted targets, of observations (B, R, C), distance/range and is_target,
-        and memories (B, M, 6).
+        and memories (B, M, S).
         """
         channels = observation.shape[2]
         windows = observation.flatten(1).unfold(1, WINDOW * channels, STRIDE * channels)

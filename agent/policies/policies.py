@@ -119,7 +119,7 @@ class QPolicy:
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         q = self.network(observation, self.remembered)
-        chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.forward, draws=2)
+        chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.forward, 2, q.shape[1])
         preference = epsilon_greedy(q, chosen, home(random, observation) if self.homing else random)
         self.choice = ActionChoice(q, preference, self.avoidance(observation, blocked))
         actions = subsume(preference, self.choice.allowed)
@@ -187,7 +187,12 @@ class RandomPolicy:
 
 
 def exploration(
-    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float, draws: int = 1
+    shape: tuple[int, ...],
+    generator: torch.Generator,
+    epsilon: float,
+    forward: float,
+    draws: int = 1,
+    actions: int = ACTIONS,
 ) -> tuple[Tensor, Tensor]:
     """For actions of this shape: which are random (..., 1) bool, a share ``epsilon``; and preferences of
     random actions (..., A), ``forward`` in that share.
@@ -196,7 +201,7 @@ def exploration(
     """
     device = generator.device
     uniform = torch.rand(draws, *shape, 1, generator=generator, device=device)[0]
-    random = random_preference(torch.empty(*shape, ACTIONS, device=device), generator, forward)
+    random = random_preference(torch.empty(*shape, actions, device=device), generator, forward)
     return uniform < epsilon, random
 
 

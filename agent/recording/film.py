@@ -136,7 +136,7 @@ def _opened(
     agent: Checkpoint, houses: Sequence[House], targets: str, seed: int
 ) -> tuple[HouseVectorEnv, QPolicy | Explorer]:
     """An environment in each house, and the agent's policy in them."""
-    envs = make_envs(houses, len(houses), targets, preset=sensor(agent.config))
+    envs = make_envs(houses, len(houses), targets, preset=sensor(agent.config), backend=agent.config.backend)
     return envs, policy_of(agent.network, agent.config, envs, seed)
 
 

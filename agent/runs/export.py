@@ -27,7 +27,6 @@ from torch import Tensor, nn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
-from sim.actions import ACTIONS
 
 INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
 
@@ -48,7 +47,7 @@ class ExportedStep(nn.Module):
     def forward(self, observation: Tensor, memory: Tensor, blocked: Tensor) -> tuple[Tensor, Tensor]:
         """Q-values (B, A), and the memory (B, A, ...) after each action; for the inputs see above."""
         same = torch.zeros_like(blocked)
-        each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(ACTIONS)]
+        each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(self.network.actions)]
         memories = [self.network.memory(memory, observation, blocked, action, same) for action in each]
         return self.network(observation, memory), torch.stack(memories, dim=1)
 

@@ -161,7 +161,8 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     torch.set_num_threads(config.threads)
     keep_freed_memory()
     set_precision(config.precision, config.device)
-    envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
+    world, where = simulator(config), {"backend": config.backend, "device": config.device}
+    envs = make_envs(houses, share, config.targets, preset=world, **where)
     return learner_of(config, envs)
 
 

@@ -48,12 +48,14 @@ EXPLORERS = {
 }
 
 
-def environments(targets: str, world: str = "default", cell: float = 0.0) -> HouseVectorEnv:
+def environments(
+    targets: str, world: str = "default", cell: float = 0.0, backend: str = "continuous"
+) -> HouseVectorEnv:
     houses = [*generate(4, cell=cell, count=ENVIRONMENTS)] if cell else benchmark()[:ENVIRONMENTS]
     if targets in PAPER_TASKS:  # which are of one house
         houses = house_list(PAPER_HOUSE)
-    backend = "grid" if cell else "continuous"
-    return make_envs(houses, ENVIRONMENTS, targets, preset=world, backend=backend)
+    where = "grid" if cell else backend
+    return make_envs(houses, ENVIRONMENTS, targets, preset=world, backend=where)
 
 
 def play(envs: HouseVectorEnv, policy: Any, look: Callable[[], tuple[torch.Tensor, ...]]) -> dict[str, Any]:
@@ -89,7 +91,7 @@ def played(preset: str) -> dict[str, Any]:
     else:
         config = PRESETS[preset]
         network = network_of(config).eval()
-    envs = environments(config.targets, config.world)
+    envs = environments(config.targets, config.world, backend=config.backend)
     policy = policy_of(network, config, envs, seed=3)
     return play(envs, policy, lambda: ())
 
@@ -112,7 +114,7 @@ def learnt(preset: str) -> dict[str, Any]:
     torch.set_num_threads(1)
     config = PRESETS[preset]
     config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
-    envs = environments(config.targets, config.world)
+    envs = environments(config.targets, config.world, backend=config.backend)
     torch.set_float32_matmul_precision(config.precision)
     learner = learner_of(config, envs)
     reports = list(learner.train())

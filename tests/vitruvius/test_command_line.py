@@ -208,7 +208,7 @@ COMPLETED = {
     "vitruvius bench gen": ["generator"],
     "vitruvius generate --gram": ["--grammar"],
     "vitruvius generate --grammar fam": ["family"],
-    "vitruvius train --preset pqn": ["pqn", "pqn-recurrent"],
+    "vitruvius train --preset pqn": ["pqn", "pqn-free", "pqn-recurrent"],
     "vitruvius train --num-min": ["--num-minibatches"],
     "vitruvius train --buffer": ["--buffer-size"],
     "vitruvius evaluate paper-": ["paper-original"],

@@ -23,11 +23,10 @@ from agent.algorithms.dqn.config import DQNConfig
 from agent.avoidance import subsume
 from agent.learning.replay import ReplayBuffer
 from agent.learning.replay_learner import ReplayLearner
-from agent.learning.simulator import simulator
+from agent.learning.simulator import actions, simulator
 from agent.policies.network import QNetwork, seeded
 from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
-from sim.actions import ACTIONS
 
 
 def n_step_returns(
@@ -115,7 +114,7 @@ class DQN(ReplayLearner):
         """See ``Learner``."""
         world = simulator(config)
         with seeded(config.seed):
-            return QNetwork(world.rays, world.channels, config.half_lives)
+            return QNetwork(world.rays, world.channels, config.half_lives, actions=actions(config))
 
     def __init__(self, config: DQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
@@ -131,7 +130,7 @@ class DQN(ReplayLearner):
             config.buffer_size // count,
             s=self.s.half(),
             m=self.m.half(),
-            allowed=torch.zeros(count, ACTIONS, dtype=torch.bool),
+            allowed=torch.zeros(count, self.network.actions, dtype=torch.bool),
             a=torch.zeros(count, dtype=torch.int64),
             r=torch.zeros(count),
             terminated=flags,
@@ -155,7 +154,7 @@ class DQN(ReplayLearner):
         """Step all environments once, and keep the actions that were executed."""
         s, blocked, begun = self.s, self.blocked, self.ended
         allowed, q = self.avoidance(s, blocked), self.network(s, self.m)
-        noise = exploration(q.shape[:1], self.generator, self.epsilon, self.config.forward)
+        noise = exploration(q.shape[:1], self.generator, self.epsilon, self.config.forward, 1, q.shape[1])
         preference = epsilon_greedy(q, *noise)
         a = subsume(preference, allowed)
         r, terminated, truncated = self.step_envs(a)

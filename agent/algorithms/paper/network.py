@@ -28,7 +28,7 @@ class PaperNetwork(nn.Module):
         """
         super().__init__()
         self.next_by = next_by
-        self.shape = (rays, channels, ())
+        self.shape, self.actions = (rays, channels, ()), ACTIONS
         self.memory = Memory(())  # of nothing, so that it is called as the other networks are
         widths = (25 * rays, 50, 100, 50, 25)
         hidden = [(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(widths)]

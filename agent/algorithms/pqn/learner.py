@@ -20,7 +20,7 @@ from agent.algorithms.pqn.recurrent import RecurrentQNetwork
 from agent.algorithms.pqn.rollout import Rollout
 from agent.learning import ranks
 from agent.learning.learner import Learner, Progress, Tally
-from agent.learning.simulator import simulator
+from agent.learning.simulator import actions, simulator
 from agent.policies.network import QNetwork, seeded
 from sim import HouseVectorEnv
 
@@ -78,8 +78,8 @@ class PQN(Learner):
         world = simulator(config)
         with seeded(config.seed):
             if config.network == "recurrent":
-                return RecurrentQNetwork(world.rays, world.channels)
-            return QNetwork(world.rays, world.channels, config.half_lives)
+                return RecurrentQNetwork(world.rays, world.channels, actions=actions(config))
+            return QNetwork(world.rays, world.channels, config.half_lives, actions=actions(config))
 
     def __init__(self, config: PQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""

@@ -17,13 +17,14 @@ CODE, HIDDEN = 64, 64
 class Recurrence(nn.Module):
     """The hidden state after an action: a function of the one before, the observation, action and bump."""
 
-    def __init__(self, rays: int, channels: int) -> None:
+    def __init__(self, rays: int, channels: int, actions: int = ACTIONS) -> None:
         """Draw first weights from torch's generator."""
         super().__init__()
+        self.actions = actions
         self.code = nn.Sequential(
             nn.Flatten(), nn.Linear(rays * channels, CODE), nn.LayerNorm(CODE), nn.ReLU()
         )
-        self.cell = nn.GRUCell(CODE + ACTIONS + 1, HIDDEN)
+        self.cell = nn.GRUCell(CODE + actions + 1, HIDDEN)
 
     def empty(self, environments: int) -> Tensor:
         """Empty memories (E, H) float32: zeros."""
@@ -37,9 +38,9 @@ class Recurrence(nn.Module):
         return self.cell(signals, memory).masked_fill(ended[:, None], 0.0)
 
     def signals(self, observation: Tensor, blocked: Tensor, actions: Tensor) -> Tensor:
-        """What the unit reads (..., CODE + 4) of observations (..., R, C), bumps (...) and actions (...)."""
+        """What the unit reads (..., CODE + A + 1) of observations (..., R, C), bumps and actions (...)."""
         codes = self.code(observation.flatten(0, -3)).unflatten(0, observation.shape[:-2])
-        acts = nn.functional.one_hot(actions, ACTIONS)
+        acts = nn.functional.one_hot(actions, self.actions)
         return torch.cat([codes, acts, blocked[..., None]], dim=-1)
 
     def unrolled(
@@ -62,11 +63,11 @@ class RecurrentQNetwork(nn.Module):
     hidden state: about 94,000 parameters.
     """
 
-    def __init__(self, rays: int = 40, channels: int = 2, width: int = 128) -> None:
+    def __init__(self, rays: int = 40, channels: int = 2, width: int = 128, actions: int = ACTIONS) -> None:
         """Draw first weights from torch's generator."""
         super().__init__()
-        self.shape = (rays, channels, ())
-        self.memory = Recurrence(rays, channels)
+        self.shape, self.actions = (rays, channels, ()), actions
+        self.memory = Recurrence(rays, channels, actions)
         self.look = nn.Conv1d(channels, 16, kernel_size=5, stride=2)
         self.judge = nn.Sequential(
             nn.Linear(16 * ((rays - 5) // 2 + 1) + HIDDEN, width),
@@ -75,7 +76,7 @@ class RecurrentQNetwork(nn.Module):
             nn.Linear(width, width),
             nn.LayerNorm(width),
             nn.ReLU(),
-            nn.Linear(width, ACTIONS),
+            nn.Linear(width, actions),
         )
 
     def forward(self, observation: Tensor, memory: Tensor) -> Tensor:

@@ -23,7 +23,7 @@ class Rollout:
     """Whether the step to each state was blocked (T + 1, E) bool."""
 
     memory: Tensor
-    """Memories at each state (T + 1, E, M, 6) float32."""
+    """Memories at each state (T + 1, E, M, S) float32."""
 
     v: Tensor
     """Q-value (T + 1, E) float32 of the action that the network, under avoidance, prefers in each state."""
@@ -48,7 +48,7 @@ class Rollout:
 
     @classmethod
     def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
-        """Make room for that many steps from the first observations (E, R, C) and memories (E, M, 6)."""
+        """Make room for that many steps from the first observations (E, R, C) and memories (E, M, S)."""
         size = (steps, len(observation))
         ended = observation.new_zeros(size, dtype=torch.bool)
         rollout = cls(
@@ -84,7 +84,7 @@ class Rollout:
         for states in (self.s, self.blocked, self.memory):
             states[0] = states[-1]
         values, explored = [], []
-        noise = exploration(self.a.shape, generator, epsilon, forward, draws=2)
+        noise = exploration(self.a.shape, generator, epsilon, forward, 2, network.actions)
         for t, (chosen, random) in enumerate(zip(*noise, strict=True)):
             q, allowed = self._values(t, network, avoidance)
             values.append((q, allowed))

@@ -18,6 +18,7 @@ from agent.policies.policies import RandomPolicy
 from logic import House, HouseFileError, Rect, Star, StarRoom
 from sim import DEFAULT, PAPER, HouseVectorEnv
 from sim.actions import FORWARD, LEFT, RIGHT
+from sim.config import DRIVE
 from tests.sample_houses import random_house
 
 E = 16
@@ -94,7 +95,7 @@ def test_what_a_body_senses_besides_changes_nothing_for_layers_and_pictures(fiel
 
 def test_the_presets_learn_in_the_simulators_presets():
     assert {name: simulator(preset) for name, preset in PRESETS.items()} == {
-        name: PAPER if name == "paper" else DEFAULT for name in PRESETS
+        name: {"paper": PAPER, "pqn-free": DRIVE}.get(name, DEFAULT) for name in PRESETS
     }
 
 
