@@ -15,6 +15,7 @@ import tyro
 from gymnasium.wrappers.vector import RescaleAction
 
 from agent import banks
+from agent.evaluation import drivers
 from logic import load
 from sim import DEFAULT
 
@@ -90,12 +91,6 @@ class Driving:
 
 def pursue(seen: np.ndarray) -> np.ndarray:
     """Towards the target, where a ray ends on it; else where rays go furthest, and around before walls."""
-    rays = seen[:, :80].reshape(-1, 40, 2)
-    shown = rays[..., 1] > 0
-    sees, open_ = shown.any(axis=1), rays[:, 10:30, 0].min(axis=1) * CONFIG.range > 0.4
-    middle = (shown * CONFIG.ray_angles).sum(axis=1) / np.maximum(1, shown.sum(axis=1))
-    furthest = CONFIG.ray_angles[rays[..., 0].argmax(axis=1)]
-    turn = np.where(sees, 4 * middle, np.where(open_, furthest, CONFIG.drive.turn_speed))
-    fast = np.where(sees, np.abs(middle) < 0.5, open_)
-    turn = np.clip(turn / CONFIG.drive.turn_speed, -1, 1)
-    return np.column_stack([np.where(fast, 1.0, -1.0), turn]).astype(np.float32)
+    told = drivers.pursue(seen[:, :80].reshape(-1, 40, 2), CONFIG)
+    low, high = np.array(CONFIG.drive.low), np.array(CONFIG.drive.high)
+    return (2 * (told - low) / (high - low) - 1).astype(np.float32)

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from agent.banks import bank_hash, house_key, kept
-from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.drivers import NO_AGENTS
 from agent.evaluation.scores import ScoreFile
 from agent.runs.checkpoint import Checkpoint
 from logic import House
@@ -58,6 +58,6 @@ def with_others(
         name if name not in agents else f"{name} ({path.stem})": number
         for path, file in files.items()
         for name, number in file.learnt_in.items()
-        if name not in REFERENCES
+        if name not in NO_AGENTS
     }
     return {**theirs, **ours}

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
-from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
+from agent.evaluation.result import HUMAN_RATIO, Result
 from agent.evaluation.tables import LABELS, capital, human_name
 from agent.learning.learner import Progress
 
@@ -24,6 +24,10 @@ COLOURS = {
     "explorer": "#2f9c95",
     "searcher": "#a5518e",
     "oracle": "#c96a12",
+    "random drive": "#8b8f96",
+    "pursuit": "#7a9a3a",
+    "true path": "#a5518e",
+    "bound": "#c96a12",
 }
 """Of policies, by name."""
 
@@ -32,13 +36,15 @@ OTHER = "#333333"
 
 
 def ratio_plot(results: Sequence[Result]) -> bytes:
-    """For each target mode every policy's ratio to the oracle with its interval, and that by rooms."""
+    """For each target mode every policy's ratio to the oracle, or the bound, with its interval, and that by
+    rooms.
+    """
     figure = Figure(figsize=(4.2 * len(results) + 1, 6), dpi=120, layout="constrained")
     axes = figure.subplots(2, len(results), squeeze=False, sharey="row")
     for column, result in enumerate(results):
         _ratios(axes[0, column], result)
         _by_rooms(axes[1, column], result)
-    axes[1, 0].set_ylabel("ratio to the oracle")
+    axes[1, 0].set_ylabel(f"ratio to the {results[0].yardstick}")
     return png(figure)
 
 
@@ -96,9 +102,9 @@ def _ratios(axes: Axes, result: Result) -> None:
     axes.set_yticks(range(len(names)), [LABELS.get(name, name) for name in names])
     for label, name in zip(axes.get_yticklabels(), names, strict=False):  # only the first mode has labels
         label.set_color(COLOURS.get(name, OTHER))
-    axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel="ratio to the oracle")
+    axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel=f"ratio to the {result.yardstick}")
     axes.set_title(capital(result.task))
-    if result.mode in HUMAN:
+    if result.human:
         axes.annotate(
             human_name(result.mode), (HUMAN_RATIO, -0.5), (3, 0), textcoords="offset points", size=7
         )
@@ -108,7 +114,7 @@ def _ratios(axes: Axes, result: Result) -> None:
 def _by_rooms(axes: Axes, result: Result) -> None:
     for name in result.policies:
         ratios, colour = result.by_rooms(name), COLOURS.get(name, OTHER)
-        if name != "oracle":
+        if name != result.yardstick:
             low, high, value = (
                 [getattr(each, end) for each in ratios.values()] for end in ("low", "high", "value")
             )
@@ -121,7 +127,7 @@ def _by_rooms(axes: Axes, result: Result) -> None:
 
 
 def _human(line: Any, result: Result) -> None:
-    if result.mode in HUMAN:
+    if result.human:
         line(HUMAN_RATIO, color="#555555", linestyle="--", linewidth=1)
 
 

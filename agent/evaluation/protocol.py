@@ -10,6 +10,7 @@ import numpy as np
 
 from agent.algorithms.build import policy_of
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
+from agent.evaluation.drivers import DRIVERS, EXACT, bound_scores
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.learning.config import TARGET_MODES
@@ -39,18 +40,23 @@ def measure(
     report: Report = lambda done, words: None,
     *,
     backend: str = "continuous",
-    baselines: Sequence[str] = tuple(BASELINES),
+    baselines: Sequence[str] | None = None,
     world: str = "default",
     episodes: int = 1,
 ) -> Iterator[Result]:
     """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
 
-    ``baselines`` names some of ``BASELINES``; figures are shares of the oracle's, so it is among them.
+    ``baselines`` names some of ``BASELINES``, by default all; figures are shares of the oracle's, so it is
+    among them. In the backend ``free`` they are ``DRIVERS``, and figures are shares of the bound's.
     ``world`` names the simulator's preset that all play in, each with its own sensor; searcher and oracle,
     which know where they are, without its noise and slips. Each house is played in that many ``episodes``;
     for a task that not all houses suit, each of the others (``environments.playable``). ``report`` follows
-    the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
+    the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses, ``RequestError``
+    for an agent of another kind of motion.
     """
+    drives = backend == "free"
+    known = DRIVERS if drives else BASELINES
+    names = tuple(known) if baselines is None else baselines
     baseline = with_sensor(PRESETS[world])
     exact = undisturbed(baseline)
     for number, mode in enumerate(modes):
@@ -65,7 +71,8 @@ def measure(
             for run in runs
         ]
         policies += [
-            (name, settings[exact if name in PRIVILEGED else baseline], BASELINES[name]) for name in baselines
+            (name, settings[exact if name in (*PRIVILEGED, *EXACT) else baseline], known[name])
+            for name in names
         ]
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
         for place, (name, setting, make) in enumerate(policies):
@@ -73,7 +80,12 @@ def measure(
             played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.coverage)
             scores[name] = (*scores.get(name, ()), played)
         rooms = np.array([len(house.secondary) for house in suited])[numbers]
-        shortest = shortest_ways(settings[exact].envs, seed, numbers)
+        if drives:
+            reset(settings[exact].envs, seed, numbers)
+            best, shortest = bound_scores(settings[exact].envs)
+            scores["bound"] = (best,)
+        else:
+            shortest = shortest_ways(settings[exact].envs, seed, numbers)
         ends = task(mode).ends_on_pick_up
         yield Result(mode, rooms, shortest, scores, episodes, baseline.steps, ends, words)
     report(1.0, f"{len(houses)} houses")

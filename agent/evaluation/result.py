@@ -1,6 +1,6 @@
 """What all policies did in one target mode, and the figures of that."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -36,7 +36,8 @@ HUMAN_RATIO = 0.48
 DEFINITIONS = {
     "targets": "picked up in an episode of 1500 steps, in the world long of 3000: interquartile mean over "
     "houses and training runs",
-    "ratio": "targets as a share of the oracle's in the same house: interquartile mean",
+    "ratio": "targets as a share of the oracle's in the same house, of the bound's where bodies drive: "
+    "interquartile mean",
     "success": f"share of episodes whose first target was picked up within {SUCCESS_STEPS} steps; at all, "
     "where that ends the episode",
     "spl": "success weighted by the shortest way's length over the way taken, in steps",
@@ -54,6 +55,11 @@ DEFINITIONS = {
 bootstrap over training runs and houses, but blocked and interventions, over runs."""
 
 
+def yardstick(policies: Iterable[str]) -> str:
+    """Whose targets ratios are shares of, among policies of these names."""
+    return "bound" if "bound" in set(policies) else "oracle"
+
+
 @dataclass(frozen=True)
 class Result:
     """What all policies did in one target mode, one episode in each of H houses, or of H episodes."""
@@ -68,7 +74,8 @@ class Result:
     """(H,) fewest steps from the start to the first target; infinite where no way leads there."""
 
     policies: dict[str, tuple[EpisodeScores, ...]]
-    """By name, the scores of each training run: of one run for a baseline. The oracle is among them."""
+    """By name, the scores of each training run: of one run for a baseline. The oracle is among them, or where
+    bodies drive, the bound."""
 
     episodes: int = 1
     """How many of the H episodes were in each house."""
@@ -88,9 +95,19 @@ class Result:
         return self.named or in_words(self.mode)
 
     @property
+    def yardstick(self) -> str:
+        """Whose targets ratios are shares of: ``oracle`` or ``bound``."""
+        return yardstick(self.policies)
+
+    @property
     def oracle(self) -> np.ndarray:
-        """(H,) targets that the oracle picked up."""
-        return self.policies["oracle"][0].targets
+        """(H,) targets that the oracle picked up, or that the bound allows."""
+        return self.policies[self.yardstick][0].targets
+
+    @property
+    def human(self) -> Human | None:
+        """The paper's human, who is shown beside bodies of the same motion."""
+        return HUMAN.get(self.mode) if self.yardstick == "oracle" else None
 
     def stacked(self, policy: str, value: Callable[[EpisodeScores], np.ndarray]) -> np.ndarray:
         """A value of each house for each of a policy's runs, (S, H)."""
@@ -151,7 +168,7 @@ class Result:
             np.array([[1000 * getattr(scores, name) / scores.steps] for scores in runs])
             for name in ("blocked", "interventions")
         )
-        human = HUMAN.get(self.mode)
+        human = self.human
         return {
             "targets": self.targets(policy),
             "ratio": self.ratio(policy),

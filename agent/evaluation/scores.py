@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from agent.banks import bank_hash
-from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.drivers import NO_AGENTS
 from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from agent.evaluation.result import DEFINITIONS, Result
 from logic import House
@@ -136,7 +136,7 @@ def external(
     world: str = "default",
     episodes: int = 1,
 ) -> dict[str, dict[str, tuple[EpisodeScores, ...]]]:
-    """By target mode and name, the scores of a file's external agents: all policies but ``REFERENCES``.
+    """By target mode and name, the scores of a file's external agents: all policies but ``NO_AGENTS``.
 
     Raises ``ScoreError`` for a file that is none, or of other houses, another seed, backend, world or number
     of episodes, or none of the modes: its figures could not be compared.
@@ -164,7 +164,7 @@ def external(
         mode: {
             name: tuple(_whole_scores(path, name, run, counts[mode]) for run in policy.runs)
             for name, policy in file.targets[mode].policies.items()
-            if name not in REFERENCES and policy.runs
+            if name not in NO_AGENTS and policy.runs
         }
         for mode in found
     }
@@ -172,11 +172,11 @@ def external(
 
 def joined(result: Result, policies: Mapping[str, tuple[EpisodeScores, ...]], path: Path) -> Result:
     """A result with a file's policies above the references; where a name is taken, the file's is added."""
-    agents = {name: runs for name, runs in result.policies.items() if name not in REFERENCES}
+    agents = {name: runs for name, runs in result.policies.items() if name not in NO_AGENTS}
     for policy, runs in policies.items():
         names = (policy, f"{policy} ({path.stem})", f"{policy} ({path})")
         agents[next(name for name in names if name not in agents)] = runs
-    references = {name: runs for name, runs in result.policies.items() if name in REFERENCES}
+    references = {name: runs for name, runs in result.policies.items() if name in NO_AGENTS}
     return replace(result, policies=agents | references)
 
 

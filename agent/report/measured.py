@@ -8,12 +8,12 @@ import numpy as np
 
 from agent.banks import BANKS, benchmark
 from agent.evaluation import scores
-from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.drivers import NO_AGENTS
 from agent.evaluation.learnt_in import warnings
-from agent.evaluation.result import HUMAN, HUMAN_RATIO
+from agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
 from agent.evaluation.scores import ModeScores, PolicyScores, ScoredBank
 from agent.evaluation.statistics import Estimate, interquartile_mean
-from agent.evaluation.tables import LABELS, SCORE_NOTE, capital, human_name
+from agent.evaluation.tables import DRIVE_NOTE, LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
 from agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
 from logic import load
@@ -42,7 +42,7 @@ def lead(files: Sequence[Path]) -> str:
         file = scores.load(path)
         for name, mode in file.targets.items():
             figures = {policy: _figures(each) for policy, each in mode.policies.items()}
-            agents = {policy: each for policy, each in figures.items() if policy not in REFERENCES}
+            agents = {policy: each for policy, each in figures.items() if policy not in NO_AGENTS}
             if agents:
                 words = in_words(name, _naming(path, file.bank))
                 said = _sentence(words, mode, agents, figures.get("oracle", {}), file.bank.houses)
@@ -87,10 +87,11 @@ def _sentence(
 
 def section(files: Sequence[Path], folder: Path) -> Section:
     """Of ``evaluation.json`` files. Raises ``ScoreError`` for one that is none."""
-    parts = []
+    parts, notes = [], dict[str, None]()
     for path in files:
         file = scores.load(path)
         bank = file.bank
+        notes[DRIVE_NOTE if file.backend == "free" else SCORE_NOTE] = None
         houses = f"{bank.houses} houses" + (f" of {bank.file}" if bank.file else "")
         parts.append(f"<p>{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}.</p>")
         told = warnings(file.learnt_in, bank.houses)
@@ -99,7 +100,8 @@ def section(files: Sequence[Path], folder: Path) -> Section:
         parts += [
             _mode(name, in_words(name, named), mode, file.definitions) for name, mode in file.targets.items()
         ]
-    return Section("evaluation", "How well they do", "\n".join([*parts, f"<p>{inline(SCORE_NOTE)}</p>"]))
+    parts += [f"<p>{inline(note)}</p>" for note in notes]
+    return Section("evaluation", "How well they do", "\n".join(parts))
 
 
 def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) -> str:
@@ -107,7 +109,8 @@ def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) 
     figures = {policy: _figures(each) for policy, each in mode.policies.items()}
     labels = {policy: _label(policy, each) for policy, each in mode.policies.items()}
     colours = slots(figures)
-    human = HUMAN.get(name)
+    best = yardstick(figures)
+    human = HUMAN.get(name) if best == "oracle" else None
     ratios = [
         (labels[policy], found["ratio"], colours[policy])
         for policy, found in figures.items()
@@ -116,7 +119,7 @@ def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) 
     parts = [f"<h3>{escape(capital(words))}</h3>", '<div class="figures-row">']
     if ratios:
         mark = (HUMAN_RATIO, human_name(name)) if human else None
-        parts.append(interval_plot(f"Ratio to the oracle, {words}", "ratio to the oracle", ratios, mark))
+        parts.append(interval_plot(f"Ratio to the {best}, {words}", f"ratio to the {best}", ratios, mark))
     parts += [_by_rooms(mode, words, labels, colours), "</div>"]
     columns = [key for key in COLUMNS if any(key in found for found in figures.values())]
     rows = [
@@ -138,10 +141,10 @@ def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) 
 
 def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dict[str, int]) -> str:
     """The ratio against the number of rooms; nothing where houses have one number of rooms."""
-    found = []
+    found, best = [], yardstick(mode.policies)
     for policy, each in mode.policies.items():
         points = sorted((rooms, estimate(figure)) for rooms, figure in each.ratio_by_rooms.items())
-        if len(points) > 1 and policy != "oracle":
+        if len(points) > 1 and policy != best:
             rooms, figures = [rooms for rooms, _ in points], [each for _, each in points]
             value, low, high = ([getattr(each, end) for each in figures] for end in ("value", "low", "high"))
             found.append(DataSeries(labels[policy], rooms, value, low, high, colours[policy]))
@@ -149,7 +152,7 @@ def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dic
         return ""
     ticks = sorted({rooms for each in found for rooms in each.x})
     x = Axis("rooms of the house", ticks=ticks)
-    y = Axis("ratio to the oracle", least=0.0, most=1.0)
+    y = Axis(f"ratio to the {best}", least=0.0, most=1.0)
     return line_plot(f"Ratio by number of rooms, {words}", x, y, found)
 
 

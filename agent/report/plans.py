@@ -10,6 +10,7 @@ import numpy as np
 
 from agent.banks import BANKS, bank_hash, benchmark
 from agent.evaluation import scores
+from agent.evaluation.result import yardstick
 from agent.evaluation.tables import LABELS
 from agent.report.page import Section, data
 from logic import House, load
@@ -61,20 +62,21 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
 
 
 def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[float | None]]:
-    """By mode and policy the share of the oracle's targets in each house, over all runs and episodes; None
-    where the oracle picks up none.
+    """By mode and policy the share of the oracle's targets in each house, or of the bound's, over all runs
+    and episodes; None where these are none.
     """
     found, houses, named = {}, len(bank), looks_of(bank[0]).name
     for mode, scored in file.targets.items():
         runs = [run for each in scored.policies.values() for run in each.runs]
-        if "oracle" not in scored.policies or any(len(run.targets) % houses for run in runs):
+        best = yardstick(scored.policies)
+        if best not in scored.policies or any(len(run.targets) % houses for run in runs):
             continue  # scores of another program, which need not be whole
         # Episode i is in house i % houses.
         counts = {
             policy: np.array([run.targets for run in each.runs]).reshape(len(each.runs), -1, houses)
             for policy, each in scored.policies.items()
         }
-        oracle = counts.pop("oracle").mean(axis=(0, 1))
+        oracle = counts.pop(best).mean(axis=(0, 1))
         for policy, each in counts.items():
             ratio = each.mean(axis=(0, 1)) / np.where(oracle > 0, oracle, np.nan)
             found[f"{LABELS.get(policy, policy)}, {in_words(mode, named)}"] = [

@@ -16,6 +16,10 @@ SLOTS = {
     "paper": 5,
     "paper-original": 6,
     "random + avoidance": 7,
+    "bound": 1,
+    "true path": 2,
+    "pursuit": 3,
+    "random drive": 7,
 }
 """Colours of policies, by name: classes of ``page.css``."""
 

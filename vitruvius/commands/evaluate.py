@@ -3,7 +3,7 @@
 Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -52,7 +52,9 @@ class Evaluate:
     """Seeds starts and targets, the same for every policy."""
 
     backend: str = "continuous"
-    """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
+    """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class. free: for
+    agents that drive (train --preset pqn-free), beside a body that drives at random, a pursuit of what rays
+    show, one that knows the way, and a bound on what any can do."""
 
     world: Literal["default", "long", "noisy", "paper"] = "default"
     """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:
@@ -89,10 +91,9 @@ class Evaluate:
             require_task(targets)
             banks.require_places(targets, self.houses)
         whole("--seed", self.seed, 0, MOST_SEED)
-        if self.backend == "free":
-            raise RequestError(
-                "--backend free: baselines and shield need a lattice of steps: take continuous or grid"
-            )
+        drives = self.backend == "free"
+        if drives and self.beside:
+            raise RequestError("--beside: people played on a lattice of steps: take the backend continuous")
         if self.episodes < 1:
             raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
         import torch
@@ -103,7 +104,7 @@ class Evaluate:
         from agent.evaluation.plots import ratio_plot
         from agent.evaluation.protocol import measure, tasks_of
         from agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
-        from agent.evaluation.tables import NOTE, tables
+        from agent.evaluation.tables import DRIVE_NOTE, NOTE, tables
         from agent.play.results import load as load_games
         from agent.progress import progress
         from agent.report.folder import require_report, write_report
@@ -115,7 +116,8 @@ class Evaluate:
             load_games(self.beside)  # What is wrong there is said before the work.
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
-        for name in PAPERS:
+        require_motion(agents, self.backend)
+        for name in () if drives else PAPERS:
             agents.setdefault(name, [checkpoint.load(name)])
         houses = banks.named(self.houses)
         modes = self.targets or tasks_of(agents)
@@ -147,7 +149,8 @@ class Evaluate:
             scores=[str(path) for path in self.scores],
             learnt_in=known,
         )
-        shown, notes = [table for result in results for table in tables(result)], [*told, NOTE]
+        shown = [table for result in results for table in tables(result)]
+        notes = [*told, DRIVE_NOTE if drives else NOTE]
         if self.beside:
             from agent.play.beside import BESIDE_NOTE, people_tables
 
@@ -160,7 +163,11 @@ class Evaluate:
         else:
             Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
         if self.out:
-            page = [f"# Evaluation\n\n{title}", *told, "![Ratios to the oracle](evaluation.png)"]
+            page = [
+                f"# Evaluation\n\n{title}",
+                *told,
+                f"![Ratios to the {results[0].yardstick}](evaluation.png)",
+            ]
             page += [table.markdown() for table in shown]
             write_whole(self.out / "evaluation.json", content.json())
             write_whole(self.out / "evaluation.png", ratio_plot(results))
@@ -189,6 +196,16 @@ class Evaluate:
         if theirs != ours or [held.agents, held.scores] != paths:
             what = "holds another evaluation: name another folder, or add --replace to lose it"
             raise RequestError(f"--out {self.out}: {what}")
+
+
+def require_motion(agents: Mapping[str, Sequence["Checkpoint"]], backend: str) -> None:
+    """Raise ``RequestError`` for an agent that drives, where bodies make steps, or the other way round."""
+    for name, runs in agents.items():
+        drives = runs[0].config.backend == "free"
+        if drives and backend != "free":
+            raise RequestError(f"{name} drives: add --backend free")
+        if backend == "free" and not drives:
+            raise RequestError(f"{name} is of a body on a lattice: it does not play in the backend free")
 
 
 def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:

@@ -1,0 +1,154 @@
+"""Agents that drive: they learn, and are measured beside baselines that drive. 28 s."""
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from agent.algorithms.build import network_of, policy_of
+from agent.algorithms.dqn.config import DQNConfig
+from agent.algorithms.map_completion.config import CompletionConfig
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.search.config import SearchConfig
+from agent.algorithms.table import PRESETS
+from agent.evaluation import drivers
+from agent.evaluation.drivers import DRIVERS
+from agent.evaluation.knowledge import WORDS
+from agent.evaluation.protocol import measure
+from agent.learning.environments import make_envs
+from agent.learning.simulator import actions, sensor
+from agent.policies.policies import QPolicy
+from agent.report.folder import report
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
+from agent.runs.runs import run
+from logic import RequestError, save
+from sim.drive import FIVE, Drive
+from tests.agent.evaluation.cases import short_episodes
+from tests.sample_houses import random_house
+from vitruvius.commands.evaluate import Evaluate
+
+HOUSES = [random_house(seed) for seed in range(4)]
+SMALL = replace(PRESETS["pqn-free"], num_envs=16, steps=60_000)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short():
+    with short_episodes():
+        yield
+
+
+@pytest.fixture(scope="module")
+def learnt(tmp_path_factory) -> tuple[Checkpoint, list]:
+    """A small run, and its checkpoint as a file has it."""
+    folder = tmp_path_factory.mktemp("run")
+    _, history = run(HOUSES, SMALL, folder, name="pqn-free")
+    return checkpoint.load(folder / "agent.safetensors"), history
+
+
+def test_it_learns_and_is_measured_beside_baselines_that_drive(learnt):
+    agent, history = learnt
+    assert history[-1].targets > 3 * np.mean([now.targets for now in history[:10]])
+    result = next(measure({"mine": [agent]}, HOUSES, ("main",), seed=3, backend="free"))
+    assert list(result.policies) == ["mine", *DRIVERS, "bound"]
+    counts = {name: runs[0].targets.sum() for name, runs in result.policies.items()}
+    assert counts["random drive"] < counts["pursuit"] < counts["true path"] < counts["bound"]
+    assert counts["random drive"] < counts["mine"] < counts["true path"]
+    for name, [scores] in result.policies.items():
+        assert (scores.targets <= result.policies["bound"][0].targets).all()
+        assert (scores.first >= result.shortest).all()
+        assert result.ratios(name).max() <= 1
+        assert (scores.coverage[1] > 0.5).all() == (name != "bound")
+    assert result.yardstick == "bound"
+    assert result.human is None
+
+
+def test_evaluate_writes_its_page_and_says_what_the_ratio_is_to(learnt, tmp_path, capsys):
+    save(HOUSES[:2], tmp_path / "houses.jsonl")
+    checkpoint.save(learnt[0], tmp_path / "agent.safetensors")
+    options = {"targets": ("main",), "backend": "free", "out": tmp_path / "out", "json": True}
+    assert Evaluate((tmp_path / "agent.safetensors",), tmp_path / "houses.jsonl", **options).run() == 0
+    printed = json.loads(capsys.readouterr().out)["answer"]
+    assert printed["backend"] == "free"
+    assert list(printed["targets"]["main"]["policies"]) == ["pqn-free", *DRIVERS, "bound"]
+    page = (tmp_path / "out" / "evaluation.md").read_text()
+    assert "Ratio: to the bound" in page
+    assert "oracle" not in page
+    assert (tmp_path / "out" / "report.html").read_bytes() == report(tmp_path / "out")
+    assert "ratio to the bound" in (tmp_path / "out" / "report.html").read_text()
+
+
+RECURRENT = partial(PQNConfig, network="recurrent")
+
+
+@pytest.mark.parametrize("config", [PQNConfig, DQNConfig, RECURRENT], ids=["pqn", "dqn", "recurrent"])
+def test_a_network_has_an_action_for_each_command(config):
+    three = ('drive={"commands":[[0,3],[0,-3],[0.7,0]]}',)
+    for sim, count in ((), len(FIVE)), (three, 3):
+        made = config(world="drive", avoidance="none", sim=sim)
+        assert actions(made) == count
+        assert sensor(made).drive == Drive(commands=FIVE[:count])
+        envs = make_envs(HOUSES[:1], 50, preset=sensor(made), backend=made.backend)
+        policy, seen = policy_of(network_of(made), made, envs), torch.as_tensor(envs.reset(seed=0)[0])
+        assert isinstance(policy, QPolicy)
+        policy.begin(50)
+        policy.epsilon, policy.forward = 1.0, 0.2
+        chosen = policy(seen, torch.zeros(50).bool())
+        assert set(chosen.tolist()) == set(range(count))
+        envs.step_torch(chosen)
+
+
+@pytest.mark.parametrize(
+    ("refused", "message"),
+    [
+        (
+            lambda: PQNConfig(world="drive"),
+            "world drive: the layer shield is of bodies on a lattice: add",
+        ),
+        (
+            lambda: PaperConfig(world="drive", avoidance="none"),
+            "world drive: paper is of bodies on a lattice: try pqn-free",
+        ),
+        (lambda: CompletionConfig(world="drive"), "world drive: map-completion is of bodies on a lattice"),
+        (lambda: SearchConfig(world="drive"), "world drive: search is of bodies on a lattice"),
+        (
+            lambda: actions(replace(SMALL, sim=('drive={"commands":[[0,3]]}',))),
+            "world drive: 1 commands: three at least, the third one forward",
+        ),
+        (
+            lambda: Evaluate(backend="free", beside=Path("games.json")).run(),
+            "--beside: people played on a lattice",
+        ),
+    ],
+)
+def test_what_cannot_drive_is_refused_in_a_line(refused, message):
+    with pytest.raises(RequestError, match=message) as error:
+        refused()
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("config", "backend", "message"),
+    [
+        (SMALL, "continuous", "mine drives: add --backend free"),
+        (PQNConfig(), "free", "mine is of a body on a lattice: it does not play in the backend free"),
+    ],
+)
+def test_an_agent_of_the_other_kind_of_motion_is_refused_before_it_plays(config, backend, message, tmp_path):
+    save(HOUSES[:1], tmp_path / "houses.jsonl")
+    agent = Checkpoint(network_of(config), config, 0, "mine")
+    checkpoint.save(agent, tmp_path / "agent.safetensors")
+    with pytest.raises(RequestError, match=message):
+        Evaluate((tmp_path / "agent.safetensors",), tmp_path / "houses.jsonl", backend=backend).run()
+    with pytest.raises(RequestError, match="in the backend free"):
+        next(measure({"mine": [agent]}, HOUSES[:1], ("main",), backend=backend, baselines=()))
+
+
+def test_what_baselines_know_is_said():
+    assert set(drivers.KNOWS) == set(DRIVERS) - set(drivers.EXACT)
+    assert all(set(knows) <= set(WORDS) for knows in drivers.KNOWS.values())
