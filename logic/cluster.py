@@ -67,16 +67,21 @@ class Cluster:
         self._address, self._most = address, workers if address else None
         self._warned: set[str] = set()
 
-    def each(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[tuple[int, Result]]:
+    def each(
+        self, function: Callable[[Item], Result], items: Sequence[Item], alone: bool = False
+    ) -> Iterator[tuple[int, Result]]:
         """Call a function of a module with each item, in tasks of one processor: the place of an item and
-        what came of it, as they are done.
+        what came of it, as they are done. A task that is to be ``alone``, for its time, has a whole node, of
+        those with the most processors.
 
         Raises what the function raises, and ``Killed`` where the process or node of a task is lost each time
         that it is begun. What the function warns of is said here, once.
         """
         import ray
 
-        task = ray.remote(num_cpus=1, max_retries=RETRIES)(_called)
+        nodes = [int(node["Resources"].get("CPU", 0)) for node in ray.nodes() if node["Alive"]]
+        processors = max(1, *nodes) if alone else 1
+        task = ray.remote(num_cpus=processors, max_retries=RETRIES)(_called)
         waiting, begun = dict[Any, int](), 0
         while waiting or begun < len(items):
             while begun < len(items) and len(waiting) < self._room():

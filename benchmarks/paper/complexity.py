@@ -6,17 +6,20 @@ same limit of Prolog's inferences. It counts against the generator here that its
 
 import json
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import cycle, islice
 from pathlib import Path
 from time import process_time
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from benchmarks.common.pages import DOCS, machine, png, table_rows
 from benchmarks.common.processes import say
-from logic.errors import LimitReached, RequestError
+from logic.cluster import connected
+from logic.errors import LimitReached, RequestError, VitruviusError
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.files import write_whole
@@ -30,6 +33,22 @@ SAMPLED = {1: 30, 2: 30, 3: 30, 4: 30, 5: 20, 6: 10, 7: 5, 8: 5}
 COMMAND = "./run bench paper complexity"
 ORIGINAL, OURS = "original", "ours"
 LABELS = {ORIGINAL: "the original: sample and test, rooms alone", OURS: "here: furnished houses"}
+
+
+class OtherMachine(VitruviusError):
+    """Times that do not compare."""
+
+    exit_code = 1
+
+
+class Cell(NamedTuple):
+    """A measurement: so many houses of so many rooms."""
+
+    method: str
+    rooms: int
+    houses: int
+    inferences: int
+    """The limit of a house."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +67,12 @@ class Complexity:
     out: Path = DOCS
     """Folder for paper-complexity.json and .png. What is there of the same limit is not measured again."""
 
+    engine: Literal["ray"] | None = None
+    """Measure by Ray, here or on a cluster: each number of rooms by a method has a whole machine."""
+
+    address: str | None = None
+    """Of Ray's cluster; without it, one is started here."""
+
     def run(self) -> None:
         """Measure what is not measured yet, draw all of it and print a table."""
         if self.houses < 1 or self.inferences < 1 or not self.rooms or min(self.rooms) < 1:
@@ -58,44 +83,65 @@ class Complexity:
         study = json.loads(file.read_bytes()) if file.exists() else {}
         if study.get("inferences") != self.inferences:
             study = {"command": COMMAND, "inferences": self.inferences, "measured": []}
-        study["machine"] = machine()
         known = {(each["method"], each["rooms"]) for each in study["measured"]}
-        builder = Builder(find("paper"))
-        prolog.load(Path(__file__).with_name("original_rooms.pl").resolve())
-        for index in range(8):  # What programs take at their first search is paid once too.
-            builder.house(Request(4), 1, index, self.inferences)
-        for rooms in sorted(set(self.rooms)):
-            for method, count in ((ORIGINAL, min(SAMPLED.get(rooms, 0), self.houses)), (OURS, self.houses)):
-                if count and (method, rooms) not in known:
-                    study["measured"].append(self._measured(builder, method, rooms, count))
-                    write_whole(file, json.dumps(study, indent=1).encode())
-                    say(_row(study["measured"][-1]))
+        wanted = [
+            Cell(method, rooms, count, self.inferences)
+            for rooms in sorted(set(self.rooms))
+            for method, count in ((ORIGINAL, min(SAMPLED.get(rooms, 0), self.houses)), (OURS, self.houses))
+            if count and (method, rooms) not in known
+        ]
+        for entry in self._measured(wanted):
+            study["measured"].append(entry)
+            write_whole(file, json.dumps(study, indent=1).encode())
+            say(_row(entry))
         write_whole(self.out / "paper-complexity.png", picture(study))
         print(table(study))
 
-    def _measured(self, builder: Builder, method: str, rooms: int, count: int) -> dict[str, Any]:
-        """The CPU seconds of each house that was made, and how many were not within the limit."""
-        types = list(islice(cycle(TYPES), rooms))
-        request = Request(rooms, {type_: (number, number) for type_, number in Counter(types).items()})
-        seconds, tries = [], []
-        for index in range(count):
-            prolog.run("set_random", prolog.Term("seed", 1000 * rooms + index), module="system")
-            began = process_time()
-            if method == ORIGINAL:
-                made = prolog.ask("tries_until_placed", types, self.inferences, module="original_rooms")
-                tries.append(made)
-            else:
-                made = _is_made(builder, request, index, self.inferences)
-            if made:
-                seconds.append(process_time() - began)
-        found = {
-            "method": method,
-            "rooms": rooms,
-            "asked": count,
-            "made": len(seconds),
-            "cpu_seconds": seconds,
-        }
-        return found | ({"tries": [number for number in tries if number]} if tries else {})
+    def _measured(self, wanted: list[Cell]) -> Iterator[dict[str, Any]]:
+        """What is found of cells, as it is."""
+        if self.engine is None:
+            yield from map(measured, wanted)
+        elif wanted:
+            with connected(self.address) as cluster:
+                for _, entry in cluster.each(measured, wanted, alone=True):
+                    yield entry
+
+
+def measured(cell: Cell) -> dict[str, Any]:
+    """The CPU seconds of each house that was made, how many were not within the limit, and the machine."""
+    builder = _warm(cell.inferences)
+    types = list(islice(cycle(TYPES), cell.rooms))
+    request = Request(cell.rooms, {type_: (number, number) for type_, number in Counter(types).items()})
+    seconds, tries = [], []
+    for index in range(cell.houses):
+        prolog.run("set_random", prolog.Term("seed", 1000 * cell.rooms + index), module="system")
+        began = process_time()
+        if cell.method == ORIGINAL:
+            made = prolog.ask("tries_until_placed", types, cell.inferences, module="original_rooms")
+            tries.append(made)
+        else:
+            made = _is_made(builder, request, index, cell.inferences)
+        if made:
+            seconds.append(process_time() - began)
+    found = {
+        "method": cell.method,
+        "rooms": cell.rooms,
+        "asked": cell.houses,
+        "made": len(seconds),
+        "cpu_seconds": seconds,
+        "machine": machine(),
+    }
+    return found | ({"tries": [number for number in tries if number]} if tries else {})
+
+
+@cache
+def _warm(inferences: int) -> Builder:
+    """What makes houses in this process, once what programs take at their first search is paid."""
+    builder = Builder(find("paper"))
+    prolog.load(Path(__file__).with_name("original_rooms.pl").resolve())
+    for index in range(8):
+        builder.house(Request(4), 1, index, inferences)
+    return builder
 
 
 def _is_made(builder: Builder, request: Request, index: int, inferences: int) -> bool:
@@ -115,8 +161,14 @@ def median(entry: dict[str, Any]) -> float:
 def growth(study: dict[str, Any], method: str) -> tuple[float, float]:
     """How the median grows: by which factor with each room, and as which power of their number.
 
-    Both are least squares on logarithms from 2 rooms on.
+    Both are least squares on logarithms from 2 rooms on. Raises ``OtherMachine`` where several have measured.
     """
+    machines = sorted({e["machine"] for e in study["measured"] if e["method"] == method})
+    if len(machines) > 1:
+        named = "; ".join(machines)
+        raise OtherMachine(
+            f"times of several machines are not of one law ({named}): measure in another folder"
+        )
     found = [e for e in study["measured"] if e["method"] == method and e["rooms"] >= 2 and median(e) < np.inf]
     rooms, times = np.array([e["rooms"] for e in found]), np.log([median(e) for e in found])
     if len(found) < 2:
@@ -172,13 +224,14 @@ def picture(study: dict[str, Any]) -> bytes:
         axes.minorticks_off()
         axes.grid(alpha=0.3)
         axes.legend(frameon=False, fontsize=8)
-    figure.suptitle(f"Limit {study['inferences']:,} inferences. {study['machine']}", fontsize=8)
+    machines = "; ".join(sorted({entry["machine"] for entry in study["measured"]}))
+    figure.suptitle(f"Limit {study['inferences']:,} inferences. {machines}", fontsize=8)
     return png(figure)
 
 
-def measure(out: Path) -> dict[str, Any]:
+def measure(out: Path, **options: Any) -> dict[str, Any]:
     """Measure what is not measured yet in a folder; all that is known there."""
-    Complexity(out=out).run()
+    Complexity(out=out, **options).run()
     return json.loads((out / "paper-complexity.json").read_bytes())
 
 

@@ -7,7 +7,7 @@ published.
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import tyro
 
@@ -24,6 +24,13 @@ class PaperStudy:
 
     parts: tyro.conf.Positional[tuple[str, ...]] = ()
     """What to measure: agents (minutes), training (hours), complexity (an hour); by default all."""
+
+    engine: Literal["ray"] | None = None
+    """Of complexity: measure by Ray, here or on a cluster; each number of rooms by a method has a whole
+    machine."""
+
+    address: str | None = None
+    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here."""
 
     again: bool = False
     """Measure all of it, also what is published."""
@@ -42,6 +49,9 @@ class PaperStudy:
         for part in self.parts:
             if part not in PARTS:
                 raise RequestError(unknown("part", part, PARTS))
+        if (self.engine or self.address) and (self.parts != ("complexity",) or not self.engine):
+            raise RequestError("--engine, with or without --address, is of complexity alone: name that part")
+        engine = {"engine": self.engine, "address": self.address} if self.engine else {}
         require_folder(self.out)
         self.out.mkdir(parents=True, exist_ok=True)
         data = published()
@@ -49,7 +59,7 @@ class PaperStudy:
             file = self.out / f"paper-{name}.json"
             if name in data and not self.again and not file.exists():
                 write_whole(file, as_json(data[name]))
-            data[name] = PARTS[name].measure(self.out)
+            data[name] = PARTS[name].measure(self.out, **engine)
         files = {f"paper-{name}.json": as_json(part) for name, part in data.items()}
         write(files | pages(data), self.out, self.publish)
 

@@ -1,7 +1,8 @@
 """The original's placing of rooms keeps to the law of its program; the study goes on where it stopped."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -10,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.common.pages import machine
 from benchmarks.paper import complexity
-from benchmarks.paper.complexity import Complexity, growth, table
+from benchmarks.paper.complexity import Complexity, OtherMachine, growth, table
 from logic.placement import prolog
 
 SIDES = {"bedroom": (12, 17), "bathroom": (8, 12), "kitchen": (10, 15)}
@@ -62,12 +64,34 @@ def test_the_study_goes_on_where_it_stopped_and_says_what_the_limit_stopped(
     assert "| 8 | here: furnished houses | 3 of 3 |" in capsys.readouterr().out
 
 
+def test_by_an_engine_each_cell_has_a_whole_machine_which_it_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside ``tests/logic/dataset/test_engine.py``, where a real one measures a cell."""
+
+    class Engine:
+        def each(self, function: Any, items: Sequence[Any], alone: bool) -> Iterator[tuple[int, Any]]:
+            assert alone
+            yield from ((place, function(items[place])) for place in reversed(range(len(items))))
+
+    monkeypatch.setattr(complexity, "connected", lambda address: nullcontext(Engine()))
+    Complexity(rooms=(2,), houses=1, inferences=10**6, out=tmp_path, engine="ray").run()
+    cells = json.loads((tmp_path / "paper-complexity.json").read_bytes())["measured"]
+    assert [cell["method"] for cell in cells] == ["ours", "original"]
+    assert {cell["machine"] for cell in cells} == {machine()}
+
+
 def test_growth_is_a_factor_with_each_room_and_a_power_of_their_number() -> None:
     def entries(method: str, law: Callable[[int], float]) -> list[dict[str, Any]]:
         return [
-            {"method": method, "rooms": n, "asked": 1, "made": 1, "cpu_seconds": [law(n)]} for n in (2, 4, 8)
+            {"method": method, "rooms": n, "asked": 1, "made": 1, "cpu_seconds": [law(n)], "machine": "mine"}
+            for n in (2, 4, 8)
         ]
 
     study = {"measured": [*entries("original", lambda n: 3.0**n), *entries("ours", lambda n: n**1.5)]}
     assert growth(study, "original")[0] == pytest.approx(3.0)
     assert growth(study, "ours")[1] == pytest.approx(1.5)
+    study["measured"][1]["machine"] = "yours"
+    assert growth(study, "ours")[1] == pytest.approx(1.5)
+    with pytest.raises(OtherMachine, match=r"times of several machines are not of one law \(mine; yours\)"):
+        growth(study, "original")

@@ -30,8 +30,10 @@ LOCAL = re.compile(r"^vitruvius (generate .+) --engine ray --workers 2 --out hom
 ALL = COMMAND.split()
 
 TASKS = """
-import importlib, os, sys, warnings
+import importlib, os, sys, time, warnings
 from pathlib import Path
+from benchmarks.common.pages import machine
+from benchmarks.paper.complexity import Cell, measured
 from logic import cluster
 from logic.grammar import find
 
@@ -40,6 +42,11 @@ cluster.RETRIES = 1
 with cluster.connected(sys.argv[1]) as nodes:
     print(nodes.map(abs, range(-40, 0)) == [*range(40, 0, -1)])
     nodes.map(warnings.warn, ["twice"] * 2)
+    began = time.monotonic()
+    [*nodes.each(time.sleep, [0.5, 0.5], alone=True)]
+    print(time.monotonic() - began >= 1)
+    [cell] = nodes.map(measured, [Cell("ours", 1, 1, 10**8)])
+    print(cell["made"] == 1 and cell["machine"] == machine())
     for function, item in (
         (find, "nobodys"),
         (Path.read_bytes, Path("/nowhere")),
@@ -109,12 +116,12 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def nodes() -> Iterator[Any]:
-    """A cluster of a node with one processor, that others can be added to."""
+    """A cluster of a node with two processors, that others can be added to."""
     pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
 
     soon = {"health_check_initial_delay_ms": 0, "health_check_period_ms": 300, "health_check_timeout_ms": 300}
-    head = {"num_cpus": 1, "object_store_memory": cluster.STORE, "_system_config": soon}
+    head = {"num_cpus": 2, "object_store_memory": cluster.STORE, "_system_config": soon}
     found = Cluster(initialize_head=True, head_node_args=head | {"include_dashboard": False})
     yield found
     found.shutdown()
@@ -145,8 +152,8 @@ def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
     (tmp_path / "logic.py").write_text("raise ImportError('a file in the current folder')\n")
     ended = finished([sys.executable, "-P", "-c", TASKS, nodes.address], cwd=tmp_path)
     where = f"(node {nodes.head_node.node_ip_address})"
-    right, warned, grammar, file, module, lost = ended.stdout.splitlines()
-    assert (right, warned) == ("True", "twice")
+    right, warned, alone, cell, grammar, file, module, lost = ended.stdout.splitlines()
+    assert (right, warned, alone, cell) == ("True", "twice", "True", "True")
     assert grammar.startswith("GrammarError: ")
     assert file == f"FileNotFoundError: [Errno 2] No such file or directory: '/nowhere {where}'"
     assert module == f"MissingProgram: No module named 'nothing' {where}"
