@@ -2,7 +2,8 @@
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 
@@ -36,13 +37,19 @@ def start(*arguments: str, job: Callable[..., None] = vitruvius, **environment: 
 
 def as_two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> list[int | None]:
     """Two processes in the environment that ``torchrun`` gives them, to their ends: their exit codes."""
+    with two_ranks(*arguments, job=job) as ranks:
+        for process in ranks:
+            process.join(PATIENCE)
+        return [process.exitcode for process in ranks]
+
+
+@contextmanager
+def two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> Iterator[list[BaseProcess]]:
+    """These processes at work."""
     store = TCPStore("localhost", 0, is_master=True, wait_for_workers=False)
     shared = {"WORLD_SIZE": "2", "LOCAL_WORLD_SIZE": "2", "MASTER_ADDR": "localhost"}
     shared |= {"MASTER_PORT": str(store.port), "TORCHELASTIC_USE_AGENT_STORE": "True"}
-    ranks = [start(*arguments, job=job, **shared, RANK=rank, LOCAL_RANK=rank) for rank in "01"]
-    for process in ranks:
-        process.join(PATIENCE)
-    return [process.exitcode for process in ranks]
+    yield [start(*arguments, job=job, **shared, RANK=rank, LOCAL_RANK=rank) for rank in "01"]
 
 
 def _work(job: Callable[..., None], arguments: tuple[str, ...], environment: dict[str, str]) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from agent.runs import checkpoint
 from agent.runs.runs import run
 from logic import RequestError, save
 from tests import processes
-from tests.programs import finished
+from tests.programs import PATIENCE, finished
 from tests.ranks import main as learn
 from tests.sample_houses import random_house
 
@@ -68,6 +69,44 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     steps = [json.loads(line)["steps"] for line in (out / "metrics.jsonl").read_text().splitlines()]
     assert steps == list(range(128, 1025, 128))
     assert checkpoint.load(out / "agent.safetensors").steps == 1024
+
+
+def test_a_rank_that_is_lost_costs_nothing_but_time(tmp_path):
+    """By SIGKILL: the other one ends, and both, begun again with --resume, learn the same bits."""
+    save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
+    train = [
+        "train",
+        str(tmp_path / "houses.jsonl"),
+        "--num-envs",
+        "8",
+        "--num-steps",
+        "16",
+        "--steps",
+        "1500",
+    ]
+    assert processes.as_two_ranks(*train, "--out", str(tmp_path / "whole")) == [0, 0]
+    again = [*train, "--out", str(tmp_path / "lost"), "--resume"]
+    for lost, reports in ((1, 3), (0, 7)):
+        with processes.two_ranks(*again) as ranks:
+            while len(metrics(tmp_path / "lost")) < reports and ranks[lost].is_alive():
+                time.sleep(0.02)
+            ranks[lost].kill()
+            for process in ranks:
+                process.join(PATIENCE)
+            assert all(process.exitcode for process in ranks)
+    assert processes.as_two_ranks(*again) == [0, 0]
+    assert metrics(tmp_path / "lost") == metrics(tmp_path / "whole")
+    whole, lost = (checkpoint.load(tmp_path / name / "agent.safetensors") for name in ("whole", "lost"))
+    weights = lost.network.state_dict()
+    assert all(torch.equal(value, weights[name]) for name, value in whole.network.state_dict().items())
+
+
+def metrics(folder: Path) -> list[dict]:
+    """The reports, without what a clock says."""
+    file = folder / "metrics.jsonl"
+    lines = file.read_text().splitlines() if file.exists() else []
+    clocks = {"seconds", "simulator", "learner", "map"}
+    return [{name: value for name, value in json.loads(line).items() if name not in clocks} for line in lines]
 
 
 def test_environments_that_ranks_cannot_share_are_refused(tmp_path, monkeypatch):
