@@ -23,7 +23,10 @@ from agent.algorithms.search.network import (
     PASSES,
     SIZES,
     TARGETS,
+    cost,
+    hides,
     in_view,
+    stands,
     unforeseen,
 )
 from agent.algorithms.search.windows import PLACES, SCALE, ViewMaps, views
@@ -36,7 +39,6 @@ from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
 from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.planner.explorers import SEED
 from benchmarks.planner.learning import clustered
-from benchmarks.planner.mended import cost, hides, stands, without_beside
 from benchmarks.planner.views import AGENT, INPUTS
 from logic.errors import RequestError
 from sim import HouseVectorEnv
@@ -138,8 +140,7 @@ class Judge(LearnedSearch):
         sight = torch.from_numpy(house.solid == 0).float()
         prior = DENSE * torch.from_numpy(house.target) * hides(maps)
         left = self.left(environments, corners)
-        first, known, floor = in_view(maps.shown.float()), cost(maps.ways, turns), stands(maps)[:, None]
-        nodes = known - maps.ways[:, None].float().clamp(min=0)
+        known, floor = cost(maps.ways, turns), stands(maps)[:, None]
 
         def shows(targets: Tensor, sight: Tensor | None = None) -> Tensor:
             planes = maps.foreseen.clone()
@@ -151,18 +152,13 @@ class Judge(LearnedSearch):
         def by(shows: Tensor, cost: Tensor) -> Tensor:
             return (shows + HARDLY).log() - cost.log()
 
-        beside = in_view(look(without_beside(maps)).float())
         blind = in_view(look(maps._replace(foreseen=unforeseen(maps))).float())
         return {
             "untrained": by_parts(self.new, maps),
-            "untrained, who foresees nothing": by(blind, nodes),
+            "untrained, who foresees nothing": by(blind, known),
             "released": self.chooser.values(maps),
             **{f"released, without {part}": self.chooser.values(INPUTS[part](maps)) for part in INPUTS},
-            "untrained, steps of a path as its cost": by(first, known),
-            "untrained, no target beside blocks that were seen": by(beside, nodes),
-            "untrained, floor to stand on": by(first * floor, nodes),
-            "untrained, all three: mended": by(beside * floor, known),
-            "mended, and where targets can lie": by(shows(prior) * floor, known),
+            "untrained, and where targets can lie": by(shows(prior) * floor, known),
             "and how far sight goes": by(shows(prior, sight) * floor, known),
             "and where the target may still lie": by(shows(left, sight) * floor, known),
             "and the true paths": by(shows(left, sight), true_cost),

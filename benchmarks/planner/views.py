@@ -1,37 +1,42 @@
 """What the parts of the network that searches are worth: ``vitruvius bench views``, in two ways.
 
-Trained again: each variant learns from the same choices, of bodies that mostly go to the true best views, by
-as many updates, and is asked in houses of validation seeds which view it would choose. The score is what that
-view is worth in the true house, as a share of the best one; errors are over houses.
+Trained again: each variant learns from the same choices, of bodies that the network leads before it has
+learnt anything, by as many updates. Then it is asked which view it would choose in other such choices, in
+houses of validation seeds: the score is what that view is worth in the true house, as a share of the best
+one; errors are over houses. Choices and networks are kept, so that a study that was stopped continues, and
+any network plays by ``vitruvius bench learning --agent runs/views/NETWORK.safetensors``.
 
 As it plays: the released network with a part taken away, for ``vitruvius bench learning --agent
 benchmarks.planner.views:without_memory``. Nothing is trained again, so a part that others could stand in for
 may show as more than it is worth.
 """
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from agent.algorithms.build import policy_of
-from agent.algorithms.search.chooser import ViewChooser, best
+from agent.algorithms.search.chooser import ViewChooser, best, by_parts
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import LearnedSearch
-from agent.algorithms.search.network import CONSTANT, ViewNetwork, in_view, unforeseen
+from agent.algorithms.search.network import ViewNetwork, cost, in_view, stands, unforeseen
 from agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps, views
 from agent.algorithms.table import PRESETS
+from agent.banks import bank_hash
 from agent.evaluation.tables import Table
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED
 from agent.policies.policies import Explorer
 from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
-from benchmarks.common.pages import write_tables
+from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import Maker, Shuffled
 from benchmarks.planner.explorers import SEED
@@ -46,8 +51,8 @@ AGENT = "search"
 ELSEWHERE = 1e3
 """Places to a start that is nowhere near."""
 
-POWER = 8
-"""Of what a view is worth: how often it is gone to, where choices are collected."""
+NOTED = 0.35
+"""Share of the choices that are noted: those of an episode are much like each other."""
 
 TURNS = 20
 """Times that the learning rate falls."""
@@ -83,18 +88,19 @@ INPUTS: dict[str, Change] = {
     "since": _at_once,
     "start": lambda maps: maps._replace(start=torch.full_like(maps.start, ELSEWHERE)),
     "scalars": _zero("scalars"),
+    "planes": _zero("foreseen"),
     "window": _half,
 }
 """Maps without one thing that the network reads: which views were goals, where targets were found, how long
-ago what was seen, whether since the last pick-up, where the episode began, time and number of finds, and what
-lies in the outer half of the window's sides."""
+ago what was seen, whether since the last pick-up, where the episode began, time and number of finds, what is
+foreseen (though views show it still), and what lies in the outer half of the window's sides."""
 
 
 def _shown(maps: ViewMaps) -> ViewMaps:
-    """Labels of who knows the map alone: what views would show for what they cost."""
-    turns = ViewNetwork((1, 1)).turns[maps.heading]
-    cost = maps.ways.clamp(min=0)[:, None].float() + CONSTANT + turns
-    return maps._replace(worth=(SCALE * in_view(maps.shown.float()) / cost * views(maps)).half())
+    """Labels of who knows the map and what is foreseen alone: what views would show for what they cost."""
+    shows = in_view(maps.shown.float()) * stands(maps)[:, None]
+    worth = SCALE * shows / cost(maps.ways, ViewNetwork((1, 1)).turns[maps.heading])
+    return maps._replace(worth=(worth * views(maps)).half())
 
 
 LABELS: dict[str, Change] = {"truth": _shown}
@@ -103,14 +109,16 @@ LABELS: dict[str, Change] = {"truth": _shown}
 CONFIGS: dict[str, dict[str, Any]] = {
     "looks": {"looks": False},
     "foresight": {"foresight": False},
-    "looks-foresight": {"looks": False, "foresight": False},
     "lowest": {"channels": (16, 32, 64)},
     "scales": {"channels": (16, 32)},
     "width": {"channels": (8, 16, 32, 48)},
-    "focus": {"focus": 0.0},
+    "narrowness": {"channels": (24, 48, 96, 144)},
+    "choice": {"loss": "value"},
+    "cooling": {"final_heat": 0.2},
 }
-"""Configs without one thing: what views show, what is foreseen, both, the lowest scale, the two lowest, half
-of the channels, the weights of the loss."""
+"""Configs without one thing: what views show, what is foreseen, the lowest scale, the two lowest, half of the
+channels; with half as many more of them; with the loss of values in place of that of choices; and with a heat
+that does not fall."""
 
 PARTS = (*CONFIGS, *INPUTS, *LABELS)
 
@@ -124,29 +132,29 @@ class Views:
     without: tuple[str, ...] = PARTS
     """Parts that are left out, one at a time."""
 
-    houses: int = 20
-    """Houses of each number of rooms, 2 to 6, to learn in, and half as many to be asked in."""
+    houses: int = 60
+    """Houses of each number of rooms, 2 to 6, to learn in, and a third as many to be asked in."""
 
     choices: int = 6000
     """To learn from, and a sixth of it to be asked about."""
 
-    updates: int = 500
+    updates: int = 800
     """Of each network."""
 
     seeds: int = 3
     """Networks of which nothing is left out, that begin with other weights and learn in another order."""
 
     out: Path = Path("runs/views")
-    """Folder for houses and views.md."""
+    """Folder for houses, choices, networks and views.md."""
 
     replace: bool = False
     """Write into the folder whatever else it holds."""
 
     def run(self) -> None:
         """Collect choices, train, and print the table."""
-        if self.houses < 2 or min(self.choices // 6, self.updates, self.seeds) < 1:
+        if self.houses < 3 or min(self.choices // 6, self.updates, self.seeds) < 1:
             raise RequestError(
-                "--houses must be 2 or more, --choices 6 or more, --updates and --seeds 1 or more"
+                "--houses must be 3 or more, --choices 6 or more, --updates and --seeds 1 or more"
             )
         for part in self.without:
             if part not in PARTS:
@@ -155,55 +163,98 @@ class Views:
         config = cast(SearchConfig, PRESETS[AGENT])
         known, asked = (
             kept_houses(self.out / f"{what}-{count}.jsonl", lambda n=count, s=seed: by_rooms(ROOMS, n, s))
-            for what, count, seed in (("learn", self.houses, 100), ("ask", self.houses // 2, SEED))
+            for what, count, seed in (("learn", self.houses, 100), ("ask", self.houses // 3, SEED))
         )
-        learnt, blind, _ = collected(known, replace(config, buffer_size=self.choices))
-        held, held_blind, house = collected(asked, replace(config, buffer_size=self.choices // 6, seed=1))
-        rows, whole = [], np.zeros(0)
-        for seed, part in [
-            *((seed, WHOLE) for seed in range(self.seeds)),
-            *((0, part) for part in self.without),
+        learnt = self.collected("learn", known, replace(config, buffer_size=self.choices))
+        held = self.collected("ask", asked, replace(config, buffer_size=self.choices // 6, seed=1))
+        first = shares(LearnedSearch.network_of(config), held.maps)
+        rows = [("untrained", "", f"{first.mean():.3f}", "", "")]
+        whole = np.zeros(0)
+        for name, part, variant in [
+            *((f"{WHOLE}, seed {seed}", WHOLE, replace(config, seed=seed)) for seed in range(self.seeds)),
+            *((f"without {part}", part, replace(config, **CONFIGS.get(part, {}))) for part in self.without),
         ]:
-            change, label = (changes.get(part, lambda maps: maps) for changes in (INPUTS, LABELS))
-            variant = replace(config, seed=seed, **CONFIGS.get(part, {}))
-            given, asked_about = (
-                change(maps if variant.foresight else maps._replace(shown=shown))
-                for maps, shown in ((learnt, blind), (held, held_blind))
-            )
-            network = fitted(variant, known[:1], label(given), self.updates)
-            share = shares(network, asked_about)
+            network = self.trained(part, variant, known[:1], learnt)
+            share = shares(network, without(part, variant, held))
+            weights = sum(each.numel() for each in network.parameters() if each.requires_grad)
+            less = clustered(share - whole, held.house) if len(whole) else ""
             whole = whole if len(whole) else share
-            name = f"{part}, seed {seed}" if part == WHOLE else f"without {part}"
-            rows.append((
-                name, f"{sum(each.numel() for each in network.parameters() if each.requires_grad):,}",
-                f"{share.mean():.3f}", clustered(share - whole, house) if rows else "",
-            ))  # fmt: skip
-            say(f"{name}: {share.mean():.3f}")
-        untrained = shares(ViewNetwork(config.channels, config.foresight, config.looks), held)
-        rows.append(("untrained", "", f"{untrained.mean():.3f}", clustered(untrained - whole, house)))
+            rows.append(
+                (name, f"{weights:,}", f"{share.mean():.3f}", clustered(share - first, held.house), less)
+            )
+            say(" | ".join(rows[-1]))
         title = (
             f"Worth of the chosen view, of the best one's; {self.choices:,} choices, {self.updates} updates"
         )
-        write_tables(
-            [Table(title, ("network", "weights", "share", "difference"), rows)], self.out / "views.md"
+        headings = "network", "weights", "share", "less untrained", "less seed 0"
+        write_tables([Table(title, headings, rows)], self.out / "views.md")
+
+    def collected(self, what: str, houses: list[House], config: SearchConfig) -> "Choices":
+        """Choices in these houses, as many as the config's buffer has."""
+        path = self.path(what, bank_hash(houses), config).with_suffix(".npz")
+        if not path.exists():
+            made = collected(houses, config)
+            fields = {name: field.numpy() for name, field in made.maps._asdict().items()}
+            write_arrays(path, blind=made.blind.numpy(), house=made.house, **fields)
+        kept = np.load(path)
+        maps = ViewMaps(**{name: torch.from_numpy(kept[name]) for name in ViewMaps._fields})
+        return Choices(maps, torch.from_numpy(kept["blind"]), kept["house"])
+
+    def trained(
+        self, part: str, config: SearchConfig, houses: list[House], choices: "Choices"
+    ) -> ViewNetwork:
+        """A network without a part that has learnt from choices."""
+        path = self.path(
+            f"{part.replace(' ', '-')}-{config.seed}", config, self.choices, self.houses, self.updates
         )
+        path = path.with_suffix(".safetensors")
+        if not path.exists():
+            given = LABELS.get(part, lambda maps: maps)(without(part, config, choices))
+            network = fitted(config, houses, given, self.updates)
+            checkpoint.save(Checkpoint(network, config, 0, AGENT), path)
+        return cast(ViewNetwork, checkpoint.load(path).network)
+
+    def path(self, what: str, *known: Any) -> Path:
+        """Where something that depends on these is kept, without the suffix."""
+        return self.out / f"{what}-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}"
+
+
+class Choices(NamedTuple):
+    """Choices of views."""
+
+    maps: ViewMaps
+    """With what views are worth (n, ...)."""
+
+    blind: Tensor
+    """(n, 8, G, G) float16: what views would show to who foresees nothing."""
+
+    house: np.ndarray
+    """(n,) int: the houses that they were made in."""
+
+
+def without(part: str, config: SearchConfig, choices: Choices) -> ViewMaps:
+    """Maps as a variant reads them."""
+    maps = choices.maps if config.foresight else choices.maps._replace(shown=choices.blind)
+    return INPUTS[part](maps) if part in INPUTS else maps
 
 
 class Collector(LearnedSearch):
-    """Learns nothing, but notes choices: of bodies that go to views by what these are worth."""
+    """Learns nothing, but notes some of the choices of a network that has learnt nothing."""
 
     def choose(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
-        """A view at random, in proportion to its worth to the power ``POWER``; all are noted."""
-        worth = self.truth.read(environments, self.reader.corners(environments)) * views(maps)
-        before = self.made
-        valid = ~torch.from_numpy(self.truth.known(environments)) & (worth.flatten(1).amax(1) > 0)
-        self.note(maps._replace(worth=worth.half()), valid.clone())
-        at = (before + np.arange(self.made - before)) % self.config.buffer_size
-        self.blind[at] = self.reader.looks(maps._replace(foreseen=unforeseen(maps)))[valid]
-        self.house[at] = self.envs.unwrapped.world.describe()[2][environments[valid.numpy()]]
-        noise = -torch.from_numpy(self.random.exponential(size=worth.shape)).float().log()
-        drawn = POWER * worth.clamp(min=1e-6).log() + noise
-        return best(torch.where(views(maps), drawn, -torch.inf), maps)
+        """The network's views; some choices are noted."""
+        some = np.flatnonzero(self.random.random(len(environments)) < NOTED)
+        if len(some):
+            given, before = environments[some], self.made
+            noted = ViewMaps(*(field[some] for field in maps))
+            blind = self.reader.looks(maps._replace(foreseen=by_parts(unforeseen, maps)))[some]
+            worth = self.truth.read(given, self.reader.corners(given)) * views(noted)
+            valid = ~torch.from_numpy(self.truth.known(given)) & (worth.flatten(1).amax(1) > 0)
+            self.note(noted._replace(worth=worth.half()), valid.clone())
+            at = (before + np.arange(self.made - before)) % self.config.buffer_size
+            self.blind[at] = blind[valid]
+            self.house[at] = self.envs.unwrapped.world.describe()[2][given[valid.numpy()]]
+        return self.chooser.greedy(environments, maps)
 
     def learn(self) -> float:
         """Nothing."""
@@ -217,14 +268,12 @@ class Collector(LearnedSearch):
             self.iterate()
 
 
-def collected(houses: list[House], config: SearchConfig) -> tuple[ViewMaps, Tensor, np.ndarray]:
-    """Choices, as many as the buffer has, with what views are worth; what views would show (n, 8, G, G) to
-    who foresees nothing; and the houses (n,) int that choices were made in.
-    """
-    small = replace(config, channels=(1, 1))
-    collector = Collector(small, make_envs(houses, config.num_envs, config.targets))
+def collected(houses: list[House], config: SearchConfig) -> Choices:
+    """Choices in houses, as many as the config's buffer has."""
+    config = replace(config, num_envs=len(houses))
+    collector = Collector(config, make_envs(houses, len(houses), config.targets))
     collector.collect()
-    return collector.buffer, collector.blind, collector.house
+    return Choices(collector.buffer, collector.blind, collector.house)
 
 
 def fitted(config: SearchConfig, houses: list[House], choices: ViewMaps, updates: int) -> ViewNetwork:

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from agent.algorithms.search.maps import MapReader
 from agent.algorithms.search.network import ViewNetwork
-from agent.algorithms.search.windows import HEADINGS, ViewMaps
+from agent.algorithms.search.windows import ViewMaps, gone_to
 from agent.planner import Planner
 from sim.config import Config
 
@@ -77,7 +77,5 @@ def best(values: Tensor, maps: ViewMaps) -> Tensor:
     """The flat places (n,) int64 in (8, G, G) of the greatest values that are finite, of views that were not
     the goal before if there is one; -1 where there is no view.
     """
-    bits = torch.arange(HEADINGS)[:, None, None]
-    taken = maps.taken[:, None].int() >> bits & 1
-    most, picks = (values - AGAIN * taken).flatten(1).max(1)
+    most, picks = (values - AGAIN * gone_to(maps)).flatten(1).max(1)
     return torch.where(most > -torch.inf, picks, -1)

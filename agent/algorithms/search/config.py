@@ -1,7 +1,7 @@
 """What a run of a network that searches is."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from agent.learning.config import TrainConfig
 from logic.errors import RequestError
@@ -41,8 +41,15 @@ class SearchConfig(TrainConfig):
     batch_size: int = 32
     """Choices that an update learns from."""
 
-    focus: float = 1.0
-    """How much views count that the network itself thinks good: their value to this power."""
+    loss: Literal["choice", "value"] = "choice"
+    """What is learnt: choices, by what a view is worth that is drawn by the values, of the best one's; or the
+    values themselves, by Poisson regression."""
+
+    heat: float = 0.2
+    """Temperature at which the loss of choices draws a view, at first."""
+
+    final_heat: float = 0.05
+    """The same in the end; between both its logarithm falls on a line."""
 
     final_lr_fraction: float = 0.02
     """The learning rate falls on a line to this fraction of it."""
@@ -54,6 +61,7 @@ class SearchConfig(TrainConfig):
     reads_maps: ClassVar[bool] = True
     positive: ClassVar[tuple[str, ...]] = (
         *(*TrainConfig.positive, "num_steps", "buffer_size", "passes", "batch_size", "max_grad_norm"),
+        *("heat", "final_heat"),
     )
     fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "restarts", "guided", "final_lr_fraction")
 
@@ -61,8 +69,6 @@ class SearchConfig(TrainConfig):
         super().__post_init__()
         if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
             raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
-        if self.focus < 0:
-            raise RequestError(f"focus must be 0 or more, not {self.focus}")
         if self.device != "cpu":
             raise RequestError("search runs on device cpu alone: that is where maps are kept")
 

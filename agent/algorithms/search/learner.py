@@ -11,7 +11,7 @@ from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.crop import by_size
 from agent.algorithms.search.network import ViewNetwork
 from agent.algorithms.search.values import TrueValues
-from agent.algorithms.search.windows import ViewMaps, empty, turned, views
+from agent.algorithms.search.windows import ViewMaps, empty, gone_to, turned, views
 from agent.learning.environments import require_own_maps, shield
 from agent.learning.map_learner import MapLearner
 from agent.policies.network import seeded
@@ -114,10 +114,18 @@ class LearnedSearch(MapLearner):
             )
             with torch.autocast("cpu", torch.bfloat16, enabled=config.precision == "medium"):
                 values = self.network(batch)
-            loss = value_loss(values.float(), batch.worth.float(), config.focus)
+            loss = self.loss(values.float(), batch)
             losses.append(self.descend(loss, config.max_grad_norm))
             self.due -= 1
         return float(torch.stack(losses).mean()) if losses else 0.0
+
+    def loss(self, values: Tensor, choices: ViewMaps) -> Tensor:
+        """Of logarithms of values (n, 8, G, G) that the network gives to the views of choices."""
+        config = self.config
+        if config.loss == "value":
+            return value_loss(values, choices.worth.float())
+        heat = config.heat * (config.final_heat / config.heat) ** self.fraction
+        return choice_loss(values, choices, heat)
 
     def drawn(self, held: int) -> Tensor:
         """Random choices of the first ``held`` ones for an update. Some updates' choices are drawn together,
@@ -148,7 +156,21 @@ class LearnedSearch(MapLearner):
         self.made, self.due = int(state["counts"]["made"]), float(state["counts"]["due"])
 
 
-def value_loss(values: Tensor, worth: Tensor, focus: float) -> Tensor:
+def choice_loss(values: Tensor, choices: ViewMaps, heat: float) -> Tensor:
+    """How much less a view is worth than the best one, as a share of it: in expectation over views drawn in
+    proportion to their values to the power 1 / ``heat``, of those that were not the goal before.
+
+    ``values`` (n, 8, G, G) are logarithms, minus infinity for no view.
+    """
+    legal = torch.isfinite(values)
+    free = legal & ~gone_to(choices)
+    free = torch.where(free.flatten(1).any(1)[:, None, None, None], free, legal).flatten(1)
+    drawn = (values.flatten(1) / heat).masked_fill(~free, -torch.inf).softmax(1)
+    worth = choices.worth.float().flatten(1) * free
+    return 1 - ((drawn * worth).sum(1) / worth.amax(1).clamp(min=1e-6)).mean()
+
+
+def value_loss(values: Tensor, worth: Tensor, focus: float = 1.0) -> Tensor:
     """The deviance of logarithms of ``values`` (n, 8, G, G), minus infinity for no view, from what the views
     are worth (n, 8, G, G), as if that were counts (Poisson regression): it is least at the mean of the worth,
     so what cannot be known is averaged over.

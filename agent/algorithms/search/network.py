@@ -12,7 +12,17 @@ from torch import Tensor, nn
 from agent.algorithms.map_completion.network import FINDS, CompletionNetwork, pointwise
 from agent.algorithms.map_completion.network import OWN as COMPLETED
 from agent.algorithms.search.crop import box, cropped
-from agent.algorithms.search.windows import FAR, FORESEEN, HEADINGS, LEVELS, PLACES, SCALE, ViewMaps, views
+from agent.algorithms.search.windows import (
+    FAR,
+    FORESEEN,
+    HEADINGS,
+    LEVELS,
+    PLACES,
+    SCALE,
+    ViewMaps,
+    gone_to,
+    views,
+)
 
 PLANES, OWN = 4, 5 + HEADINGS
 """What is read of each block, and of each place besides."""
@@ -33,12 +43,18 @@ FORESIGHT = Path(__file__).parents[2] / "runs" / "released" / "map-completion.sa
 FADE = 4.0
 """Places over which nearness to the start falls by a factor of e."""
 
+NODE = 2.0
+"""Steps from a node to the next one: a cell is half a body wide."""
+
 CONSTANT = 4.0
 """Steps added to a path's length: what a choice of a view costs beside the way there."""
 
 FIRST = -3.0
 """The logarithm of what a view is first thought to show of all places where the target may be."""
 
+
+MOSTLY = 3
+"""Cells of a block from which on it counts as seen."""
 
 DENSE = 300.0
 """Blocks in which a target may lie, about: its probability in one, times these, is about 1."""
@@ -48,7 +64,8 @@ class ViewNetwork(nn.Module):
     """A U-Net of ``channels`` on the places: about 146,000 weights.
 
     It gives the logarithm of what each view is expected to show, with ``looks`` as a correction of what rays
-    over the map show; a view's value is that for its cost, the steps of the known path and the turns.
+    over the map show, as likely as the body can stand there; a view's value is that for its cost, the steps
+    of the known path and the turns. The correction is none before it has learnt.
     """
 
     turns: Tensor
@@ -74,7 +91,7 @@ class ViewNetwork(nn.Module):
         self.hidden = nn.Conv2d(first + own + HEADINGS, 2 * first, 1)
         self.out = nn.Conv2d(2 * first, HEADINGS, 1)
         with torch.no_grad():
-            self.out.weight.mul_(0.1)
+            self.out.weight.zero_()
             self.out.bias.fill_(0.0 if looks else FIRST) if self.out.bias is not None else None
         self.register_buffer("turns", _turns(), persistent=False)
         self.register_buffer("shares", _shares(), persistent=False)
@@ -103,8 +120,7 @@ class ViewNetwork(nn.Module):
             planes.append(maps.foreseen.permute(0, 2, 3, 1) / SIZES)
         south, east = ((torch.arange(way.shape[1 + k]) - maps.start[:, k, None]).square() for k in range(2))
         near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE)
-        bits = torch.arange(HEADINGS)[:, None, None]
-        taken = (maps.taken[:, None].int() >> bits & 1).float()
+        taken = gone_to(maps).float()
         log_way = ((way + CONSTANT).log() - 3) * there
         own = torch.stack([there, there * way / 50, log_way, near, maps.finds.float() / 2], 1)
         shown = [(maps.shown.float() + HARDLY).log() / 3 + 1] if self.looks else []
@@ -123,9 +139,24 @@ class ViewNetwork(nn.Module):
         values = pointwise(self.out, F.relu(pointwise(self.hidden, torch.cat([x, own, heads], 1))))
         values = values.contiguous()  # as what is added
         if self.looks:
-            values = values + (in_view(maps.shown.float()) + HARDLY).log()
-        values = values + (SCALE / (way[:, None] + CONSTANT + turns)).log()
+            values = values + (in_view(maps.shown.float()) * stands(maps)[:, None] + HARDLY).log()
+        values = values + (SCALE / cost(maps.ways, turns)).log()
         return values.masked_fill(~views(maps), -torch.inf)
+
+
+def cost(ways: Tensor, turns: Tensor) -> Tensor:
+    """What views (n, 8, G, G) cost: the steps of paths of ``ways`` (n, G, G) nodes, the ``turns``, and some
+    steps for a choice.
+    """
+    return NODE * ways[:, None].float().clamp(min=0) + CONSTANT + turns
+
+
+def stands(maps: ViewMaps) -> Tensor:
+    """How likely a body can stand at each place (n, G, G) float32: paths lead some way over unseen ground,
+    which is floor as far as is foreseen.
+    """
+    floor = (maps.foreseen[:, FLOOR] / WHOLE).masked_fill(maps.blocks // LEVELS % LEVELS >= MOSTLY, 1.0)
+    return F.avg_pool2d(floor[:, None], 2)[:, 0]
 
 
 def foreseeing() -> CompletionNetwork:
@@ -148,12 +179,12 @@ def foreseen(completion: CompletionNetwork, maps: ViewMaps, marks: Tensor | None
     """What is predicted of blocks (n, ``FORESEEN``, 2G, 2G) uint8, times ``SIZES``; by ``marks`` on the map
     (n, 2, 2G, 2G), if there are others than the finds.
     """
-    occupied, seen, since = (maps.blocks // k % LEVELS for k in (1, LEVELS, LEVELS**2))
+    occupied, seen = (maps.blocks // k % LEVELS for k in (1, LEVELS))
     if marks is None:
         marks = maps.blocks.new_zeros(len(maps.blocks), 2, *maps.blocks.shape[1:])
         marks[:, FINDS, ::2, ::2] = maps.finds
     floor, sight, target, _ = completion(occupied | seen << 3, marks, 2 * maps.start)
-    dense = (DENSE * target.exp() * (since < LEVELS - 2)).clamp(max=4)
+    dense = (DENSE * target.exp() * hides(maps)).clamp(max=4)
     odds = ((target + 10) / 3).clamp(min=0, max=4)
     planes = torch.stack([floor.sigmoid(), sight.sigmoid(), dense, odds], 1)
     return (planes * SIZES[:, None, None]).round().to(torch.uint8)
@@ -163,10 +194,18 @@ def unforeseen(maps: ViewMaps) -> Tensor:
     """The same of who foresees nothing: targets lie on all ground that is not known to be occupied, as
     likely, and sight passes what is unseen.
     """
-    occupied, since = maps.blocks % LEVELS, maps.blocks // LEVELS**2
+    occupied = maps.blocks % LEVELS
     planes = torch.ones(len(occupied), FORESEEN, *occupied.shape[1:])
-    planes[:, TARGETS] = ((occupied == 0) & (since < LEVELS - 2)).float()
+    planes[:, TARGETS] = ((occupied == 0) & hides(maps)).float()
     return (planes * SIZES[:, None, None]).round().to(torch.uint8)
+
+
+def hides(maps: ViewMaps) -> Tensor:
+    """Where (n, 2G, 2G) bool a target's middle may lie that was not seen since the last pick-up: a target is
+    two blocks wide, so it would have been seen from beside a block too.
+    """
+    since = (maps.blocks // LEVELS**2)[:, None].float()
+    return F.max_pool2d(since, 3, 1, 1)[:, 0] < MOSTLY
 
 
 def expected(maps: ViewMaps) -> tuple[Tensor, Tensor]:

@@ -90,6 +90,11 @@ def views(maps: ViewMaps) -> Tensor:
     return (maps.ways != FAR)[:, None] & ~here
 
 
+def gone_to(maps: ViewMaps) -> Tensor:
+    """Which views (n, 8, G, G) bool were goals since the last pick-up."""
+    return (maps.taken[:, None].int() >> torch.arange(HEADINGS)[:, None, None] & 1).bool()
+
+
 def turned(maps: ViewMaps, quarters: int, mirrored: bool) -> ViewMaps:
     """The same maps, turned by quarters counter-clockwise about the body, and then mirrored from east to
     west. Where nothing of them comes to lie, nothing is known.
@@ -109,8 +114,7 @@ def turned(maps: ViewMaps, quarters: int, mirrored: bool) -> ViewMaps:
         south, east = PLACES - east, south
     if mirrored:
         heading, east = (4 - heading) & 7, PLACES - east
-    bits = torch.arange(HEADINGS)[:, None, None]
-    was = maps.taken[:, None].int() >> order[:, None, None] & 1
+    bits, was = torch.arange(HEADINGS)[:, None, None], gone_to(maps)[:, order].int()
     return ViewMaps(
         turn(maps.blocks),
         turn(maps.ages),

@@ -12,16 +12,19 @@ from agent.algorithms.map_completion.windows import Windows
 from agent.algorithms.search.chooser import ViewChooser, best
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.crop import box, by_size, cropped
-from agent.algorithms.search.learner import value_loss
+from agent.algorithms.search.learner import choice_loss, value_loss
 from agent.algorithms.search.maps import MapReader
 from agent.algorithms.search.network import (
-    CONSTANT,
+    NODE,
     SIZES,
     ViewNetwork,
+    cost,
     expected,
     foreseeing,
     foreseen,
+    hides,
     in_view,
+    stands,
 )
 from agent.algorithms.search.windows import FAR, HEADINGS, LEVELS, PLACES, ViewMaps, turned, views
 from agent.learning.environments import make_envs, shield
@@ -60,7 +63,13 @@ def played(policy, envs, steps, look=lambda: None):
 def without_cost(network, inputs, values):
     """Values of views to which far ways cost nothing."""
     (maps,) = inputs
-    return values + (maps.ways.clamp(min=0)[:, None] + CONSTANT + network.turns[maps.heading]).log()
+    return values + cost(maps.ways, network.turns[maps.heading]).log()
+
+
+def learnt(network):
+    """The network with other last weights than a new one's, which are zero."""
+    torch.nn.init.normal_(network.out.weight, std=0.05)
+    return network
 
 
 class Noted(ViewChooser):
@@ -92,9 +101,9 @@ class Noted(ViewChooser):
 
 @pytest.fixture(scope="module")
 def choices():
-    """The choices of a new network, to which far views cost nothing, in some steps."""
+    """The choices of a network at random, to which far views cost nothing, in some steps."""
     torch.manual_seed(0)
-    envs, network = make_envs(HOUSES, len(HOUSES), "secondary"), ViewNetwork((4, 4), looks=True)
+    envs, network = make_envs(HOUSES, len(HOUSES), "secondary"), learnt(ViewNetwork((4, 4), looks=True))
     network.register_forward_hook(without_cost)
     chooser = Noted(network, envs.config)
     played(Explorer(shield(envs), envs.config, chooser=chooser), envs, 250)
@@ -245,6 +254,51 @@ def test_what_a_view_is_worth_is_of_its_place_and_heading_in_the_house(valued):
     assert stands > 0.97 * worth_there
 
 
+def test_a_path_costs_its_steps():
+    envs = make_envs(HOUSES[:1], 1, "secondary")
+    planner = Explorer(shield(envs), envs.config).tracker.planner
+    assert round(planner.cell / envs.config.step) == NODE
+    straight = cost(torch.tensor([[[10]]]), torch.zeros(1, HEADINGS, 1, 1))
+    assert float(straight[0, 0, 0, 0]) == 4 + 10 * NODE
+
+
+def test_targets_that_were_not_seen_lie_where_the_map_says_that_they_may():
+    """By another way: the exact posterior, which strikes out each place that a ray would have met."""
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
+    policy = true_views(envs)
+    played(policy, envs, 200)
+    chooser, world = cast(Any, policy.tracker.chooser), envs.unwrapped.world
+    reader, truth, houses = chooser.reader, chooser.truth, world.describe()[2]
+    maps, corners = reader.read(EVERYONE), reader.corners(EVERYONE)
+    rows, left = truth.views.arrays["rows"].numpy(), truth.views.arrays["left"].numpy()
+    spots = truth.views.arrays["spots"].numpy().reshape(-1, 2)
+    may, seen = hides(maps).numpy(), (maps.blocks // LEVELS**2 >= 3).numpy()
+    kept, struck, loosely = [], [], []
+    for e in EVERYONE:
+        row, words = rows[houses[e]], left.reshape(len(HOUSES), -1)[e]
+        places = spots[row[0] : row[0] + row[1]]
+        still = np.unpackbits(words.view(np.uint8), bitorder="little")[: len(places)].astype(bool)
+        away = (places - truth.start[e]) @ AXES[truth.quarter[e]].T / truth.steps  # nodes east and south
+        blocks = (np.floor(away[:, ::-1] - corners[e] + 2) // 2).astype(int)
+        inside = ((blocks >= 0) & (blocks < 2 * PLACES)).all(1)
+        at = e, *blocks[inside].T
+        kept += list(may[at][still[inside]])
+        struck += list(may[at][~still[inside]])
+        loosely += list(~seen[at][~still[inside]])
+    assert min(len(kept), len(struck)) > 500
+    assert np.mean(kept) > 0.8
+    assert np.mean(struck) < 0.5 * np.mean(loosely)
+
+
+def test_a_body_stands_on_seen_ground_and_on_floor_that_is_foreseen():
+    maps = random_maps(1)
+    blocks, foreseen = torch.zeros_like(maps.blocks), torch.zeros_like(maps.foreseen)
+    blocks[0, :2, :2] = 4 * LEVELS
+    foreseen[0, 0, 2:4, :2] = 51
+    found = stands(maps._replace(blocks=blocks, foreseen=foreseen))[0]
+    assert [round(float(found[at]), 6) for at in ((0, 0), (1, 0), (1, 1))] == [1, 0.2, 0]
+
+
 def test_who_goes_by_true_values_finds_more_than_the_explorer():
     envs = make_envs(list(generate(5, seed=77, count=12)), 12, "secondary")
     assert played(true_views(envs), envs, 300) > 1.1 * played(Explorer(shield(envs), envs.config), envs, 300)
@@ -299,7 +353,7 @@ def test_turned_maps_are_of_the_same_views():
 
 def test_a_network_values_the_views_that_a_path_leads_to():
     torch.manual_seed(0)
-    network, maps = ViewNetwork((4, 4), foresight=True, looks=True), random_maps()
+    network, maps = learnt(ViewNetwork((4, 4), foresight=True, looks=True)), random_maps()
     values = network(maps)
     assert values.shape == (3, HEADINGS, PLACES, PLACES)
     assert torch.equal(torch.isfinite(values), views(maps))
@@ -352,15 +406,13 @@ def test_what_a_view_would_show_is_what_rays_over_the_map_meet(choices):
     assert some > 20
 
 
-def test_an_untrained_network_goes_by_what_views_show_for_what_they_cost(choices):
-    torch.manual_seed(0)
+def test_a_network_that_has_learnt_nothing_goes_by_what_views_show_for_what_they_cost(choices):
     network = ViewNetwork((4, 4), looks=True)
     for choice in choices[::8]:
-        values = network(choice["maps"])
-        shows = in_view(choice["maps"].shown.float())
-        few, many = (values[torch.isfinite(values) & part] for part in (shows < 0.01, shows > 0.05))
-        if len(few) and len(many):
-            assert many.mean() > few.mean() + 0.5
+        maps = choice["maps"]
+        shows = in_view(maps.shown.float()) * stands(maps)[:, None]
+        expected = 100 * (shows + 1e-3) / cost(maps.ways, network.turns[maps.heading])
+        assert torch.allclose(network(maps).exp(), expected * views(maps))
 
 
 def test_a_part_of_a_window_has_all_that_was_seen_and_some_ground_about_it(choices):
@@ -408,8 +460,29 @@ def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
     assert (planes[:, 2][looked] == 0).all()
 
 
+def test_the_loss_of_choices_is_what_is_lost_by_drawing_one():
+    """Of views worth 4, 1, 3 and 0, the first of which was the goal before; the last is none."""
+    values = torch.full((1, HEADINGS, PLACES, PLACES), -torch.inf)
+    maps = random_maps(1)._replace(
+        worth=torch.zeros(values.shape), taken=torch.zeros(1, PLACES, PLACES).byte()
+    )
+    maps.worth[0, 0, 0, :3] = torch.tensor([4.0, 1.0, 3.0])
+    values[0, 0, 0, :3] = torch.tensor([2.0, 2.0, 4.0]).log()
+    assert float(choice_loss(values, maps, 1.0)) == pytest.approx(1 - (0.25 + 0.25 / 4 + 0.5 * 3 / 4))
+    assert float(choice_loss(values, maps, 0.5)) == pytest.approx(1 - (4 + 1 + 4 * 3) / 6 / 4)
+    maps.taken[0, 0, 0] = 1
+    assert float(choice_loss(values, maps, 1.0)) == pytest.approx(1 - (1 / 3 + 2 * 3 / 3) / 3)
+    maps.taken[0, 0] = 255  # all were: then they are as good as before
+    assert float(choice_loss(values, maps, 1.0)) == pytest.approx(1 - (0.25 + 0.25 / 4 + 0.5 * 3 / 4))
+    values.requires_grad_()
+    choice_loss(values, maps, 1.0).backward()
+    slopes = cast(torch.Tensor, values.grad)[0, 0, 0]
+    assert slopes[0] < 0 < slopes[1]
+    assert torch.isfinite(cast(torch.Tensor, values.grad)).all()
+
+
 @pytest.mark.parametrize("focus", [0.0, 1.0])
-def test_the_loss_is_least_at_the_mean_of_what_views_are_worth(focus):
+def test_the_loss_of_values_is_least_at_the_mean_of_what_views_are_worth(focus):
     """What cannot be known is averaged: half of the time 1, half of the time 0."""
     worth = torch.zeros(2, 1, 1, 3)
     worth[0, 0, 0] = torch.tensor([1.0, 0.4, 0.0])
@@ -430,9 +503,10 @@ def test_the_loss_is_least_at_the_mean_of_what_views_are_worth(focus):
     assert torch.isfinite(least)
 
 
-def test_a_run_learns_what_views_are_worth():
+@pytest.mark.parametrize("loss", ["choice", "value"])
+def test_a_run_learns_what_views_are_worth(loss):
     envs = make_envs(HOUSES, 4, "secondary")
-    config = replace(SMALL, steps=2500, guided=0.5, passes=5.0, learning_rate=1e-2)
+    config = replace(SMALL, loss=loss, steps=2500, guided=0.5, passes=5.0, learning_rate=1e-2)
     learner = cast(Any, learner_of(config, envs))
     losses = [now.loss for now in learner.train()]
     assert any(losses)
@@ -440,7 +514,7 @@ def test_a_run_learns_what_views_are_worth():
     choices = ViewMaps(*(field[:40] for field in learner.buffer))
     with torch.no_grad():  # on the same choices: those of a run's beginning and end differ
         learnt, new = (
-            float(value_loss(network(choices), choices.worth.float(), focus=0.0))
+            float(learner.loss(network(choices), choices))
             for network in (learner.network, cast(Any, network_of(config)))
         )
     assert learnt < 0.98 * new  # untrained it is much of the way: it reads what views show
@@ -490,7 +564,7 @@ def test_closed_doors_are_refused_in_one_line():
         {"guided": 1.5},
         {"device": "cuda"},
         {"buffer_size": 0},
-        {"focus": -1.0},
+        {"heat": 0.0},
     ],
 )
 def test_a_config_that_no_run_can_have_is_refused(changes):
