@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from logic import House, HouseFileError, Houses, RequestError, load
+from logic import House, HouseFileError, Houses, HouseSet, HouseStream, RequestError, load
 from logic.dataset.splits import TEST, TRAINING
 from logic.house.files import STANDARD
 from logic.spelling import unknown
@@ -61,7 +61,11 @@ def geometry_hash(house: House) -> str:
 
 
 def bank_hash(houses: Iterable[House]) -> str:
-    """A name for the houses' shapes in their order, whatever file they are in."""
+    """A name for the houses' shapes in their order, whatever file they are in; a set and a stream have their
+    own, as they may be of more houses than can be read.
+    """
+    if isinstance(houses, HouseSet | HouseStream):
+        return houses.hash
     return hashlib.sha256("\n".join(map(geometry_hash, houses)).encode()).hexdigest()
 
 

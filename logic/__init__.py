@@ -24,6 +24,7 @@ from logic.workers.generate import count_layouts, generate, lint
 from logic.workers.nearest import Broken, Nearest, nearest
 from logic.workers.nearest_plan import NearestPlan, nearest_plan
 from logic.workers.standards import check
+from logic.workers.stream import HouseStream
 
 __all__ = [
     "Broken",
@@ -35,6 +36,7 @@ __all__ = [
     "House",
     "HouseFileError",
     "HouseSet",
+    "HouseStream",
     "Houses",
     "LimitReached",
     "MissingProgram",

@@ -16,6 +16,7 @@ if _logic and Path(_logic.origin or "").resolve().parent.parent != Path(__file__
 from sim.baselines.oracle import Oracle, shortest_path
 from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
+from sim.environment.rotation import HouseRotation
 from sim.environment.single import HouseEnv
 from sim.environment.vector import HouseVectorEnv
 from sim.tasks.tasks import Collect, FixedTask, Points, Reach, Rooms, Task
@@ -27,6 +28,7 @@ __all__ = [
     "Config",
     "FixedTask",
     "HouseEnv",
+    "HouseRotation",
     "HouseVectorEnv",
     "Oracle",
     "Points",

@@ -77,6 +77,8 @@ def pytest_sessionfinish() -> None:
     if runtime := sys.modules.get("sim.runtime"):
         with Path(__file__).open() as file:
             fcntl.flock(file, fcntl.LOCK_EX)
+            if passing := sys.modules.get("sim.environment.passing"):
+                passing.close_all()
             runtime.ti.reset()
 
 

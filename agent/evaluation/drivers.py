@@ -5,7 +5,7 @@
 | random drive | another v and w at each step, drawn from all |
 | pursuit | to a target in sight, else where rays go furthest, and around before walls: by rule |
 | true path | knows the house and the target, and follows the shortest path by rule (``TruePath``) |
-| bound | no player: what none can do better (``Bound``) |
+| bound | no player: what none can do better (``TimeBound``) |
 
 Every score is a share of the bound's: the oracle counts steps on a lattice.
 """
@@ -20,7 +20,7 @@ from agent.evaluation.baselines import REFERENCES, Privileged
 from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from agent.policies.policies import Policy
 from sim import HouseVectorEnv
-from sim.baselines.bound import Bound
+from sim.baselines.bound import TimeBound
 from sim.baselines.true_path import TruePath
 from sim.config import Config
 
@@ -101,7 +101,7 @@ def bound_scores(envs: HouseVectorEnv) -> tuple[EpisodeScores, np.ndarray]:
     """What no policy does better in the episodes (E,) that have begun, and the fewest steps to their first
     target.
     """
-    bound, count = Bound(envs), envs.num_envs
+    bound, count = TimeBound(envs), envs.num_envs
     first = bound.first()
     nothing = np.zeros((len(COVERAGE_STEPS), count)), np.zeros(count, int)
     steps = count * envs.config.steps

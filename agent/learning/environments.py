@@ -12,14 +12,14 @@ from agent.learning.config import TrainConfig
 from agent.learning.simulator import actions, simulator
 from logic import House, HouseFileError, RequestError
 from logic.spelling import keywords
-from sim import HouseVectorEnv
+from sim import HouseRotation, HouseVectorEnv
 from sim.config import Config
 from sim.tasks.tasks import Targets, suited, task
 
 
 @keywords(config="preset", mode="targets", num_envs="number")
 def make_envs(
-    houses: Sequence[House],
+    houses: Sequence[House] | HouseRotation,
     number: int,
     targets: Targets = "main",
     *,

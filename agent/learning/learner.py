@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,6 +15,7 @@ from agent.learning.config import TrainConfig, differences, linear
 from agent.learning.environments import layer_of
 from agent.learning.stopwatch import Stopwatch
 from agent.policies.policies import Explorer, QPolicy
+from logic import House
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
 
@@ -134,6 +135,11 @@ class Learner(ABC):
         self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))
 
     @property
+    def houses(self) -> Sequence[House]:
+        """All that it learns in."""
+        return self.envs.rotation.houses if self.envs.rotation else self.envs.houses
+
+    @property
     def fraction(self) -> float:
         """How much of the run is done, 0 to 1."""
         limit = self.config.seconds
@@ -223,7 +229,7 @@ class Learner(ABC):
         return {
             "algorithm": self.config.algorithm,
             "config": asdict(self.config),
-            "houses": bank_hash(self.envs.houses),
+            "houses": bank_hash(self.houses),
             "network": self.network.state_dict(),
             "generator": self.generator.get_state(),
             "envs": {name: torch.from_numpy(array) for name, array in self.envs.state.items()},
@@ -242,7 +248,7 @@ class Learner(ABC):
         other = set(differences(self.config, type(self.config)(**state["config"]))) - {"steps", "seconds"}
         if other:
             raise RequestError(f"a run of another config cannot go on here: {', '.join(sorted(other))}")
-        if state["houses"] != bank_hash(self.envs.houses):
+        if state["houses"] != bank_hash(self.houses):
             raise RequestError("a run in other houses cannot go on here")
         self.network.load_state_dict(state["network"])
         self.generator.set_state(state["generator"])

@@ -38,11 +38,12 @@ from agent.progress import progress
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
-from logic import House
+from logic import House, HouseSet, HouseStream
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
 from logic.spelling import keywords
 from logic.stopping import Terminated, at_signals
+from sim import HouseRotation
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
@@ -121,7 +122,7 @@ class Folder:
 
 @keywords(preset="config", out="path", folder="path")
 def run(
-    houses: Sequence[House],
+    houses: Sequence[House] | HouseRotation,
     config: TrainConfig,
     path: str | Path,
     *,
@@ -130,7 +131,8 @@ def run(
     resume: bool = False,
     every: float | None = None,
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Train an agent in the houses, to the end of its run; its files lie in the folder ``path``.
+    """Train an agent in the houses, to the end of its run; its files lie in the folder ``path``. Those of a
+    ``HouseSet`` or a ``HouseStream``, of any number, rotate: see ``sim.HouseRotation``.
 
     With ``resume`` a run that lies there goes on where it was last kept, bit for bit on the CPU; where there
     is none, one begins. ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no
@@ -149,8 +151,12 @@ def run(
             return _learn(_learner(houses, config), folder, name, command, resume, every)
 
 
-def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
-    """A new run in new environments: this rank's share of them."""
+def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Learner:
+    """A new run in new environments, this rank's share of them; sets and streams rotate."""
+    if isinstance(houses, HouseSet | HouseStream):
+        houses = HouseRotation(houses)
+    if isinstance(houses, HouseRotation) and config.reads_maps:
+        raise RequestError(f"{config.algorithm} learns in houses that stay: give a house file, not a set")
     share, left = divmod(config.num_envs, ranks.size())
     if left:
         raise RequestError(f"num_envs must be a multiple of the {ranks.size()} ranks, not {config.num_envs}")
@@ -170,9 +176,10 @@ def _learn(
     learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
 ) -> tuple[Checkpoint, list[Progress]]:
     """Learn to the end, or to the report after a signal; save the run then and every half a minute."""
-    config, houses = learner.config, learner.envs.houses
+    config, houses = learner.config, learner.houses
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
-    learnt_in = frozenset(map(house_key, houses))
+    # Those of a set are not named: none of them is kept for measuring.
+    learnt_in = frozenset[int]() if learner.envs.rotation else frozenset(map(house_key, houses))
     made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
@@ -259,7 +266,7 @@ def _described(made: Checkpoint, learner: Learner) -> str:
         "preset": made.name,
         "algorithm": made.config.algorithm,
         "config": asdict(made.config),
-        "houses": {"number": len(learner.envs.houses), "hash": made.houses},
+        "houses": {"number": len(learner.houses), "hash": made.houses},
         "command": made.command,
         "ranks": ranks.size(),
         "python": platform.python_version(),

@@ -41,7 +41,7 @@ class OtherMachine(VitruviusError):
     exit_code = 1
 
 
-class Cell(NamedTuple):
+class StudyCell(NamedTuple):
     """A measurement: so many houses of so many rooms."""
 
     method: str
@@ -85,7 +85,7 @@ class Complexity:
             study = {"command": COMMAND, "inferences": self.inferences, "measured": []}
         known = {(each["method"], each["rooms"]) for each in study["measured"]}
         wanted = [
-            Cell(method, rooms, count, self.inferences)
+            StudyCell(method, rooms, count, self.inferences)
             for rooms in sorted(set(self.rooms))
             for method, count in ((ORIGINAL, min(SAMPLED.get(rooms, 0), self.houses)), (OURS, self.houses))
             if count and (method, rooms) not in known
@@ -97,7 +97,7 @@ class Complexity:
         write_whole(self.out / "paper-complexity.png", picture(study))
         print(table(study))
 
-    def _measured(self, wanted: list[Cell]) -> Iterator[dict[str, Any]]:
+    def _measured(self, wanted: list[StudyCell]) -> Iterator[dict[str, Any]]:
         """What is found of cells, as it is."""
         if self.engine is None:
             yield from map(measured, wanted)
@@ -107,7 +107,7 @@ class Complexity:
                     yield entry
 
 
-def measured(cell: Cell) -> dict[str, Any]:
+def measured(cell: StudyCell) -> dict[str, Any]:
     """The CPU seconds of each house that was made, how many were not within the limit, and the machine."""
     builder = _warm(cell.inferences)
     types = list(islice(cycle(TYPES), cell.rooms))

@@ -189,8 +189,8 @@ class Views:
         headings = "network", "weights", "share", "less untrained", "less seed 0"
         write_tables([Table(title, headings, rows)], self.out / "views.md")
 
-    def collected(self, what: str, houses: list[House], config: SearchConfig) -> "Choices":
-        """Choices in these houses, as many as the config's buffer has."""
+    def collected(self, what: str, houses: list[House], config: SearchConfig) -> "ViewChoices":
+        """ViewChoices in these houses, as many as the config's buffer has."""
         path = self.path(what, bank_hash(houses), config).with_suffix(".npz")
         if not path.exists():
             made = collected(houses, config)
@@ -198,10 +198,10 @@ class Views:
             write_arrays(path, blind=made.blind.numpy(), house=made.house, **fields)
         kept = np.load(path)
         maps = ViewMaps(**{name: torch.from_numpy(kept[name]) for name in ViewMaps._fields})
-        return Choices(maps, torch.from_numpy(kept["blind"]), kept["house"])
+        return ViewChoices(maps, torch.from_numpy(kept["blind"]), kept["house"])
 
     def trained(
-        self, part: str, config: SearchConfig, houses: list[House], choices: "Choices"
+        self, part: str, config: SearchConfig, houses: list[House], choices: "ViewChoices"
     ) -> ViewNetwork:
         """A network without a part that has learnt from choices."""
         path = self.path(
@@ -219,8 +219,8 @@ class Views:
         return self.out / f"{what}-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}"
 
 
-class Choices(NamedTuple):
-    """Choices of views."""
+class ViewChoices(NamedTuple):
+    """ViewChoices of views."""
 
     maps: ViewMaps
     """With what views are worth (n, ...)."""
@@ -232,7 +232,7 @@ class Choices(NamedTuple):
     """(n,) int: the houses that they were made in."""
 
 
-def without(part: str, config: SearchConfig, choices: Choices) -> ViewMaps:
+def without(part: str, config: SearchConfig, choices: ViewChoices) -> ViewMaps:
     """Maps as a variant reads them."""
     maps = choices.maps if config.foresight else choices.maps._replace(shown=choices.blind)
     return INPUTS[part](maps) if part in INPUTS else maps
@@ -268,12 +268,12 @@ class Collector(LearnedSearch):
             self.iterate()
 
 
-def collected(houses: list[House], config: SearchConfig) -> Choices:
-    """Choices in houses, as many as the config's buffer has."""
+def collected(houses: list[House], config: SearchConfig) -> ViewChoices:
+    """ViewChoices in houses, as many as the config's buffer has."""
     config = replace(config, num_envs=len(houses))
     collector = Collector(config, make_envs(houses, len(houses), config.targets))
     collector.collect()
-    return Choices(collector.buffer, collector.blind, collector.house)
+    return ViewChoices(collector.buffer, collector.blind, collector.house)
 
 
 def fitted(config: SearchConfig, houses: list[House], choices: ViewMaps, updates: int) -> ViewNetwork:

@@ -1,5 +1,6 @@
 """A set as a list of houses that are read as they are asked for: no more than a group of rows is held."""
 
+import hashlib
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, islice
@@ -39,6 +40,11 @@ class HouseSet(Sequence[House]):
         self._shards = [each for each in self._shards if each.split in (splits or SPLITS)]
         self._ends = list(accumulate(each.rows - len(each.limits) for each in self._shards))
         self._group: tuple[Held, int, list[Row]] | None = None
+
+    @property
+    def hash(self) -> str:
+        """A name for the houses in their order: SHA-256 of the hashes that the manifest has of them."""
+        return hashlib.sha256("\n".join(each.rows_sha256 for each in self._shards).encode()).hexdigest()
 
     def __len__(self) -> int:
         """How many houses."""

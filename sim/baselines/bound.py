@@ -89,7 +89,7 @@ class Stage(NamedTuple):
     """Seconds that a turn takes longer than going straight, by its angle."""
 
 
-class Bound:
+class TimeBound:
     """The least time to targets, for the E environments of a ``HouseVectorEnv`` whose bodies drive."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:

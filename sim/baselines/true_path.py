@@ -21,7 +21,7 @@ AIR = 0.04
 """Metres between the body and what it passes."""
 
 
-class Pursuit(NamedTuple):
+class PursuitState(NamedTuple):
     """Where bodies are and what they pursue."""
 
     house: Ints
@@ -94,7 +94,7 @@ def _kernel(program: Any, radius: float, half: float) -> Any:
         return nearest + away * ti.min(1.0, ti.static(radius - 4 * SKIN) / ti.max(1e-6, away.norm()))
 
     @kernel
-    def pursue(roads: Roads, pursuit: Pursuit):
+    def pursue(roads: Roads, pursuit: PursuitState):
         for e in range(pursuit.house.shape[0]):
             where, base = pursuit.house[e], e * (pursuit.left.shape[0] // pursuit.house.shape[0])
             first, count, table = graph(roads, where)

@@ -12,11 +12,12 @@ from logic.spelling import unknown
 from sim.backends.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.environment.observed import require_observed
+from sim.environment.rotation import HouseRotation
 from sim.geometry import check_lengths
 from sim.tasks.tasks import PAPER, AnyTask, Targets, named, task
 from sim.tasks.terms import terms_of
 
-Houses = str | Path | Sequence[House] | dict[str, Any]
+Houses = str | Path | Sequence[House] | dict[str, Any] | HouseRotation
 
 BANK = Path(__file__).with_name("houses.jsonl.gz")
 """32 houses to begin with, by ``vitruvius generate --rooms 4 --count 32 --out`` this file."""
@@ -48,6 +49,7 @@ class Arguments(NamedTuple):
     config: Config
     backend: type[Backend]
     houses: list[House]
+    rotation: HouseRotation | None
     task: AnyTask
     device: str
 
@@ -76,19 +78,22 @@ def read_arguments(
     if render_mode not in (None, *metadata["render_modes"]):
         raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
     make = backend_class(backend)
+    rotation = houses if isinstance(houses, HouseRotation) else None
     bank = house_list(houses)
     check_lengths(bank)
     config = make.fit(replace(config, drives=False), bank)
     require_observed(config, make)
     if config.drives and terms_of(wanted).asks_distance:
         raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")
-    return Arguments(config, make, bank, wanted, device)
+    return Arguments(config, make, bank, rotation, wanted, device)
 
 
 def house_list(houses: Houses) -> list[House]:
     """The houses of a file, of a request for ``logic.generate``, or of a list, or the one that is named
-    ``PAPER_HOUSE``; ``ValueError`` if none.
+    ``PAPER_HOUSE``; of a rotation those of its first period. ``ValueError`` if none.
     """
+    if isinstance(houses, HouseRotation):
+        houses = houses.period(0)
     if isinstance(houses, dict):
         from logic import generate
 

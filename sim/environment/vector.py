@@ -25,7 +25,9 @@ from sim.environment.kept import KEPT, remade, require_state
 from sim.environment.observed import single_spaces
 from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
+from sim.environment.passing import Passing
 from sim.environment.pictures import Pictures, scene_of
+from sim.environment.rotation import HouseRotation
 from sim.environment.steps import orders, require_going_on
 from sim.environment.window import ScreenWindow
 from sim.geometry import Geometry
@@ -184,6 +186,8 @@ class HouseVectorEnv(VectorEnv):
             "device": device,
             "by_ray": by_ray,
         }
+        self._passing: Passing | None = None
+        self._pass(houses)
         self._outputs, self._orders = Outputs(self.world), orders(self.single_action_space, self.config.drive)
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
@@ -194,6 +198,11 @@ class HouseVectorEnv(VectorEnv):
     def houses(self) -> list[House]:
         """The bank that episodes sample from."""
         return self.world.houses
+
+    @property
+    def rotation(self) -> HouseRotation | None:
+        """What its houses are in, if they rotate."""
+        return self._passing.rotation if self._passing else None
 
     @property
     def geometries(self) -> list[Geometry]:
@@ -213,8 +222,23 @@ class HouseVectorEnv(VectorEnv):
         """
         self._require_open()
         self.world.load(house_list(houses), targets)
+        self._pass(houses)
         self._ready = False
         self._pictures.forget()
+
+    def _pass(self, houses: Houses) -> None:
+        """Rotate these houses, if they are to."""
+        if self._passing:
+            self._passing.close()
+        if isinstance(houses, HouseRotation) and self.autoreset_mode is not AutoresetMode.NEXT_STEP:
+            raise ValueError("houses in rotation need autoreset_mode='NextStep'")
+        self._passing = Passing(self.world, houses) if isinstance(houses, HouseRotation) else None
+
+    def _run_step(self) -> None:
+        if self._passing:
+            self._passing.step()
+        else:
+            self.world.run("step")
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -231,7 +255,10 @@ class HouseVectorEnv(VectorEnv):
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
-            self._take_seeds(read_seeds(seed, self.num_envs), asked.mask)
+            seeds = read_seeds(seed, self.num_envs)
+            if self._passing and asked.mask.all():
+                self._passing.go_to(0)
+            self._take_seeds(seeds, asked.mask)
         self.world.reset(asked.wholes, asked.reals)
         flags = self._outputs.flags()
         flags[:, asked.mask] = False
@@ -262,7 +289,7 @@ class HouseVectorEnv(VectorEnv):
         actions = self._orders.read(actions)
         self._check(actions)
         self.world.arrays["action"].fill(self._orders.packed(actions))
-        self.world.run("step")
+        self._run_step()
         flags, observation = self._outputs.flags(), self._outputs.observation()
         reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
@@ -285,7 +312,7 @@ class HouseVectorEnv(VectorEnv):
             self._tensors = self._outputs.tensors(self.device)
         action, outputs = self._tensors
         action[:] = self._orders.packed(given)
-        self.world.run("step")
+        self._run_step()
         if self.config.flat:
             self._outputs.join()
         return outputs
@@ -296,7 +323,7 @@ class HouseVectorEnv(VectorEnv):
         Nothing is checked or returned; its outputs are in the memory that ``step_torch`` returns.
         """
         self.world.arrays["action"].view()[:] = self._orders.packed(actions)
-        self.world.run("step")
+        self._run_step()
 
     def info(self) -> dict[str, np.ndarray]:
         """The info of the environments as they are now: copies, as ``step`` returns them."""
@@ -323,14 +350,21 @@ class HouseVectorEnv(VectorEnv):
         With them every environment goes on bit for bit, in this or another environment of the same
         arguments.
         """
-        return self.world.state | {
-            "flags": self._outputs.flags(),
-            "observation": self._outputs.rays(),
-        }
+        passed = {"passed": np.array([self._passing.steps])} if self._passing else {}
+        return (
+            self.world.state
+            | passed
+            | {
+                "flags": self._outputs.flags(),
+                "observation": self._outputs.rays(),
+            }
+        )
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
         require_state(dict(state), self.state, len(self.houses), self.config.drives)
+        if self._passing:
+            self._passing.go_to(int(state["passed"][0]))
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]
@@ -353,7 +387,9 @@ class HouseVectorEnv(VectorEnv):
         return tuple(self._pictures.taken())
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Close the window, if there is one."""
+        """Close the window, if there is one, and pack no more houses."""
+        if self._passing:
+            self._passing.close()
         self._pictures.close()
 
     def scene(self, index: int) -> "Scene":
@@ -371,7 +407,7 @@ class HouseVectorEnv(VectorEnv):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arguments and the state: what is read goes on bit for bit, its random numbers too."""
-        arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
+        arguments = self._arguments | {"houses": self.rotation or self.houses, "targets": self.world.task}
         state = self.state if self._ready else None
         kept = {name: self.__dict__[name] for name in KEPT if name in self.__dict__}
         return remade, (type(self), arguments, kept, state, self.closed)

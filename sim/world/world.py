@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,16 @@ FEW = 64
 
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
+
+
+class PackedHouses(NamedTuple):
+    """A bank of houses for a task, packed and surveyed."""
+
+    houses: list[House]
+    bank: Bank
+    task: AnyTask
+    lattices: list[Lattice]
+    places: list[Places]
 
 
 class World:
@@ -103,6 +114,13 @@ class World:
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
+        self.take(self.packed(houses, targets))
+
+    def packed(self, houses: Sequence[House], targets: Targets | None = None) -> PackedHouses:
+        """A bank, and a task, to be taken later; in any thread, while others step.
+
+        Raises ``ValueError`` where a house cannot be had.
+        """
         check_lengths(houses)
         wanted = self.task if targets is None else task(targets)
         if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
@@ -114,8 +132,12 @@ class World:
         check_kinds(houses, self.config.kinds)
         getattr(wanted, "check", lambda houses: None)(houses)
         bank = self.backend.pack(houses)
-        self.lattices, self.places = self._places(houses, bank, wanted)
-        self.houses, self.bank, self.task = list(houses), bank, wanted
+        return PackedHouses(list(houses), bank, wanted, *self._places(houses, bank, wanted))
+
+    def take(self, loaded: PackedHouses) -> None:
+        """Go on in houses that were packed. Nothing is compiled."""
+        self.houses, self.bank, self.task, self.lattices, self.places = loaded
+        bank = self.bank
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
         self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
         self._bind()

@@ -41,8 +41,10 @@ class Train(Generic[Kind]):
     groups: ClassVar = {"out": "The run", "preset": "Settings"}
 
     houses: tyro.conf.Positional[Streamed | None] = None
-    """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius,
-    for preset paper the paper's house, paper-house."""
+    """House file to learn in: vitruvius generate makes one. Or the folder of a set, of whose split train 128
+    houses are held at a time, for 3000 steps of each environment; or a grammar and how many rooms, as
+    home:rooms=4..10, whose houses are made meanwhile. By default 32 houses that come with Vitruvius, for
+    preset paper the paper's house, paper-house."""
 
     out: Path = Path("runs/train")
     """Folder for agent.safetensors, config.json, metrics.jsonl, report.html, learning-curve.png and
@@ -103,6 +105,8 @@ class Train(Generic[Kind]):
         from agent.evaluation.plots import learning_curve
         from agent.report.folder import require_report, write_report
         from agent.runs.runs import run
+        from logic import HouseSet, HouseStream
+        from logic.dataset.sets import SET
         from logic.house.files import require_folder, write_whole
         from sim.environment.arguments import BANK, house_list
         from vitruvius.answers.agents import Trained
@@ -113,8 +117,14 @@ class Train(Generic[Kind]):
         if curve.exists() and not self.resume:
             raise RequestError(f"{curve}: is there already, of another run: give another folder")
         file = self.houses or self.learning.learnt_in or BANK
-        houses = house_list(file)
-        require_training(houses, file)
+        # Seeds of sets and streams are none of those that are kept for measuring.
+        if (Path(file) / SET).is_file():
+            houses = HouseSet(file, "train")
+        elif stream := HouseStream.read(str(file)):
+            houses = stream
+        else:
+            houses = house_list(file)
+            require_training(houses, file)
         command = shlex.join(["vitruvius", *sys.argv[1:]])
         made, history = run(
             houses,

@@ -26,9 +26,10 @@ from agent.report.folder import report
 from agent.runs import checkpoint, runs
 from agent.runs.released import CheckpointError
 from agent.runs.runs import run
-from logic import load, save
+from logic import HouseSet, load, save
 from logic.errors import RequestError
 from logic.stopping import Terminated
+from sim import HouseRotation
 from sim.environment.arguments import BANK
 from tests import processes
 from tests.programs import PATIENCE
@@ -126,24 +127,49 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "config",
-    [CONFIG, RECURRENT, REPLAY, COMPLETION, SEARCH],
-    ids=["pqn", "pqn-recurrent", "dqn", "map-completion", "search"],
+    ("config", "houses"),
+    [
+        *((config, HOUSES) for config in (CONFIG, RECURRENT, REPLAY, COMPLETION, SEARCH)),
+        (CONFIG, HouseRotation(HOUSES, 2, 50)),
+    ],
+    ids=["pqn", "pqn-recurrent", "dqn", "map-completion", "search", "pqn-in-rotation"],
 )
-def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
+def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config, houses):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
-    run(HOUSES, config, tmp_path / "whole")
+    run(houses, config, tmp_path / "whole")
     learner = algorithm_of(config)
     iterate = learner.iterate
     for left in (1, 2):
         turns = iter([iterate] * left)
         monkeypatch.setattr(learner, "iterate", lambda learner, turns=turns: next(turns)(learner))
         with pytest.raises(RuntimeError, match="StopIteration"):
-            run(HOUSES, config, tmp_path / "stopped", resume=True)
+            run(houses, config, tmp_path / "stopped", resume=True)
     monkeypatch.setattr(learner, "iterate", iterate)
-    run(HOUSES, config, tmp_path / "stopped", resume=True)
+    run(houses, config, tmp_path / "stopped", resume=True)
     assert metrics(tmp_path / "stopped") == metrics(tmp_path / "whole")
     assert same(tmp_path / "stopped", tmp_path / "whole")
+
+
+def test_houses_in_rotation_are_named_together_and_maps_of_them_are_not_learnt(tmp_path):
+    rotation = HouseRotation(HOUSES, 2, 50)
+    made, _ = run(rotation, CONFIG, tmp_path / "run")
+    assert made.houses == bank_hash(HOUSES)
+    assert not made.learnt_in
+    assert json.loads((tmp_path / "run/config.json").read_text())["houses"]["number"] == 4
+    with pytest.raises(RequestError, match="map-completion learns in houses that stay: give a house file"):
+        run(rotation, COMPLETION, tmp_path / "maps")
+
+
+def test_train_learns_in_the_training_split_of_a_set_and_in_houses_made_meanwhile(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = ["--rooms", "2", "--count", "3", "--test", "2", "--shard", "all/2", "--files", "jsonl"]
+    assert parse(["generate", *made, "--out", "set"]).run() in (0, None)
+    words = ["--num-envs", "8", "--num-steps", "16", "--steps", "256"]
+    for houses, number in (("set", 3), ("family:rooms=2..3", 2**31 - 1)):
+        out = Path(houses.partition(":")[0] + "-run")
+        assert parse(["train", houses, *words, "--out", str(out)]).run() == 0
+        assert json.loads((out / "config.json").read_text())["houses"]["number"] == number
+    assert checkpoint.load("set-run/agent.safetensors").houses == HouseSet("set", "train").hash
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ TASKS = """
 import importlib, os, sys, time, warnings
 from pathlib import Path
 from benchmarks.common.pages import machine
-from benchmarks.paper.complexity import Cell, measured
+from benchmarks.paper.complexity import StudyCell, measured
 from logic import cluster
 from logic.grammar import find
 
@@ -45,7 +45,7 @@ with cluster.connected(sys.argv[1]) as nodes:
     began = time.monotonic()
     [*nodes.each(time.sleep, [0.5, 0.5], alone=True)]
     print(time.monotonic() - began >= 1)
-    [cell] = nodes.map(measured, [Cell("ours", 1, 1, 10**8)])
+    [cell] = nodes.map(measured, [StudyCell("ours", 1, 1, 10**8)])
     print(cell["made"] == 1 and cell["machine"] == machine())
     for function, item in (
         (find, "nobodys"),

@@ -7,7 +7,7 @@ import pytest
 
 from logic import FreeWall, House, Room
 from sim import DEFAULT, HouseVectorEnv
-from sim.baselines.bound import Bound, late
+from sim.baselines.bound import TimeBound, late
 from sim.baselines.true_path import TruePath
 from sim.config import DRIVE, Config
 from sim.drive import Drive
@@ -48,7 +48,7 @@ def steps_of(way: float) -> int:
 def test_straight_on_in_an_empty_room_it_is_exact():
     away = HALF + RADIUS + 0.155 + STEP * SPEED * np.arange(40)  # midway between two steps
     envs = begun(EMPTY, [[1, 4.5, 0.0]] * 40, [[1 + each, 4.5] for each in away])
-    bound = Bound(envs).first()
+    bound = TimeBound(envs).first()
     assert bound.tolist() == [steps_of(each - HALF - RADIUS) for each in away]
     first = np.full(40, np.inf)
     for step in range(1, 60):
@@ -64,7 +64,7 @@ def test_a_turn_costs_what_it_costs_by_hand(angle):
     """
     envs = begun(EMPTY, [[2.5, 4.5, angle]], [[6.5, 4.5]], AGILE)
     by_hand = (4 - HALF - RADIUS) / SPEED + (angle - np.sin(min(angle, np.pi / 2))) / TURN_SPEED
-    [first] = STEP * Bound(envs).first()
+    [first] = STEP * TimeBound(envs).first()
     assert by_hand - 0.1 <= first <= by_hand + STEP
 
 
@@ -87,15 +87,15 @@ def around(*ends: tuple[float, float]) -> float:
 def test_around_walls_it_is_the_shortest_path_by_hand(ends):
     """Less by what corners are cut and places are apart, by a tenth of a metre at each wall at most."""
     envs = begun(walled(*ends), [[1.5, 4.5, -np.pi / 4]], [[7.5, 4.5]], AGILE)
-    [first] = Bound(envs).first()
+    [first] = TimeBound(envs).first()
     assert around(*ends) - 0.1 * len(ends) <= first * STEP * SPEED <= around(*ends) + STEP * SPEED
 
 
 def test_no_way_is_infinite():
     envs = HouseVectorEnv([walled((4.5, 9.0))], 1, backend="free", targets="all")
     envs.reset(seed=0, options={"house": [0], "pose": [[2, 2, 0.0]], "target": [[7, 7]]})
-    assert Bound(envs).first().tolist() == [np.inf]
-    assert Bound(envs).most().tolist() == [0]
+    assert TimeBound(envs).first().tolist() == [np.inf]
+    assert TimeBound(envs).most().tolist() == [0]
 
 
 PLAYERS = "true path", "straight", "random"
@@ -130,7 +130,7 @@ def test_nobody_is_better_and_who_knows_the_way_is_not_much_worse(config, least)
     bank = houses(24, seed=80)
     config = replace(config, steps=400)
     envs = HouseVectorEnv(bank, 2 * len(bank), backend="free", preset=config, targets="all")
-    bound, path, rng = Bound(envs), TruePath(envs), np.random.default_rng(0)
+    bound, path, rng = TimeBound(envs), TruePath(envs), np.random.default_rng(0)
     begin = {"seed": 5, "options": {"house": np.arange(2 * len(bank)) % len(bank)}}
     envs.reset(**begin)
     most, soonest = bound.most(), bound.first()
@@ -150,7 +150,7 @@ def test_nobody_is_better_and_who_knows_the_way_is_not_much_worse(config, least)
 def test_in_the_middle_of_an_episode_it_counts_from_there():
     envs = HouseVectorEnv(houses(8, seed=3), 8, backend="free", preset=AGILE)
     envs.reset(seed=0)
-    bound, path, found = Bound(envs), TruePath(envs), np.zeros(8)
+    bound, path, found = TimeBound(envs), TruePath(envs), np.zeros(8)
     for _ in range(700):
         envs.step(path.act())
     most = bound.most()
@@ -165,7 +165,7 @@ def test_what_is_lost_until_the_greatest_speed_is_by_steps():
     np.testing.assert_allclose(lost, [0, 5 / 70, 9 / 70, 0])
 
 
-@pytest.mark.parametrize("knows", [Bound, TruePath])
+@pytest.mark.parametrize("knows", [TimeBound, TruePath])
 def test_bodies_on_a_lattice_have_an_oracle(knows):
     with pytest.raises(ValueError, match="take the backend free, or an oracle"):
         knows(HouseVectorEnv([EMPTY], 1))

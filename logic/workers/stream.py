@@ -1,0 +1,84 @@
+"""Houses of a request as a list, each made as it is asked for."""
+
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, SupportsIndex, overload
+
+from logic.errors import RequestError
+from logic.grammar import find
+from logic.house.gallery import Houses
+from logic.house.house import House
+from logic.request.request import MOST_ROOMS, whole
+from logic.workers.generate import series_of
+
+MOST_HOUSES = 2**31 - 1
+"""Of a seed."""
+
+WRITTEN = re.compile(r"(.+):rooms=(\d+)(?:\.\.(\d+))?")
+"""A stream in a line: ``home:rooms=4..10``."""
+
+
+class HouseStream(Sequence[House]):
+    """Houses of a grammar by requests for some numbers of rooms, in turn: house i has ``rooms[i % n]``, and
+    is a function of the grammar, that request, the seed and i. None is kept.
+    """
+
+    def __init__(
+        self,
+        rooms: int | Sequence[int],
+        *,
+        grammar: str | Path = "family",
+        seed: int = 0,
+        count: int = MOST_HOUSES,
+        **request: Any,
+    ) -> None:
+        """``rooms``: how many, or as ``range(4, 11)``. ``request``: what ``generate`` takes beside these.
+
+        Raises as ``generate`` does for what makes no sense.
+        """
+        numbers = [rooms] if isinstance(rooms, int) else list(rooms)
+        if not numbers:
+            raise RequestError("rooms: say how many, or from how many to how many: there are none")
+        self.grammar, self.seed, self.length = find(grammar), whole("seed", seed, 0), whole("count", count, 1)
+        self.series = [series_of(number, grammar=grammar, **request) for number in numbers]
+
+    @classmethod
+    def read(cls, text: str) -> "HouseStream | None":
+        """A stream from a line such as ``home:rooms=4..10`` or ``family:rooms=4``; None for another text.
+
+        Raises ``RequestError`` for numbers that no house has, and what ``generate`` raises for a grammar.
+        """
+        found = WRITTEN.fullmatch(text)
+        if found is None:
+            return None
+        least, most = int(found[2]), int(found[3] or found[2])
+        if not 1 <= least <= most <= MOST_ROOMS:
+            raise RequestError(f"{text}: rooms are from 1 to {MOST_ROOMS}, the fewest first")
+        return cls(range(least, most + 1), grammar=found[1])
+
+    @property
+    def hash(self) -> str:
+        """A name for the houses in their order: SHA-256 of all that they are a function of."""
+        requests = [each.request for each in self.series]
+        made_of = [self.grammar.hash, self.seed, self.length, requests]
+        return hashlib.sha256(json.dumps(made_of, sort_keys=True, default=str).encode()).hexdigest()
+
+    def __len__(self) -> int:
+        """How many there are; they are made as they are asked for."""
+        return self.length
+
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> House: ...
+    @overload
+    def __getitem__(self, index: slice) -> Houses: ...
+    def __getitem__(self, index: SupportsIndex | slice) -> House | Houses:
+        """Make a house, or those of a slice. Raises as ``generate`` does."""
+        places = range(self.length)[index]
+        if isinstance(places, range):
+            return Houses(self[int(place)] for place in places)
+        series = self.series[places % len(self.series)]
+        (house,) = series.houses(self.seed, range(places, places + 1))
+        return house
