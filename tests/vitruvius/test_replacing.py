@@ -26,6 +26,7 @@ FOLDERS = (
         "bounds",
         "brief",
         "drift",
+        "engine",
         "exploration",
         "explorers",
         "fuzz",
