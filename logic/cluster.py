@@ -106,8 +106,11 @@ class Cluster:
 
         try:
             returned: Returned[Any] = ray.get(done)
-        except RayTaskError as error:  # it could not be read there, and did not begin
-            raise MissingProgram(f"a node cannot run tasks: {_last(str(error))}: see docs/scale.md") from None
+        except RayTaskError as error:  # it could not be read there, or what came of it cannot be pickled
+            why = _last(str(error))
+            raise MissingProgram(
+                f"a node cannot run a task or return its result: {why}: see docs/scale.md"
+            ) from None
         except RayError as error:
             why = _sentence(str(error))
             raise Killed(f"the process or node of a task was lost {RETRIES + 1} times: {why}") from None
@@ -189,8 +192,8 @@ def _require_answer(address: str) -> None:
             socket.create_connection((named[1].strip("[]"), int(named[2])), CONNECTS).close()
         command = [sys.executable, "-P", "-c", TRY, address]
         tried = subprocess.run(command, capture_output=True, text=True, timeout=ANSWERS, check=False)
-        why = _last(tried.stderr) if tried.returncode else ""
-    except (OSError, OverflowError) as error:
+        why = (_last(tried.stderr) or f"exit code {tried.returncode}") if tried.returncode else ""
+    except (OSError, OverflowError, ValueError) as error:  # the last two: no host or port can be named so
         why = str(getattr(error, "strerror", None) or error)
     except subprocess.TimeoutExpired:
         why = f"none answered in {ANSWERS:g} s"

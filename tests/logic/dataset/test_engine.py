@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from logic import cluster
-from logic.errors import GrammarError, Reason, Unsatisfiable, to_record
+from logic.errors import GrammarError, MissingProgram, Reason, Unsatisfiable, to_record
 from tests.logic.dataset.sets import command, content
 from tests.programs import PATIENCE, finished
 
@@ -30,7 +30,7 @@ LOCAL = re.compile(r"^vitruvius (generate .+) --engine ray --workers 2 --out hom
 ALL = COMMAND.split()
 
 TASKS = """
-import importlib, os, sys, time, warnings
+import importlib, os, sys, threading, time, warnings
 from pathlib import Path
 from benchmarks.common.pages import machine
 from benchmarks.paper.complexity import StudyCell, measured
@@ -51,6 +51,7 @@ with cluster.connected(sys.argv[1]) as nodes:
         (find, "nobodys"),
         (Path.read_bytes, Path("/nowhere")),
         (importlib.import_module, "nothing"),
+        (threading.Semaphore, 1),
         (os._exit, 1),
     ):
         try:
@@ -152,11 +153,13 @@ def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
     (tmp_path / "logic.py").write_text("raise ImportError('a file in the current folder')\n")
     ended = finished([sys.executable, "-P", "-c", TASKS, nodes.address], cwd=tmp_path)
     where = f"(node {nodes.head_node.node_ip_address})"
-    right, warned, alone, cell, grammar, file, module, lost = ended.stdout.splitlines()
+    right, warned, alone, cell, grammar, file, module, result, lost = ended.stdout.splitlines()
     assert (right, warned, alone, cell) == ("True", "twice", "True", "True")
     assert grammar.startswith("GrammarError: ")
     assert file == f"FileNotFoundError: [Errno 2] No such file or directory: '/nowhere {where}'"
     assert module == f"MissingProgram: No module named 'nothing' {where}"
+    why = "TypeError: cannot pickle '_thread.lock' object: see docs/scale.md"
+    assert result == f"MissingProgram: a node cannot run a task or return its result: {why}"
     assert lost.startswith("Killed: the process or node of a task was lost 2 times: ")
     assert {line.partition(":")[0] for line in ended.stderr.splitlines()} == {"Ray"}
 
@@ -183,6 +186,8 @@ WRONG = {
     "--engine ray --workers 0": (2, "workers must be a whole number, 1 or more, not 0"),
     "--address auto": (2, "--address: is of --engine ray: add it"),
     "--engine ray --address 127.0.0.1:{closed}": (69, "no cluster of Ray to connect to: Connection refused"),
+    "--engine ray --address a..b:6379": (69, "--address a..b:6379: no cluster of Ray to connect to: "),
+    f"--engine ray --address {64 * 'a'}:6379": (69, "a:6379: no cluster of Ray to connect to: "),
     "--engine ray --address 127.0.0.1:{silent}": (
         69,
         "no cluster of Ray to connect to: none answered in 1 s",
@@ -204,6 +209,13 @@ def test_what_is_no_engine_is_one_line_before_anything_is_written(
     assert line in (said := capsys.readouterr().err)
     assert said.count("\n") == 1
     assert not (tmp_path / "set").exists()
+
+
+def test_a_probe_that_fails_and_says_nothing_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("ray")
+    monkeypatch.setattr(cluster, "TRY", "raise SystemExit(3)")
+    with pytest.raises(MissingProgram, match=r"to connect to: exit code 3$"), cluster.connected("auto"):
+        pass
 
 
 def test_without_ray_it_is_said_how_to_install_it(
