@@ -16,6 +16,7 @@ from collections.abc import Callable
 from types import CodeType
 from typing import TYPE_CHECKING, Any
 
+from logic.errors import RequestError
 from sim import cache
 
 VARIABLE = "VITRUVIUS_RUNTIME"
@@ -31,12 +32,12 @@ if TYPE_CHECKING:
 def _named() -> str:
     """The compiler that the variable names, or else the first that is installed.
 
-    Raises ``ValueError`` for another name.
+    Raises ``RequestError`` for another name.
     """
     installed = (name for name in COMPILERS if importlib.util.find_spec(name))
     name = os.environ.get(VARIABLE) or next(installed, COMPILERS[0])
     if name not in COMPILERS:
-        raise ValueError(f"{VARIABLE}: there is no {name!r}: take one of {', '.join(COMPILERS)}")
+        raise RequestError(f"{VARIABLE}: there is no {name!r}: take one of {', '.join(COMPILERS)}")
     return name
 
 

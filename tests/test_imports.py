@@ -147,7 +147,7 @@ def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:
     }
     assert {what for _, module, what in taken if module == "logic"} <= OF_LOGIC
     drawing = {f"logic.drawing.{each}" for each in DRAWN}
-    others = {"logic", "logic.house.files", "logic.house.looks", "logic.spelling"}
+    others = {"logic", "logic.errors", "logic.house.files", "logic.house.looks", "logic.spelling"}
     assert {module for _, module, _ in taken} == drawing | others
     assert {name for name, module, _ in taken if module in drawing} == {"sim.film"}
 
