@@ -79,7 +79,7 @@ class Stage(NamedTuple):
     """The least seconds to each corner of the house, and to where paths go on from there."""
     left: Floats
     """Seconds after which nothing counts."""
-    late: Floats
+    lost: Floats
     """Seconds that the way takes longer, as a body has not its greatest speed yet."""
     slack: Floats
     """Metres that a way counts as shorter than from sample to sample."""
@@ -95,7 +95,8 @@ class TimeBound:
     def __init__(self, envs: HouseVectorEnv) -> None:
         """Ask about these environments; the bank must stay as it is.
 
-        Raises ``ValueError`` where bodies do not drive, or where a house has too many corners.
+        Raises ``ValueError`` where bodies do not drive, where they are so small that samples of places are as
+        far apart as they are wide, or where a house has too many corners.
         """
         self.world: World = envs.unwrapped.world
         config = self.world.config
@@ -105,7 +106,10 @@ class TimeBound:
         self.last = 1 if task.ends_on_pick_up else terms_of(task).targets
         self.edge, self.spacing = edge_of(config)
         thinner = config.body[0] / 2 - self.spacing / 2 - 2 * SKIN
-        self.roads = Roadmap(self.world, max(4 * SKIN, thinner), cut=True)
+        if thinner < 4 * SKIN:
+            found = f"{config.body[0]:g} m wide, with targets of {config.target:g} m"
+            raise ValueError(f"bodies are {found}: a bound needs wider ones, as it looks at {PLACES} places")
+        self.roads = Roadmap(self.world, thinner, cut=True)
         self.kernels = _kernels(start(), config, self.roads.inside, self.spacing)
         self.turns = turns_of(config)
 
@@ -127,14 +131,14 @@ class TimeBound:
         return [np.arange(first, min(first + AT_ONCE, count)) for first in range(0, count, AT_ONCE)]
 
     def _most(self, some: np.ndarray) -> np.ndarray:
-        left = self.step * (self.steps - self.world.state["wholes"][some, TIME]) + ROUNDING
-        most = np.zeros(len(some), int)
-        for soonest in self._stages(some, left):
+        steps = self.steps - self.world.state["wholes"][some, TIME]
+        left, most = self.step * steps + ROUNDING, np.zeros(len(some), int)
+        for number, soonest in enumerate(self._stages(some, left), start=1):
             reached = soonest <= left
             most += reached
-            if not reached.any() or most.max() == self.last:
+            if not reached.any() or number == self.last or number >= steps.max():
                 break
-        return most
+        return np.minimum(most, steps)  # a pick-up takes a step
 
     def _stages(self, some: np.ndarray, left: np.ndarray) -> Iterator[np.ndarray]:
         """The least seconds (n,) to the first target, to the second, and so on, for some environments with so
@@ -146,7 +150,7 @@ class TimeBound:
         sector = np.round(pose[:, 2] * (SECTORS / (2 * np.pi))).astype(int) % SECTORS
         time[np.arange(n), 0, sector] = 0
         straight = self._straight(pose, self.world.targets(1)[some, 0])
-        lost = late(state["wholes"][some, 0].view(np.float32), straight, config)
+        lost = acceleration_loss(state["wholes"][some, 0].view(np.float32), straight, config)
         arrays = {
             "house": Array.of(np.ascontiguousarray(state["wholes"][some, HOUSE])),
             "middle": Array(ti.f32, 2 * n),
@@ -163,7 +167,7 @@ class TimeBound:
             "hidden": Array(ti.i32, n),
             "at_corner": Array(ti.f32, 2 * n * self.roads.most),
             "left": Array.of(left.astype(np.float32)),
-            "late": Array.of(lost.astype(np.float32)),
+            "lost": Array.of(lost.astype(np.float32)),
             "slack": Array.of(np.array([self.spacing / 2], np.float32)),
             "edge": Array.of(self.edge.astype(np.float32).ravel()),
             "turns": Array.of(self.turns.astype(np.float32)),
@@ -183,7 +187,7 @@ class TimeBound:
             yield soonest
             for name in ("place", "time", "room"):
                 arrays[name], arrays[f"new_{name}"] = arrays[f"new_{name}"], arrays[name]
-            arrays["late"].fill(np.zeros(n, np.float32))
+            arrays["lost"].fill(np.zeros(n, np.float32))
             arrays["slack"].fill(np.array([self.spacing], np.float32))
             number += 1
 
@@ -200,7 +204,7 @@ def fastest(config: Config) -> float:
     return (drive.travel + SKIN) / drive.time_step
 
 
-def late(speed: np.ndarray, way: np.ndarray, config: Config) -> np.ndarray:
+def acceleration_loss(speed: np.ndarray, way: np.ndarray, config: Config) -> np.ndarray:
     """Seconds (n,) that bodies of some speeds, m/s, lose on a way, metres, until they have their greatest."""
     drive, most = config.drive, max(config.drive.speed, config.drive.reverse)
     speed, gone, lost = np.abs(speed).astype(float), np.zeros(len(speed)), np.zeros(len(speed))
@@ -307,7 +311,7 @@ def _kernels(program: Any, config: Config, wide: float, spacing: float) -> tuple
                 here = point(stage.place, p)
                 way = ti.max(0.0, (there - here).norm() - stage.slack[0])
                 picked = inside(here, point(stage.middle, e))
-                by = stage.least[p] + ti.select(picked, 0.0, way / speed + stage.late[e])
+                by = stage.least[p] + ti.select(picked, 0.0, way / speed + stage.lost[e])
                 if by < soonest:
                     if picked or sees(roads, stage.house[e], here, there, ti.static(wide), True):
                         soonest = by
@@ -327,6 +331,7 @@ def _kernels(program: Any, config: Config, wide: float, spacing: float) -> tuple
                 latest = ti.f32(0.0)
                 for k in range(e * ti.static(PLACES), (e + 1) * ti.static(PLACES)):
                     latest = ti.max(latest, stage.new_least[k])
+                latest += stage.slack[0] / speed  # ways to new places are shorter by that
                 for c in range(count):
                     corner, soonest = point(roads.corners, first + c), ti.f32(NEVER)
                     for p in range(e * ti.static(PLACES), (e + 1) * ti.static(PLACES)):
@@ -347,7 +352,7 @@ def _kernels(program: Any, config: Config, wide: float, spacing: float) -> tuple
                     for c in range(count):
                         corner = point(roads.corners, first + c)
                         way = (corner - there).norm() - stage.slack[0]
-                        by = stage.at_corner[to + count + c] + way / speed + stage.late[e]
+                        by = stage.at_corner[to + count + c] + way / speed + stage.lost[e]
                         if by < stage.new_least[k]:  # noqa: SIM102 - Taichi does both
                             if sees(roads, where, corner, there, ti.static(wide), True):
                                 stage.new_least[k] = by
@@ -359,14 +364,14 @@ def _kernels(program: Any, config: Config, wide: float, spacing: float) -> tuple
             # Bearings from here to all new places: by how wide what they lie on looks.
             way = point(stage.middle, e) - point(stage.place, k)
             apart, main = way.norm(), sector_of(way)
-            wide = ti.cast(SECTORS, ti.i32)
+            spread = ti.cast(SECTORS, ti.i32)
             if apart > ti.static(around):
-                wide = 1 + ti.cast(
+                spread = 1 + ti.cast(
                     ti.ceil(ti.asin(ti.static(around / 2) / apart) * ti.static(1 / sector)), ti.i32
                 )
             for b in range(SECTORS):
                 soonest, steps = ti.f32(NEVER), ti.abs(b - main)
-                if (stage.least[k] < NEVER) & (ti.min(steps, SECTORS - steps) <= wide):
+                if (stage.least[k] < NEVER) & (ti.min(steps, SECTORS - steps) <= spread):
                     for j in range(SECTORS):
                         before = stage.time[k * ti.static(SECTORS) + j]
                         soonest = ti.min(soonest, before + turned(stage, j, b, stage.room[k]))

@@ -1,4 +1,4 @@
-"""The bound on what bodies that drive can do: by hand, and beside all that play. 18 s."""
+"""The bound on what bodies that drive can do: by hand, and beside all that play. 22 s."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 from logic import FreeWall, House, Room
 from sim import DEFAULT, HouseVectorEnv
-from sim.baselines.bound import TimeBound, late
+from sim.baselines.bound import TimeBound, acceleration_loss
 from sim.baselines.true_path import TruePath
 from sim.config import DRIVE, Config
 from sim.drive import Drive
@@ -98,6 +98,21 @@ def test_no_way_is_infinite():
     assert TimeBound(envs).most().tolist() == [0]
 
 
+def test_a_pick_up_takes_a_step_where_the_next_target_is_at_the_same_place():
+    task = {"points": [[4.5, 4.5]], "start": [4.2, 4.5, 0.0]}
+    envs = HouseVectorEnv([EMPTY], 1, backend="free", preset=replace(DEFAULT, steps=40), targets=task)
+    envs.reset(seed=0)
+    for left in (40, 39, 38):
+        assert TimeBound(envs).most().tolist() == [left]
+        assert envs.step(np.zeros((1, 2), np.float32))[1].tolist() == [1]
+
+
+def test_a_body_narrower_than_its_places_are_apart_has_no_bound():
+    envs = HouseVectorEnv([EMPTY], 1, backend="free", preset=replace(DEFAULT, body=(0.02, 0.02)))
+    with pytest.raises(ValueError, match=r"bodies are 0\.02 m wide, with targets of 0\.537882 m"):
+        TimeBound(envs)
+
+
 PLAYERS = "true path", "straight", "random"
 
 
@@ -161,7 +176,7 @@ def test_in_the_middle_of_an_episode_it_counts_from_there():
 
 
 def test_what_is_lost_until_the_greatest_speed_is_by_steps():
-    lost = late(np.array([0, 0, 0, 0.5]), np.array([0.01, 0.03, 9.0, 9.0]), DEFAULT)
+    lost = acceleration_loss(np.array([0, 0, 0, 0.5]), np.array([0.01, 0.03, 9.0, 9.0]), DEFAULT)
     np.testing.assert_allclose(lost, [0, 5 / 70, 9 / 70, 0])
 
 
