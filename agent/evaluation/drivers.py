@@ -11,6 +11,7 @@ Every score is a share of the bound's: the oracle counts steps on a lattice.
 """
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -19,6 +20,7 @@ from torch import Tensor
 from agent.evaluation.baselines import REFERENCES, Privileged
 from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from agent.policies.policies import Policy
+from logic import HouseFileError
 from sim import HouseVectorEnv
 from sim.baselines.bound import TimeBound
 from sim.baselines.true_path import TruePath
@@ -80,10 +82,21 @@ def pursue(seen: np.ndarray, config: Config) -> np.ndarray:
     return np.column_stack([np.where(fast, drive.speed, 0), turn]).astype(np.float32)
 
 
+Knows = TypeVar("Knows", TimeBound, TruePath)
+
+
+def knowing(make: Callable[[HouseVectorEnv], Knows], envs: HouseVectorEnv) -> Knows:
+    """What knows the houses of environments. Raises ``HouseFileError`` for one of too many corners."""
+    try:
+        return make(envs)
+    except ValueError as error:
+        raise HouseFileError(str(error)) from None
+
+
 DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
     "random drive": lambda envs, seed: RandomDrive(envs.config, seed),
     "pursuit": lambda envs, seed: Pursuit(envs.config),
-    "true path": lambda envs, seed: Privileged(TruePath(envs).act),
+    "true path": lambda envs, seed: Privileged(knowing(TruePath, envs).act),
 }
 """By name, what makes a baseline's policy for environments and a seed."""
 
@@ -97,12 +110,10 @@ NO_AGENTS = (*REFERENCES, *DRIVERS, "bound")
 """Names of all that is shown beside agents."""
 
 
-def bound_scores(envs: HouseVectorEnv) -> tuple[EpisodeScores, np.ndarray]:
+def bound_scores(bound: TimeBound) -> tuple[EpisodeScores, np.ndarray]:
     """What no policy does better in the episodes (E,) that have begun, and the fewest steps to their first
     target.
     """
-    bound, count = TimeBound(envs), envs.num_envs
-    first = bound.first()
+    first, count = bound.first(), bound.world.num_envs
     nothing = np.zeros((len(COVERAGE_STEPS), count)), np.zeros(count, int)
-    steps = count * envs.config.steps
-    return EpisodeScores(bound.most().astype(float), steps, 0, 0, first, *nothing), first
+    return EpisodeScores(bound.most().astype(float), count * bound.steps, 0, 0, first, *nothing), first

@@ -4,13 +4,14 @@ All policies meet the same starts and the same targets in the same order: house 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from agent.algorithms.build import policy_of
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
-from agent.evaluation.drivers import DRIVERS, EXACT, bound_scores
+from agent.evaluation.drivers import DRIVERS, EXACT, bound_scores, knowing
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.learning.config import TARGET_MODES
@@ -19,10 +20,11 @@ from agent.learning.simulator import sensor, undisturbed, with_sensor
 from agent.policies.policies import Policy
 from agent.progress import Report
 from agent.runs.checkpoint import Checkpoint
-from logic import House
+from logic import House, RequestError
 from logic.house.looks import looks_of
 from logic.spelling import keywords
 from sim import HouseVectorEnv
+from sim.baselines.bound import TimeBound
 from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
 from sim.config import PRESETS, Config
@@ -46,19 +48,23 @@ def measure(
 ) -> Iterator[Result]:
     """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
 
-    ``baselines`` names some of ``BASELINES``, by default all; figures are shares of the oracle's, so it is
-    among them. In the backend ``free`` they are ``DRIVERS``, and figures are shares of the bound's.
-    ``world`` names the simulator's preset that all play in, each with its own sensor; searcher and oracle,
-    which know where they are, without its noise and slips. Each house is played in that many ``episodes``;
-    for a task that not all houses suit, each of the others (``environments.playable``). ``report`` follows
-    the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses, ``RequestError``
-    for an agent of another kind of motion.
+    ``baselines`` names some of ``BASELINES``, by default all; figures are shares of the oracle's, which
+    must be among them. In the backend ``free`` they are some of ``DRIVERS``, and figures are shares of the
+    bound's, which is always there.
+    ``world`` names the simulator's preset that all play in, each with its own sensor; those that know where
+    they are (searcher, oracle, true path) and the bound, without its noise and slips. Each house is played in
+    that many ``episodes``; for a task that not all houses suit, each of the others
+    (``environments.playable``). ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be
+    played in one of the houses, or where one has too many corners for the bound or the true path;
+    ``RequestError`` for an agent of another kind of motion, or one that drives by other limits than they do.
     """
     drives = backend == "free"
     known = DRIVERS if drives else BASELINES
     names = tuple(known) if baselines is None else baselines
     baseline = with_sensor(PRESETS[world])
     exact = undisturbed(baseline)
+    if drives:
+        require_drive(agents, baseline, world)
     for number, mode in enumerate(modes):
         suited = playable(houses, mode, backend=backend)
         words = in_words(mode, looks_of(suited[0]).name)
@@ -74,21 +80,36 @@ def measure(
             (name, settings[exact if name in (*PRIVILEGED, *EXACT) else baseline], known[name])
             for name in names
         ]
+        players = ((name, setting, make(setting.envs, seed)) for name, setting, make in policies)
+        bound: TimeBound | None = None
+        if drives:  # a house of too many corners is found before anything plays
+            bound, players = knowing(TimeBound, settings[exact].envs), iter(list(players))
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
-        for place, (name, setting, make) in enumerate(policies):
+        for place, (name, setting, policy) in enumerate(players):
             report((number + place / len(policies)) / len(modes), f"{words}: {name}")
-            played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.coverage)
+            played = play(setting.envs, policy, seed, numbers, setting.coverage)
             scores[name] = (*scores.get(name, ()), played)
         rooms = np.array([len(house.secondary) for house in suited])[numbers]
-        if drives:
+        if bound:
             reset(settings[exact].envs, seed, numbers)
-            best, shortest = bound_scores(settings[exact].envs)
+            best, shortest = bound_scores(bound)
             scores["bound"] = (best,)
         else:
             shortest = shortest_ways(settings[exact].envs, seed, numbers)
         ends = task(mode).ends_on_pick_up
         yield Result(mode, rooms, shortest, scores, episodes, baseline.steps, ends, words)
     report(1.0, f"{len(houses)} houses")
+
+
+def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, world: str) -> None:
+    """Raise ``RequestError`` for an agent whose body drives by other limits than the baselines' bodies: the
+    bound would not be its own.
+    """
+    for name, runs in agents.items():
+        for run in runs:
+            if replace(sensor(run.config, world).drive, commands=()) != baseline.drive:
+                what = "the bound would not be its own: let it differ in commands alone"
+                raise RequestError(f"{name}: its drive is not the baselines', so {what}")
 
 
 def shortest_ways(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> np.ndarray:

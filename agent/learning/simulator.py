@@ -63,11 +63,12 @@ def sensor(config: TrainConfig, world: str = "default") -> Config:
 def actions(config: TrainConfig) -> int:
     """How many actions an agent chooses from: a body's on a lattice, or the commands of one that drives.
 
-    Raises ``RequestError`` where that has none.
+    Raises ``RequestError`` where that has too few, or the third one does not go forward.
     """
     if config.world != "drive":
         return ACTIONS
-    if len(commands := simulator(config).drive.commands) <= FORWARD:
+    commands = simulator(config).drive.commands
+    if len(commands) <= FORWARD or commands[FORWARD][0] <= 0:
         raise RequestError(f"world drive: {len(commands)} commands: three at least, the third one forward")
     return len(commands)
 

@@ -16,7 +16,7 @@ from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.table import PRESETS
-from agent.evaluation import drivers
+from agent.evaluation import drivers, protocol
 from agent.evaluation.drivers import DRIVERS
 from agent.evaluation.knowledge import WORDS
 from agent.evaluation.protocol import measure
@@ -27,7 +27,8 @@ from agent.report.folder import report
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.runs import run
-from logic import RequestError, save
+from logic import HouseFileError, RequestError, save
+from sim.baselines import roadmap
 from sim.drive import FIVE, Drive
 from tests.agent.evaluation.cases import short_episodes
 from tests.sample_houses import random_house
@@ -103,6 +104,12 @@ def test_a_network_has_an_action_for_each_command(config):
         envs.step_torch(chosen)
 
 
+def quick() -> Checkpoint:
+    """An agent whose body drives twice as fast as the baselines'."""
+    config = replace(SMALL, sim=('drive={"speed":1.4,"commands":[[0,3],[0,-3],[1.4,0]]}',))
+    return Checkpoint(network_of(config), config, 0, "mine")
+
+
 @pytest.mark.parametrize(
     ("refused", "message"),
     [
@@ -119,6 +126,14 @@ def test_a_network_has_an_action_for_each_command(config):
         (
             lambda: actions(replace(SMALL, sim=('drive={"commands":[[0,3]]}',))),
             "world drive: 1 commands: three at least, the third one forward",
+        ),
+        (
+            lambda: actions(replace(SMALL, sim=('drive={"commands":[[0.7,0],[0,3],[0,-3]]}',))),
+            "world drive: 3 commands: three at least, the third one forward",
+        ),
+        (
+            lambda: next(measure({"mine": [quick()]}, HOUSES[:1], ("main",), backend="free")),
+            "mine: its drive is not the baselines', so the bound would not be its own",
         ),
         (
             lambda: Evaluate(backend="free", beside=Path("games.json")).run(),
@@ -147,6 +162,15 @@ def test_an_agent_of_the_other_kind_of_motion_is_refused_before_it_plays(config,
         Evaluate((tmp_path / "agent.safetensors",), tmp_path / "houses.jsonl", backend=backend).run()
     with pytest.raises(RequestError, match="in the backend free"):
         next(measure({"mine": [agent]}, HOUSES[:1], ("main",), backend=backend, baselines=()))
+
+
+def test_a_house_of_too_many_corners_is_refused_before_anything_plays(monkeypatch):
+    monkeypatch.setattr(roadmap, "MOST_CORNERS", 3)
+    monkeypatch.setattr(protocol, "play", lambda *_: pytest.fail("it plays"))
+    with pytest.raises(
+        HouseFileError, match=r"house \d of 4 has \d+ corners that paths may turn at: 3 at most"
+    ):
+        next(measure({}, HOUSES, ("main",), backend="free"))
 
 
 def test_what_baselines_know_is_said():
