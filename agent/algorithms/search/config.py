@@ -67,8 +67,8 @@ class SearchConfig(TrainConfig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
-            raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
+        if not 2 <= len(self.channels) <= 4 or min(self.channels) < 1:
+            raise RequestError(f"channels are of 2 to 4 levels, 1 or more each, not {self.channels}")
         if self.device != "cpu":
             raise RequestError("search runs on device cpu alone: that is where maps are kept")
 

@@ -18,9 +18,13 @@ from agent.policies.network import seeded
 from agent.policies.policies import Explorer
 from logic.errors import RequestError
 from sim import HouseVectorEnv
+from sim.config import DEFAULT
 
 TOGETHER = 4
 """Updates whose choices are drawn together."""
+
+HELD = 4
+"""Batches of choices that are held before it learns."""
 
 LEAST = 0.02
 """What views count at least in the loss."""
@@ -52,9 +56,17 @@ class LearnedSearch(MapLearner):
         return Explorer(shield(envs), envs.config, chooser=ViewChooser(network, envs.config))
 
     def __init__(self, config: SearchConfig, envs: HouseVectorEnv) -> None:
-        """Begin a run; ``envs`` has NEXT_STEP autoreset. Raises ``RequestError`` behind closed doors."""
+        """Begin a run; ``envs`` has NEXT_STEP autoreset.
+
+        Raises ``RequestError`` behind closed doors, and for another body than the default one.
+        """
         if envs.config.closed_doors:
             raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
+        if (max(envs.config.body), envs.config.step) != (max(DEFAULT.body), DEFAULT.step):
+            raise RequestError(
+                "search learns on maps of the default body alone, "
+                f"{max(DEFAULT.body):.3f} m wide, with steps of {DEFAULT.step:.3f} m"
+            )
         super().__init__(config, envs)
         self.reader = self.chooser.reader_of(self.tracker.planner)
         self.truth = TrueValues(envs, self.tracker.planner)
@@ -105,7 +117,7 @@ class LearnedSearch(MapLearner):
         self.rows = self.rows[:0]  # what was drawn before a state was kept is not drawn again
         self.anneal(config.final_lr_fraction)
         held = min(self.made, config.buffer_size)
-        while self.due >= 1 and held >= 4 * config.batch_size:
+        while self.due >= 1 and held >= HELD * config.batch_size:
             rows = self.drawn(held)
             batch = turned(
                 ViewMaps(*(field[rows] for field in self.buffer)),
@@ -170,20 +182,19 @@ def choice_loss(values: Tensor, choices: ViewMaps, heat: float) -> Tensor:
     return 1 - ((drawn * worth).sum(1) / worth.amax(1).clamp(min=1e-6)).mean()
 
 
-def value_loss(values: Tensor, worth: Tensor, focus: float = 1.0) -> Tensor:
+def value_loss(values: Tensor, worth: Tensor) -> Tensor:
     """The deviance of logarithms of ``values`` (n, 8, G, G), minus infinity for no view, from what the views
     are worth (n, 8, G, G), as if that were counts (Poisson regression): it is least at the mean of the worth,
     so what cannot be known is averaged over.
 
-    Views count by the network's own opinion of them, their value for that of the best to the power ``focus``:
-    weights that do not depend on the label leave the mean where it is.
+    Views count by the network's own opinion of them, their value for that of the best: weights that do not
+    depend on the label leave the mean where it is.
     """
     legal = torch.isfinite(values)
     values = values.masked_fill(~legal, -20.0)
     with torch.no_grad():
-        weight = ((values - values.flatten(1).amax(1)[:, None, None, None]) * focus).exp().clamp(
-            min=LEAST
-        ) * legal
+        most = values.flatten(1).amax(1)[:, None, None, None]
+        weight = (values - most).exp().clamp(min=LEAST) * legal
         weight /= weight.sum((1, 2, 3), keepdim=True)
     mean = torch.where(values > MOST, (1 + values - MOST) * float(np.exp(MOST)), values.clamp(max=MOST).exp())
     return ((mean - worth * values) * weight).sum((1, 2, 3)).mean()

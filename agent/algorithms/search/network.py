@@ -52,7 +52,6 @@ CONSTANT = 4.0
 FIRST = -3.0
 """The logarithm of what a view is first thought to show of all places where the target may be."""
 
-
 MOSTLY = 3
 """Cells of a block from which on it counts as seen."""
 

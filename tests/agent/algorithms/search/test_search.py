@@ -26,7 +26,7 @@ from agent.algorithms.search.network import (
     in_view,
     stands,
 )
-from agent.algorithms.search.windows import FAR, HEADINGS, LEVELS, PLACES, ViewMaps, turned, views
+from agent.algorithms.search.windows import FAR, HEADINGS, LEVELS, PLACES, ViewMaps, empty, turned, views
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED
 from agent.planner.frame import AXES
@@ -481,24 +481,23 @@ def test_the_loss_of_choices_is_what_is_lost_by_drawing_one():
     assert torch.isfinite(cast(torch.Tensor, values.grad)).all()
 
 
-@pytest.mark.parametrize("focus", [0.0, 1.0])
-def test_the_loss_of_values_is_least_at_the_mean_of_what_views_are_worth(focus):
+def test_the_loss_of_values_is_least_at_the_mean_of_what_views_are_worth():
     """What cannot be known is averaged: half of the time 1, half of the time 0."""
     worth = torch.zeros(2, 1, 1, 3)
     worth[0, 0, 0] = torch.tensor([1.0, 0.4, 0.0])
     values = torch.tensor([0.5, 0.2, 1e-4]).log().expand(2, 1, 1, 3).clone()
     values[..., 2] = -torch.inf
-    least = value_loss(values, worth, focus)
+    least = value_loss(values, worth)
     for change in (-0.1, 0.1):
         for k in range(2):
             other = values.clone()
             other[..., k] += change
             # The weights may differ; the gradient at the mean is what is claimed.
             other.requires_grad_()
-            value_loss(other, worth, focus).backward()
+            value_loss(other, worth).backward()
             assert float(cast(torch.Tensor, other.grad)[..., k].sum()) * change > 0
     values.requires_grad_()
-    value_loss(values, worth, focus).backward()
+    value_loss(values, worth).backward()
     assert torch.allclose(cast(torch.Tensor, values.grad)[..., :2].sum(0), torch.zeros(1, 1, 2), atol=1e-6)
     assert torch.isfinite(least)
 
@@ -557,10 +556,25 @@ def test_closed_doors_are_refused_in_one_line():
         learner_of(config, envs)
 
 
+@pytest.mark.parametrize("changes", [{"body": (0.14, 0.14)}, {"step": 0.1}])
+def test_another_body_is_not_learnt_with(changes):
+    envs = make_envs(HOUSES, 4, "secondary", preset=replace(DEFAULT, **changes))
+    with pytest.raises(RequestError, match="maps of the default body alone"):
+        learner_of(SMALL, envs)
+
+
+def test_as_many_levels_as_a_config_can_have_value_any_map():
+    network = ViewNetwork(SearchConfig().channels)
+    maps = empty(2)
+    maps.blocks[0, 40:50, 40:50] = maps.blocks[1, 3:60, 20:30] = LEVELS
+    assert network(maps).shape == maps.worth.shape
+
+
 @pytest.mark.parametrize(
     "changes",
     [
         {"channels": (4,)},
+        {"channels": (4,) * 5},
         {"guided": 1.5},
         {"device": "cuda"},
         {"buffer_size": 0},
