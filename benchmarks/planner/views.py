@@ -24,7 +24,7 @@ from torch import Tensor, nn
 from agent.algorithms.build import policy_of
 from agent.algorithms.search.chooser import ViewChooser, best, by_parts
 from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.learner import LearnedSearch
+from agent.algorithms.search.learner import HELD, LearnedSearch
 from agent.algorithms.search.network import ViewNetwork, cost, in_view, stands, unforeseen
 from agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps, views
 from agent.algorithms.table import PRESETS
@@ -64,6 +64,11 @@ def _zero(name: str) -> Change:
     return lambda maps: maps._replace(**{name: torch.zeros_like(getattr(maps, name))})
 
 
+def _blind(maps: ViewMaps) -> ViewMaps:
+    """What who foresees nothing reads: unseen ground may be floor, as when it plays."""
+    return maps._replace(foreseen=by_parts(unforeseen, maps))
+
+
 def _at_once(maps: ViewMaps) -> ViewMaps:
     occupied, seen = maps.blocks % LEVELS, maps.blocks // LEVELS % LEVELS
     return maps._replace(blocks=occupied + LEVELS * seen + LEVELS**2 * seen)
@@ -88,7 +93,7 @@ INPUTS: dict[str, Change] = {
     "since": _at_once,
     "start": lambda maps: maps._replace(start=torch.full_like(maps.start, ELSEWHERE)),
     "scalars": _zero("scalars"),
-    "planes": _zero("foreseen"),
+    "planes": _blind,
     "window": _half,
 }
 """Maps without one thing that the network reads: which views were goals, where targets were found, how long
@@ -152,15 +157,16 @@ class Views:
 
     def run(self) -> None:
         """Collect choices, train, and print the table."""
-        if self.houses < 3 or min(self.choices // 6, self.updates, self.seeds) < 1:
+        config = cast(SearchConfig, PRESETS[AGENT])
+        least = HELD * config.batch_size
+        if self.houses < 3 or self.choices < least or min(self.updates, self.seeds) < 1:
             raise RequestError(
-                "--houses must be 3 or more, --choices 6 or more, --updates and --seeds 1 or more"
+                f"--houses must be 3 or more, --choices {least} or more, --updates and --seeds 1 or more"
             )
         for part in self.without:
             if part not in PARTS:
                 raise RequestError(f"--without: {unknown('part', part, PARTS)}")
         torch.set_num_threads(1)
-        config = cast(SearchConfig, PRESETS[AGENT])
         known, asked = (
             kept_houses(self.out / f"{what}-{count}.jsonl", lambda n=count, s=seed: by_rooms(ROOMS, n, s))
             for what, count, seed in (("learn", self.houses, 100), ("ask", self.houses // 3, SEED))
@@ -190,7 +196,7 @@ class Views:
         write_tables([Table(title, headings, rows)], self.out / "views.md")
 
     def collected(self, what: str, houses: list[House], config: SearchConfig) -> "ViewChoices":
-        """ViewChoices in these houses, as many as the config's buffer has."""
+        """Choices in these houses, as many as the config's buffer has."""
         path = self.path(what, bank_hash(houses), config).with_suffix(".npz")
         if not path.exists():
             made = collected(houses, config)
@@ -220,7 +226,7 @@ class Views:
 
 
 class ViewChoices(NamedTuple):
-    """ViewChoices of views."""
+    """Choices of views."""
 
     maps: ViewMaps
     """With what views are worth (n, ...)."""
@@ -234,7 +240,7 @@ class ViewChoices(NamedTuple):
 
 def without(part: str, config: SearchConfig, choices: ViewChoices) -> ViewMaps:
     """Maps as a variant reads them."""
-    maps = choices.maps if config.foresight else choices.maps._replace(shown=choices.blind)
+    maps = choices.maps if config.foresight else _blind(choices.maps._replace(shown=choices.blind))
     return INPUTS[part](maps) if part in INPUTS else maps
 
 
@@ -247,7 +253,7 @@ class Collector(LearnedSearch):
         if len(some):
             given, before = environments[some], self.made
             noted = ViewMaps(*(field[some] for field in maps))
-            blind = self.reader.looks(maps._replace(foreseen=by_parts(unforeseen, maps)))[some]
+            blind = self.reader.looks(_blind(maps))[some]
             worth = self.truth.read(given, self.reader.corners(given)) * views(noted)
             valid = ~torch.from_numpy(self.truth.known(given)) & (worth.flatten(1).amax(1) > 0)
             self.note(noted._replace(worth=worth.half()), valid.clone())
@@ -269,7 +275,7 @@ class Collector(LearnedSearch):
 
 
 def collected(houses: list[House], config: SearchConfig) -> ViewChoices:
-    """ViewChoices in houses, as many as the config's buffer has."""
+    """Choices in houses, as many as the config's buffer has."""
     config = replace(config, num_envs=len(houses))
     collector = Collector(config, make_envs(houses, len(houses), config.targets))
     collector.collect()

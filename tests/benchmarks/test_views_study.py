@@ -11,6 +11,7 @@ import torch
 from agent.algorithms.map_completion.network import PIECES
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.search.learner import LearnedSearch
+from agent.algorithms.search.network import ViewNetwork
 from agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps, empty
 from agent.algorithms.table import PRESETS
 from agent.evaluation.episodes import reset
@@ -18,7 +19,17 @@ from agent.learning.environments import make_envs
 from agent.learning.simulator import sensor
 from agent.policies.episodes import moments
 from benchmarks.planner import taught
-from benchmarks.planner.views import AGENT, INPUTS, WHOLE, Views, collected, fitted, shares
+from benchmarks.planner.views import (
+    AGENT,
+    INPUTS,
+    WHOLE,
+    ViewChoices,
+    Views,
+    collected,
+    fitted,
+    shares,
+    without,
+)
 from logic import generate
 from logic.errors import RequestError
 
@@ -28,9 +39,8 @@ CONFIG = replace(cast(SearchConfig, PRESETS[AGENT]), buffer_size=130, restarts=0
 
 
 @pytest.fixture(scope="module")
-def choices() -> tuple[ViewMaps, np.ndarray]:
-    made = collected(HOUSES, CONFIG)
-    return made.maps, made.house
+def choices() -> ViewChoices:
+    return collected(HOUSES, CONFIG)
 
 
 FIELDS = {"memory": "taken", "finds": "finds", "ages": "ages", "start": "start", "scalars": "scalars"}
@@ -55,10 +65,23 @@ def test_maps_without_an_input_say_nothing_of_it_and_all_else(part: str) -> None
         assert field == name or torch.equal(getattr(one, field), getattr(maps, field))
 
 
-def test_choices_are_of_all_houses_and_of_maps_of_all_ages(
-    choices: tuple[ViewMaps, np.ndarray],
+@pytest.mark.parametrize(
+    ("part", "foresight"), [(WHOLE, False), ("planes", True)], ids=["foresight", "planes"]
+)
+def test_who_foresees_nothing_values_views_as_when_it_plays(
+    choices: ViewChoices, part: str, foresight: bool
 ) -> None:
-    maps, house = choices
+    network, config = ViewNetwork((2, 2), looks=True), replace(CONFIG, foresight=foresight)
+    maps = ViewMaps(*(field[:8] for field in without(part, config, choices)))
+    with torch.inference_mode():
+        assert torch.equal(network(maps), network(network.foresee(maps)))
+    foreseen = torch.randint(0, 256, choices.maps.foreseen.shape, dtype=torch.uint8)
+    other = choices._replace(maps=choices.maps._replace(foreseen=foreseen))
+    assert torch.equal(without(part, config, other).foreseen[:8], maps.foreseen)
+
+
+def test_choices_are_of_all_houses_and_of_maps_of_all_ages(choices: ViewChoices) -> None:
+    maps, _, house = choices
     assert set(house) == set(range(len(HOUSES)))
     assert (maps.worth.float().flatten(1).amax(1) > 0).all()
     assert (maps.blocks // LEVELS**2).float().mean(dim=(1, 2)).std() > 0
@@ -75,7 +98,7 @@ class Told(torch.nn.Module):
         return self.sign * maps.worth.float()
 
 
-def test_who_knows_what_views_are_worth_has_all_of_it(choices: tuple[ViewMaps, np.ndarray]) -> None:
+def test_who_knows_what_views_are_worth_has_all_of_it(choices: ViewChoices) -> None:
     maps = choices[0]._replace(taken=torch.zeros_like(choices[0].taken))
     assert maps.worth.shape[1:] == (HEADINGS, PLACES, PLACES)
     assert (shares(cast(Any, Told(1)), maps) == 1).all()
@@ -83,7 +106,7 @@ def test_who_knows_what_views_are_worth_has_all_of_it(choices: tuple[ViewMaps, n
 
 
 def test_a_network_learns_by_so_many_updates_ever_slower(
-    choices: tuple[ViewMaps, np.ndarray], monkeypatch: pytest.MonkeyPatch
+    choices: ViewChoices, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rates = []
 
@@ -113,6 +136,11 @@ def test_the_table_has_a_row_of_each_part_less_the_whole(
         ]
         assert all("±" in column for row in rows[-4:] for column in row[3:])
     assert len(list((tmp_path / "out").glob("*.safetensors"))) == 2 + len(names)
+
+
+def test_so_few_choices_that_nothing_is_learnt_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="--choices 128 or more"):
+        Views(choices=127, out=tmp_path).run()
 
 
 def test_a_part_that_there_is_not_is_named(tmp_path: Path) -> None:
