@@ -46,7 +46,7 @@ class GrammarWarning(UserWarning):
 
 
 class PlanWarning(UserWarning):
-    """What was moved in a user's plan, or passed over, so that it could be read."""
+    """What was moved in a user's plan, passed over or shut, so that it could be read."""
 
 
 class RequestError(VitruviusError, ValueError):

@@ -118,6 +118,8 @@ def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequ
     path = Path(path)
     if file is None and (path / SET).is_file():
         return HouseSet(path)
-    might_be = file is None and path.suffix in WORLDS and path.is_file() and path.stat().st_size <= MOST_LINE
+    might_be = (
+        file is None and path.suffix.lower() in WORLDS and path.is_file() and path.stat().st_size <= MOST_LINE
+    )
     world = read_world(path.read_bytes(), path) if might_be else None
     return Houses([world]) if world else load_file(path, file, **options)

@@ -5,7 +5,8 @@ walls as they are, which stop rays and bodies before the cells do. It has one ro
 """
 
 import json
-from collections.abc import Mapping
+import warnings
+from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
@@ -14,15 +15,17 @@ from typing import Any
 import msgspec
 import numpy as np
 import shapely
-from shapely import LineString
+from shapely import LineString, Point
+from shapely.errors import GEOSException
 
-from logic.errors import HouseFileError, RequestError
+from logic.errors import HouseFileError, PlanWarning, RequestError
 from logic.house.house import House
 from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
-from logic.house.parts import FreeWall
+from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
 from logic.readers.features import features, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline
 from logic.readers.sketch import FAR, polygons
+from logic.spelling import numbered
 
 CELL = 0.1
 """Metres. A body must not fit between a wall and the cells behind it."""
@@ -39,9 +42,10 @@ def read_world(content: bytes, path: Path) -> House | None:
 
     Of GeoJSON, in metres and with y growing north: polygons are floor with walls around it, lines are walls,
     as thick as their ``thickness`` says. By the property ``kind`` polygons are solid (``wall``, ``piece``),
-    and lines and polygons are doors, open where they join two polygons of floor. Windows are shut; points are
-    passed over. Raises ``HouseFileError`` where there is no floor or another unit, and for more cells than a
-    map may have.
+    and lines and polygons are doors, open where they join two polygons of floor. Windows are shut; points and
+    features without a geometry are passed over. Warns (``PlanWarning``) of doors that are shut, but for those
+    of our own files to the outside. Raises ``HouseFileError`` where there is no floor or another unit, and
+    for more cells or walls than a house may have.
     """
     try:
         record = json.loads(content)
@@ -49,15 +53,16 @@ def read_world(content: bytes, path: Path) -> House | None:
         return None
     try:
         if is_houseexpo(content, record):
-            return _house([outline(record)], [], [], [])
+            return _house([outline(record)], [], [])
         return _of_geojson(record) if is_geojson(record) else None
-    except (RequestError, ValueError) as error:
+    except (RequestError, ValueError, GEOSException) as error:
         raise HouseFileError(f"{path}: {str(error).removeprefix('plan: ')}") from None
 
 
 def _of_geojson(record: Mapping[str, Any]) -> House:
     """What the features of a collection are together."""
     floor, doors, solids, walls = list[Any](), list[Any](), list[Any](), list[FreeWall]()
+    entrances = list[Any]()
     # Of our own files with thick walls: their doors are lines in the middle of these.
     thick = record.get("wall_thickness")
     deep = inner_wall(thick) / 2 if thick else 0.0
@@ -67,7 +72,11 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
         if kind == "window" or dimensions < 1:
             continue
         if kind == "door":
-            doors.append(shape.buffer(deep, cap_style="flat") if deep and dimensions == 1 else shape)
+            between = properties.get("between")
+            leads_out = isinstance(between, list) and OUTSIDE in between
+            (entrances if leads_out else doors).append(
+                shape.buffer(deep, cap_style="flat") if deep and dimensions == 1 else shape
+            )
         elif dimensions == 1:
             width = properties.get("thickness", 0.0)
             if type(width) not in (int, float) or not 0 <= width < THICKEST:
@@ -77,35 +86,48 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
             walls += _walls(shape, float(width))
         else:
             (solids if kind in ("wall", "piece") else floor).append(shape)
-    return _house(floor, doors, solids, walls)
+    return _house(floor, solids, walls, doors, entrances)
 
 
 def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
-    """A feature's geometry, y growing south, and its properties."""
-    geometry = feature.get("geometry") if isinstance(feature, Mapping) else None
-    if not isinstance(geometry, Mapping):
+    """A feature's geometry, valid and y growing south, and its properties."""
+    geometry = feature.get("geometry", {}) if isinstance(feature, Mapping) else {}
+    if geometry is None:  # as RFC 7946 has it for what has no place
+        return Point(), {}
+    if not isinstance(geometry, Mapping) or not geometry:
         raise ValueError(f"{where}: has no geometry")
     try:
         shape = shapely.force_2d(shapely.from_geojson(json.dumps(geometry)))
-    except (shapely.errors.GEOSException, ValueError) as error:
+    except (GEOSException, ValueError) as error:
         raise ValueError(f"{where}: {str(error)[:80]}") from None
     if not (np.abs(shapely.get_coordinates(shape)) < FAR).all():
         raise ValueError(f"{where}: numbers are too large")
     properties = feature.get("properties")
+    shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
     southward = shapely.transform(shape, lambda corners: corners * (1, -1))
     return southward, properties if isinstance(properties, Mapping) else {}
 
 
-def _house(shapes: list[Any], doors: list[Any], solids: list[Any], more: list[FreeWall]) -> House:
-    """Floor without what is solid, with walls around each part of it but where doors are, and more walls."""
-    solid = shapely.union_all(solids)
+def _house(
+    shapes: Sequence[Any],
+    solids: Sequence[Any],
+    more: Sequence[FreeWall],
+    doors: Sequence[Any] = (),
+    entrances: Sequence[Any] = (),
+) -> House:
+    """Floor without what is solid, with walls around each part of it but where doors are, and more walls.
+
+    Warns (``PlanWarning``) of doors that stay shut; entrances do where no floor is outside.
+    """
+    solid = shapely.union_all([part for each in solids for part in polygons(each)])
     floor = [part for shape in shapes for each in polygons(shape) for part in polygons(each - solid)]
     if not floor:
         raise ValueError("it has no polygon that is floor")
-    opened = [door for door in doors if sum(each.distance(door) <= SAME for each in floor) > 1]
+    opened = [door for door in (*doors, *entrances) if sum(each.distance(door) <= SAME for each in floor) > 1]
     ways = shapely.union_all([door.buffer(SAME) for door in opened])
     jambs = [polygon.boundary for door in opened if door.area for polygon in polygons(door)]
     all_floor = shapely.union_all(floor)
+    _warn_of_shut({*doors} - {*opened}, all_floor)
     lines = [
         shapely.union_all([each.boundary for each in floor]) - ways,
         shapely.union_all(jambs) - all_floor.buffer(SAME),
@@ -114,11 +136,24 @@ def _house(shapes: list[Any], doors: list[Any], solids: list[Any], more: list[Fr
     west, north, east, south = inside.bounds
     x, y = (west + east) / 2, (north + south) / 2
     outlines = shapely.line_merge(shapely.union_all(lines)).simplify(SAME / 10)
-    walls = tuple(
+    placed = (
         FreeWall(wall.x1 - x, wall.y1 - y, wall.x2 - x, wall.y2 - y, wall.thickness)
         for wall in (*_walls(outlines, 0.0), *more)
     )
+    # A point may be repeated, and two far from the origin be one here.
+    walls = tuple(wall for wall in placed if (wall.x1, wall.y1) != (wall.x2, wall.y2))
+    if len(walls) > MOST_WALLS:
+        raise ValueError(f"it has {len(walls):,} walls: at most {MOST_WALLS:,} are read")
     return msgspec.structs.replace(House.of_map(_outside(inside, x, y)), free_walls=walls)
+
+
+def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
+    """Say how many doors are in no gap that is opened. One in the midst of floor has no wall to open."""
+    inner = floor.buffer(-SAME)
+    if shut := sum(not inner.covers(door.centroid) for door in doors):
+        join, are = ("joins", "is") if shut == 1 else ("join", "are")
+        said = f"plan: {numbered(shut, 'door')} {join} no two polygons of floor, and {are} shut"
+        warnings.warn(said, PlanWarning, stacklevel=6)  # where ``logic.load`` is called
 
 
 def _walls(shape: Any, thickness: float) -> list[FreeWall]:

@@ -10,7 +10,7 @@ import tyro
 from logic.exports import FORMATS
 from logic.spelling import numbered, printable
 from logic.terminal import progress, say
-from vitruvius.commands.common import Repeated, print_answer
+from vitruvius.commands.common import Repeated, print_answer, say_warnings
 from vitruvius.options import DASH, Streamed
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ class Check:
         from logic.workers.standards import promises_of, standard
         from vitruvius.answers.houses import Checked, Violations
 
+        say_warnings()
         houses = load(self.file)
         pieces = sorted({each.type for house in houses for room in house.rooms for each in room.pieces})
         for name in self.clear_front:
@@ -129,6 +130,7 @@ class Draw:
         from logic.house.files import require_folder
         from logic.house.replacing import alone_in, require_drawn
 
+        say_warnings()
         self._require()
         require_folder(self.out)
         houses, others = load(self.file), load(self.diff) if self.diff else []
@@ -247,6 +249,7 @@ class Convert:
         from logic.house.replacing import require_same_houses, unless_other
         from vitruvius.answers.houses import Written
 
+        say_warnings()
         if self.out == STANDARD:
             return self._print()
         if self.to == "vitruvius-2":

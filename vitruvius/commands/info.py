@@ -7,7 +7,7 @@ import msgspec
 import tyro
 
 from logic.spelling import printable
-from vitruvius.commands.common import print_answer
+from vitruvius.commands.common import print_answer, say_warnings
 from vitruvius.help import columns, entry
 from vitruvius.info.kinds import Kind
 from vitruvius.info.recognise import recognised
@@ -58,6 +58,7 @@ class Info:
 
     def run(self) -> int:
         """Print what it is."""
+        say_warnings()
         found: list[Any] = recognised(self.thing)
         if self.json:
             print_answer("info", About(found))

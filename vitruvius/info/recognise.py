@@ -6,6 +6,7 @@ import tempfile
 import zlib
 from codecs import BOM_UTF8
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -157,8 +158,8 @@ def _json(name: str, path: Path) -> Kind:
         return read_games(name, path)
     if format_.startswith("vitruvius-trace-"):
         return read_trace(name, record)
-    if plan := _sketch(name, content, record) or (is_geojson(record) and record):
-        return read_plan(name, plan)
+    if found := _plan(name, path, content, record):
+        return found
     if {"bank", "targets"} <= record.keys():
         return read_scores(name, record)
     if {"preset", "algorithm", "config"} <= record.keys():
@@ -166,6 +167,17 @@ def _json(name: str, path: Path) -> Kind:
     if format_ in ("vitruvius-1", "vitruvius-2") or "roomNumber" in record:
         return read_houses(name, load(path), stopped(content))
     raise _unknown(name)
+
+
+def _plan(name: str, path: Path, content: bytes, record: Any) -> Kind | None:
+    """A plan for ``generate``; where it is none, the houses that ``load`` reads; None for another file."""
+    try:
+        plan = _sketch(name, content, record) or (is_geojson(record) and record)
+        return read_plan(name, plan) if plan else None
+    except UnknownFileError:
+        with suppress(HouseFileError):
+            return read_houses(name, load(path))
+        raise
 
 
 def _unknown(name: str) -> UnknownFileError:

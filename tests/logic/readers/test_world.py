@@ -1,6 +1,7 @@
 """Plans with walls at any angle as houses to simulate: what bodies see and where they come, by shapely."""
 
 import json
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,15 @@ import shapely.affinity
 import shapely.geometry
 from shapely import LineString, Polygon
 
-from logic import House, HouseFileError, load
+from logic import House, HouseFileError, PlanWarning, load
 from logic.exports.geojson import to_geojson
+from logic.house.parts import MOST_WALLS
 from sim import DEFAULT, HouseVectorEnv
 from tests.plans import flat
 from tests.thick import faces, thickened
+from vitruvius.info.kinds import Houses
+from vitruvius.info.reading import UnknownFileError
+from vitruvius.info.recognise import recognised
 
 Ring = Sequence[tuple[float, float]]
 
@@ -83,6 +88,7 @@ def test_in_a_plan_of_houseexpo_rays_end_at_its_outline_and_no_body_leaves_it(tm
             assert is_target or abs(share * DEFAULT.range - distance) < 2e-3
 
 
+@pytest.mark.filterwarnings("ignore::logic.PlanWarning")  # of the door out
 def test_of_geojson_doors_join_two_rooms_and_what_is_solid_has_walls(tmp_path: Path) -> None:
     rooms = [[(0, 0), (4, 0), (4, 3), (0, 3)], [(4, 0), (7, 0), (7, 3), (4, 3)]]
     piece, stray = [(1, 1), (2, 1), (2, 2), (1, 2)], [(5.5, 0.5), (6.5, 2)]
@@ -139,6 +145,80 @@ def test_our_own_geojson_has_the_walls_of_the_house_again(tmp_path: Path, thick:
 
 def wall_thickness(house: House) -> dict[str, Any]:
     return {key: value for key, value in to_geojson(house).items() if key == "wall_thickness"}
+
+
+def test_a_piece_whose_outline_crosses_itself_is_solid_on_both_sides(tmp_path: Path) -> None:
+    crossed = feature(Polygon([(1, 1), (3, 3), (3, 1), (1, 3)]), kind="piece")
+    house = world(tmp_path, feature(shapely.box(0, 0, 4, 4)), crossed, crossed)
+    assert lines(house).length == pytest.approx(4 * 4 + 2 * 2 + 2 * np.hypot(2, 2))
+
+
+def test_a_door_whose_outline_crosses_itself_has_all_of_its_jambs(tmp_path: Path) -> None:
+    rooms = [feature(shapely.box(0, 0, 4, 4)), feature(shapely.box(4.2, 0, 8, 4))]
+    house = world(tmp_path, *rooms, feature(Polygon([(4, 1), (4.2, 1), (4, 2), (4.2, 2)]), kind="door"))
+    sides = 4 * 4 + 2 * (4 + 3.8)
+    jambs = 2 * 0.2 + 2 * np.hypot(0.2, 1)
+    assert lines(house).length == pytest.approx(sides + jambs, abs=0.1)
+
+
+def test_a_fault_of_geometry_is_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: Any) -> None:
+        raise shapely.errors.GEOSException("TopologyException: side location conflict at 1 1")
+
+    monkeypatch.setattr(shapely, "line_merge", fails)
+    with pytest.raises(
+        HouseFileError, match=r"plan\.geojson: TopologyException: side location conflict at 1 1$"
+    ):
+        world(tmp_path, feature(shapely.box(0, 0, 4, 4)))
+
+
+def test_walls_have_a_length_and_are_no_more_than_a_file_may_have(tmp_path: Path) -> None:
+    room = feature(shapely.box(0, 0, 8, 4))
+    near = [(0, 1), (1, 1), (1, 1), (2, 1), (2, 1), (2, 1e-20), (2, 2e-20)]
+    house = world(tmp_path, room, feature(LineString(near), thickness=0.1))
+    assert [round(wall.oriented[4] * 2, 6) for wall in house.free_walls if wall.thickness] == [1, 1, 1]
+    many = feature(LineString([(8 * k / MOST_WALLS, k % 2) for k in range(MOST_WALLS - 2)]))
+    with pytest.raises(HouseFileError, match=r"it has 65,537 walls: at most 65,536 are read"):
+        world(tmp_path, room, many)
+
+
+def test_info_shows_as_houses_what_is_no_plan_to_furnish(tmp_path: Path) -> None:
+    bent = {"type": "Polygon", "coordinates": [[*BENT, BENT[0]]]}
+    (tmp_path / "bent.geojson").write_text(json.dumps(bent))
+    (tmp_path / "bare.json").write_text(json.dumps({"verts": BENT, "room_category": {}}))
+    for name in ("bent.geojson", "bare.json"):
+        [found] = recognised(str(tmp_path / name))
+        assert isinstance(found, Houses)
+        assert found.houses == 1
+    (tmp_path / "bent").write_text(json.dumps(bent))  # by this name it is no house
+    with pytest.raises(UnknownFileError, match="no rectangle along the axes"):
+        recognised(str(tmp_path / "bent"))
+
+
+def test_what_has_no_geometry_is_passed_over_and_the_files_name_may_be_in_capitals(tmp_path: Path) -> None:
+    features = [feature(shapely.box(0, 0, 4, 4)), {"type": "Feature", "properties": {}, "geometry": None}]
+    house = world(tmp_path, *features)
+    assert len(house.free_walls) == 4
+    assert load((tmp_path / "plan.geojson").rename(tmp_path / "PLAN.GEOJSON")) == [house]
+
+
+def test_doors_that_are_shut_are_counted(tmp_path: Path) -> None:
+    """In a gap wider than they are deep, or to the outside; not where floor lies on both sides of them."""
+    rooms = [feature(shapely.box(0, 0, 4, 4)), feature(shapely.box(4.2, 0, 8, 4))]
+    gap, out = LineString([(4.1, 1), (4.1, 2)]), LineString([(0, 1), (0, 2)])
+    midst, joins = LineString([(2, 1), (2, 2)]), shapely.box(4, 1, 4.2, 2)
+    doors = [feature(each, kind="door") for each in (gap, out, midst, joins)]
+    with pytest.warns(
+        PlanWarning, match=r"^plan: 2 doors join no two polygons of floor, and are shut$"
+    ) as said:
+        world(tmp_path, *rooms, *doors)
+    assert [each.filename for each in said] == [__file__]
+    with pytest.warns(PlanWarning, match=r"^plan: 1 door joins no two polygons of floor, and is shut$"):
+        world(tmp_path, *rooms, doors[0], doors[3])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", PlanWarning)
+        world(tmp_path, *rooms, feature(out, kind="door", between=["R0", "outside"]), *doors[2:])
+        world(tmp_path, *to_geojson(flat())["features"])
 
 
 @pytest.mark.parametrize(
