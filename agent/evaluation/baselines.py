@@ -130,8 +130,11 @@ KNOWS = {
     "random + avoidance": ("rays",),
     "script": ("rays", "bump", "last_action"),
     "explorer": ("rays", "bump", "last_action"),
+    "random drive": (),
+    "pursuit": ("rays",),
 }
-"""What the baselines act by that know no more than an agent may, in the words of ``sim.Config.observe``."""
+"""What the baselines act by that know no more than an agent may, those of ``drivers`` too, in the words of
+``sim.Config.observe``."""
 
 PRIVILEGED = ("searcher", "oracle")
 """Those that know where they are: noise and slips would only make their plans wrong."""

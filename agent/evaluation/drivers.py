@@ -100,9 +100,6 @@ DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
 }
 """By name, what makes a baseline's policy for environments and a seed."""
 
-KNOWS = {"random drive": (), "pursuit": ("rays",)}
-"""What those act by that know no more than an agent may."""
-
 EXACT = ("true path",)
 """Those that know where they are."""
 

@@ -23,7 +23,7 @@ PLANS = "in training, plans of other houses"
 
 def in_words(knows: Iterable[str]) -> str:
     """Names of ``sim.Config.observe`` as a list of words."""
-    return ", ".join(WORDS[name] for name in knows)
+    return ", ".join(WORDS[name] for name in knows) or "nothing"
 
 
 def known(agent: TrainConfig | str) -> str:

@@ -158,11 +158,20 @@ class Result:
         first = self.stacked(policy, lambda scores: scores.first)
         success = np.isfinite(first) if self.ends_on_pick_up else first <= SUCCESS_STEPS
         found = {"first_find": mean(np.minimum(first, self.steps))} if self.ends_on_pick_up else {}
+        done = {
+            "targets": self.targets(policy),
+            "ratio": self.ratio(policy),
+            "success": mean(success),
+            "spl": mean(self.spl(policy)),
+            **found,
+        }
+        if policy == "bound":  # no player: it goes nowhere
+            return done
+        rooms = self.stacked(policy, lambda scores: scores.rooms) / np.maximum(self.rooms, 1)
         coverage = {
             f"coverage_{step}": mean(self.stacked(policy, lambda scores, k=k: scores.coverage[k]))
             for k, step in enumerate(COVERAGE_STEPS)
         }
-        rooms = self.stacked(policy, lambda scores: scores.rooms) / np.maximum(self.rooms, 1)
         runs = self.policies[policy]
         blocked, interventions = (
             np.array([[1000 * getattr(scores, name) / scores.steps] for scores in runs])
@@ -170,11 +179,7 @@ class Result:
         )
         human = self.human
         return {
-            "targets": self.targets(policy),
-            "ratio": self.ratio(policy),
-            "success": mean(success),
-            "spl": mean(self.spl(policy)),
-            **found,
+            **done,
             **coverage,
             "rooms": mean(rooms),
             "blocked": mean(blocked),

@@ -10,7 +10,7 @@ from agent.learning.simulator import sensor
 from agent.play.results import PlayedGame, ResultsError, require_house
 from agent.policies.episodes import moments
 from agent.runs.checkpoint import Checkpoint
-from logic import House
+from logic import House, RequestError
 from logic.spelling import numbered
 from sim.actions import FORWARD, LEFT, RIGHT
 from sim.config import DEFAULT, Config
@@ -65,8 +65,13 @@ def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[S
 
 
 def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> list[Scene]:
-    """The scenes of the episode that an agent plays from the same start with the same targets."""
-    envs = make_envs([house], 1, targets, preset=sensor(agent.config), backend=agent.config.backend)
+    """The scenes of the episode that an agent plays from the same start with the same targets.
+
+    Raises ``RequestError`` for one that drives: its starts are others.
+    """
+    if agent.config.backend == "free":
+        raise RequestError(f"{agent.name} drives, and people play on a lattice of steps: take another agent")
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
     observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)
     return [envs.scene(0) for _ in moments(envs, policy, observation)]

@@ -3,13 +3,13 @@
 | input | shape | |
 |---|---|---|
 | ``observation`` | (B, R, C) float32 | distance / range, is target |
-| ``memory`` | (B, M, 6) float32 | averages (recurrent: (B, H)); zeros where an episode begins |
+| ``memory`` | (B, M, S) float32 | averages of S signals (recurrent: (B, H)); zeros as an episode begins |
 | ``blocked`` | (B,) bool | whether the last move was |
 
 | output | shape | |
 |---|---|---|
 | ``q`` | (B, A) float32 | the value of each action, in discounted targets |
-| ``memories`` | (B, A, M, 6) float32 | the memory to go on with, for each action that may be made |
+| ``memories`` | (B, A, M, S) float32 | the memory to go on with, for each action that may be made |
 
 The layers above, the shield and the rest, choose the action: so ``memories`` has one for each, and the caller
 takes that of the action made. Nothing is kept between two calls.

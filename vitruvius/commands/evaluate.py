@@ -58,8 +58,8 @@ class Evaluate:
 
     world: Literal["default", "long", "noisy", "paper"] = "default"
     """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:
-    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher and oracle;
-    paper: a collision ends the episode."""
+    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher, oracle,
+    true path and bound; paper: a collision ends the episode."""
 
     episodes: int = 1
     """Episodes in each house."""

@@ -142,11 +142,12 @@ class Train(Generic[Kind]):
         if self.json:
             speeds = last.simulator, last.learner
             print_answer("train", Trained(str(agent), made.steps, last.seconds, last.targets, *speeds))
+        drives = " --backend free" if self.learning.backend == "free" else ""
         _say(
             f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
             f"{last.targets:.1f} targets per 1500 steps while learning. "
-            f"Next: vitruvius evaluate {quoted(agent)}"
+            f"Next: vitruvius evaluate {quoted(agent)}{drives}"
         )
         return 0
 

@@ -16,12 +16,12 @@ from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.search.config import SearchConfig
 from agent.algorithms.table import PRESETS
-from agent.evaluation import drivers, protocol
+from agent.evaluation import protocol
 from agent.evaluation.drivers import DRIVERS
-from agent.evaluation.knowledge import WORDS
 from agent.evaluation.protocol import measure
 from agent.learning.environments import make_envs
 from agent.learning.simulator import actions, sensor
+from agent.play.game import agents_scenes
 from agent.policies.policies import QPolicy
 from agent.report.folder import report
 from agent.runs import checkpoint
@@ -64,6 +64,9 @@ def test_it_learns_and_is_measured_beside_baselines_that_drive(learnt):
         assert (scores.targets <= result.policies["bound"][0].targets).all()
         assert (scores.first >= result.shortest).all()
         assert result.ratios(name).max() <= 1
+        assert ({"coverage_500", "rooms", "blocked", "interventions"} <= set(result.figures(name))) == (
+            name != "bound"
+        )
         assert (scores.coverage[1] > 0.5).all() == (name != "bound")
     assert result.yardstick == "bound"
     assert result.human is None
@@ -139,6 +142,10 @@ def quick() -> Checkpoint:
             lambda: Evaluate(backend="free", beside=Path("games.json")).run(),
             "--beside: people played on a lattice",
         ),
+        (
+            lambda: agents_scenes(quick(), HOUSES[0], "main", 0),
+            "mine drives, and people play on a lattice of steps",
+        ),
     ],
 )
 def test_what_cannot_drive_is_refused_in_a_line(refused, message):
@@ -171,8 +178,3 @@ def test_a_house_of_too_many_corners_is_refused_before_anything_plays(monkeypatc
         HouseFileError, match=r"house \d of 4 has \d+ corners that paths may turn at: 3 at most"
     ):
         next(measure({}, HOUSES, ("main",), backend="free"))
-
-
-def test_what_baselines_know_is_said():
-    assert set(drivers.KNOWS) == set(DRIVERS) - set(drivers.EXACT)
-    assert all(set(knows) <= set(WORDS) for knows in drivers.KNOWS.values())

@@ -6,21 +6,23 @@ import pytest
 
 from agent.algorithms.table import PRESETS
 from agent.evaluation.baselines import BASELINES, KNOWS, PRIVILEGED
+from agent.evaluation.drivers import DRIVERS, EXACT
 from agent.evaluation.knowledge import WORDS, known
 from agent.runs import checkpoint
 from agent.runs.released import located, released
 from sim.config import EXTRAS, RAYS
 
-RESULTS = Path(__file__).parents[3] / "docs" / "results.md"
+DOCS = Path(__file__).parents[3] / "docs"
 ROWS = {
     first: knows
+    for page in ("results.md", "free.md")
     for first, knows, *_ in (
         [cell.strip() for cell in line.split("|")[1:]]
-        for line in RESULTS.read_text().splitlines()
+        for line in (DOCS / page).read_text().splitlines()
         if line[:1] == "|"
     )
 }
-"""Of the page's table, by the first cell."""
+"""Of the pages' tables, by the first cell."""
 
 
 def knows(words: str) -> str:
@@ -40,12 +42,18 @@ def test_the_column_of_what_baselines_know_is_what_they_say() -> None:
     assert knows("random + avoidance") == known("random + avoidance")
     assert knows("script:") == known("script")
     assert knows("`explorer`") == known("explorer")
+    assert knows("random drive") == known("random drive")
+    assert knows("pursuit, by rule") == known("pursuit")
+
+
+def test_the_column_of_what_the_agent_that_drives_knows_is_what_its_preset_says() -> None:
+    assert knows("`pqn-free`") == known(PRESETS["pqn-free"])
 
 
 def test_every_agent_and_baseline_says_what_it_knows_in_the_words_of_the_observation_space() -> None:
     words = {RAYS, "heading", *EXTRAS}
     assert set(WORDS) == words
-    assert set(KNOWS) == set(BASELINES) - set(PRIVILEGED)
+    assert set(KNOWS) == {*BASELINES, *DRIVERS} - {*PRIVILEGED, *EXACT}
     configs = [*PRESETS.values(), *(checkpoint.load(located(name)).config for name in released())]
     for knows in (*KNOWS.values(), *(config.knows for config in configs)):
         assert set(knows) <= words
