@@ -140,6 +140,14 @@ def require_training(houses: Sequence[House], name: str | Path) -> None:
             )
 
 
+def require_training_seeds(houses: HouseSet | HouseStream) -> None:
+    """Raise ``RequestError`` for a set or a stream with seeds that are none to learn from."""
+    if isinstance(houses, HouseSet) and houses.splits != {"train"}:
+        raise RequestError('a set is learnt in by its split train: HouseSet(folder, "train")')
+    if isinstance(houses, HouseStream) and houses.seed not in TRAINING:
+        raise RequestError(f"seed {houses.seed} of a stream: learn in houses of seeds below {TRAINING.stop}")
+
+
 def kept(houses: Sequence[House]) -> Iterator[str]:
     """Of each house why it is kept for measuring, so that no agent learns in it, or nothing."""
     tested = _tested()

@@ -26,7 +26,7 @@ import msgspec
 import torch
 
 from agent.algorithms.build import learner_of
-from agent.banks import bank_hash, house_key
+from agent.banks import bank_hash, house_key, require_training_seeds
 from agent.learning import ranks
 from agent.learning.allocation import keep_freed_memory
 from agent.learning.config import TrainConfig
@@ -155,6 +155,9 @@ def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Le
     """A new run in new environments, this rank's share of them; sets and streams rotate."""
     if isinstance(houses, HouseSet | HouseStream):
         houses = HouseRotation(houses)
+    known = houses.houses if isinstance(houses, HouseRotation) else houses
+    if isinstance(known, HouseSet | HouseStream):
+        require_training_seeds(known)
     if isinstance(houses, HouseRotation) and config.reads_maps:
         raise RequestError(f"{config.algorithm} learns in houses that stay: give a house file, not a set")
     share, left = divmod(config.num_envs, ranks.size())
@@ -178,8 +181,9 @@ def _learn(
     """Learn to the end, or to the report after a signal; save the run then and every half a minute."""
     config, houses = learner.config, learner.houses
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
-    # Those of a set are not named: none of them is kept for measuring.
-    learnt_in = frozenset[int]() if learner.envs.rotation else frozenset(map(house_key, houses))
+    # Those of a set or a stream are not named: none of them is kept for measuring.
+    unnamed = isinstance(houses, HouseSet | HouseStream)
+    learnt_in = frozenset[int]() if unnamed else frozenset(map(house_key, houses))
     made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
@@ -204,6 +208,7 @@ def _learn(
             kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
         finally:
+            learner.envs.close()  # else the process waits for the houses that are being made
             if writer:
                 writer.close()
     result = replace(made, network=learner.network.eval(), steps=learner.steps)

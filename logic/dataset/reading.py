@@ -42,6 +42,11 @@ class HouseSet(Sequence[House]):
         self._group: tuple[Held, int, list[Row]] | None = None
 
     @property
+    def splits(self) -> set[str]:
+        """Those that its houses are of."""
+        return {each.split for each in self._shards}
+
+    @property
     def hash(self) -> str:
         """A name for the houses in their order: SHA-256 of the hashes that the manifest has of them."""
         return hashlib.sha256("\n".join(each.rows_sha256 for each in self._shards).encode()).hexdigest()
@@ -80,9 +85,10 @@ class HouseSet(Sequence[House]):
 
     def _row(self, shard: Held, place: int) -> Row:
         first = place - place % GROUP
-        if self._group is None or self._group[:2] != (shard, first):
-            self._group = shard, first, list(islice(self._rows(shard, first), GROUP))
-        return self._group[2][place - first]
+        group = self._group  # another thread may take another one meanwhile
+        if group is None or group[:2] != (shard, first):
+            self._group = group = shard, first, list(islice(self._rows(shard, first), GROUP))
+        return group[2][place - first]
 
     def _rows(self, shard: Held, first: int = 0) -> Iterator[Row]:
         path = self.folder / shard.file

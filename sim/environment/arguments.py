@@ -93,7 +93,7 @@ def house_list(houses: Houses) -> list[House]:
     ``PAPER_HOUSE``; of a rotation those of its first period. ``ValueError`` if none.
     """
     if isinstance(houses, HouseRotation):
-        houses = houses.period(0)
+        houses = list(houses.period(0))
     if isinstance(houses, dict):
         from logic import generate
 

@@ -20,8 +20,6 @@ def require_state(state: dict[str, Any], own: dict[str, np.ndarray], houses: int
     given = {name: np.asarray(array) for name, array in state.items()}
     if {name: (array.dtype.str, array.shape) for name, array in given.items()} != kinds:
         raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
-    if "passed" in given and given["passed"][0] < 0:
-        raise ValueError("a state of fewer than no steps")
     house, cells = given["wholes"][:, HOUSE], given["wholes"][:, :HOUSE]
     if strange := house[(house < 0) | (house >= houses)].tolist():
         raise ValueError(f"a state of another bank: a body is in house {strange[0]} of {houses}")

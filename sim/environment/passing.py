@@ -1,8 +1,11 @@
 """Environments in houses that rotate: those of the next period are packed by a thread while they step."""
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from weakref import WeakSet
 
+import numpy as np
+
+from logic import HouseFileError, RequestError
 from sim.environment.rotation import HouseRotation
 from sim.world.episodes import OVER
 from sim.world.kernels import TERMINATED, TRUNCATED
@@ -24,33 +27,70 @@ class Passing:
         """The world has the houses of the first one."""
         self.world, self.rotation = world, rotation
         self.pool = ThreadPoolExecutor(1, "rotation")
-        self.number, self.next = 0, (1, self._packed(1))
-        self.steps = 0
+        self.number = self.steps = 0
+        self._begin(1)
         _going_on.add(self)
 
-    def _packed(self, number: int) -> "Future[PackedHouses]":
-        return self.pool.submit(lambda: self.world.packed(self.rotation.period(number)))
+    def _begin(self, number: int) -> None:
+        """Pack the houses of a period, and no others any more."""
+        self._asked: int | None = number
+        self._next: Future[PackedHouses] = self.pool.submit(self._packed, number)
 
-    def go_to(self, steps: int) -> None:
-        """Be where so many steps lead since the first period began.
+    def _packed(self, number: int) -> PackedHouses:
+        """Raises ``CancelledError`` between two houses once others are asked for, or none."""
+        houses = []
+        for house in self.rotation.period(number):
+            if self._asked != number:
+                raise CancelledError
+            houses.append(house)
+        try:
+            return self.world.packed(houses)
+        except ValueError as error:
+            first = number * self.rotation.size % len(self.rotation.houses)
+            raise HouseFileError(f"from house {first} of {len(self.rotation.houses)} on, {error}") from None
 
-        Raises ``ValueError`` where a house of the period cannot be had.
+    def go_to(self, steps: int) -> bool:
+        """Be where so many steps lead since the first period began; whether the houses are others now.
+
+        Raises ``HouseFileError`` where the body or a target has no place in a house of the period, and what
+        reading or making one raises.
         """
         number = max(0, steps - 1) // self.rotation.steps
-        if number != self.number:
-            asked, future = self.next
-            self.world.take((future if asked == number else self._packed(number)).result())
+        changes = number != self.number
+        if changes:
+            if number != self._asked:
+                self._begin(number)
+            self.world.take(self._next.result())
             self.number = number
-            self.next = number + 1, self._packed(number + 1)
+            self._begin(number + 1)
         self.steps = steps
+        return changes
+
+    @property
+    def state(self) -> np.ndarray:
+        """The steps, and what the rotation is of: (3,) int64."""
+        return np.array([self.steps, self.rotation.size, self.rotation.steps])
+
+    def go_on_from(self, state: np.ndarray) -> bool:
+        """Be where ``state`` was; see ``go_to``.
+
+        Raises ``RequestError``, a ``ValueError``, for the state of another rotation.
+        """
+        steps, *others = np.asarray(state).tolist()
+        if steps < 0 or others != self.state[1:].tolist():
+            raise RequestError(
+                f"a state of another rotation ({others} houses and steps), or of less than none"
+            )
+        return self.go_to(steps)
 
     def close(self) -> None:
         """Wait for what is being packed, and pack no more."""
+        self._asked = None
         self.pool.shutdown(cancel_futures=True)
 
-    def step(self) -> None:
-        """Run a step of the world, in the next period if this one is over."""
-        self.go_to(self.steps + 1)
+    def step(self) -> bool:
+        """Run a step of the world, in the next period if this one is over; see ``go_to``."""
+        changes = self.go_to(self.steps + 1)
         self.world.run("step")
         if self.steps % self.rotation.steps == 0:
             arrays, count = self.world.arrays, self.world.num_envs
@@ -59,3 +99,4 @@ class Passing:
             wholes[:, OVER] = 1
             arrays["flags"].fill(flags.ravel())
             arrays["wholes"].fill(wholes)
+        return changes

@@ -49,6 +49,8 @@ class HouseEnv(gymnasium.Env):
                 "it renders as 'rgb_array', and HouseVectorEnv(num_envs=1) shows itself"
             )
         asked = read_arguments(houses, backend, targets, preset, max_episode_steps, render_mode, device)
+        if asked.rotation:
+            raise ValueError("houses in rotation are for HouseVectorEnv: of one environment give a list")
         if seed is not None:
             read_seeds(seed, 1)
         self._arguments: dict[str, Any] = {

@@ -27,7 +27,7 @@ from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
 from sim.environment.passing import Passing
 from sim.environment.pictures import Pictures, scene_of
-from sim.environment.rotation import HouseRotation
+from sim.environment.rotation import HouseRotation, require_next_step
 from sim.environment.steps import orders, require_going_on
 from sim.environment.window import ScreenWindow
 from sim.geometry import Geometry
@@ -156,6 +156,7 @@ class HouseVectorEnv(VectorEnv):
         if autoreset_mode not in (*AutoresetMode, *known):
             raise ValueError(unknown("autoreset_mode", autoreset_mode, known))
         self.autoreset_mode = AutoresetMode(autoreset_mode)
+        require_next_step(houses, self.autoreset_mode)
         self.metadata = METADATA_OF_MANY | {"autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs, self.device = render_mode, num_envs, asked.device
 
@@ -221,6 +222,7 @@ class HouseVectorEnv(VectorEnv):
         Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
         """
         self._require_open()
+        require_next_step(houses, self.autoreset_mode)
         self.world.load(house_list(houses), targets)
         self._pass(houses)
         self._ready = False
@@ -230,15 +232,13 @@ class HouseVectorEnv(VectorEnv):
         """Rotate these houses, if they are to."""
         if self._passing:
             self._passing.close()
-        if isinstance(houses, HouseRotation) and self.autoreset_mode is not AutoresetMode.NEXT_STEP:
-            raise ValueError("houses in rotation need autoreset_mode='NextStep'")
         self._passing = Passing(self.world, houses) if isinstance(houses, HouseRotation) else None
 
     def _run_step(self) -> None:
-        if self._passing:
-            self._passing.step()
-        else:
+        if not self._passing:
             self.world.run("step")
+        elif self._passing.step():
+            self._pictures.forget()
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -251,14 +251,14 @@ class HouseVectorEnv(VectorEnv):
         ones, before anything is changed.
         """
         self._require_open()
-        asked = read_options(require_mapping(options), self.world, first=not self._ready)
+        given = require_mapping(options)
+        if self._passing and seed is not None and "reset_mask" not in given and self._passing.go_to(0):
+            self._pictures.forget()
+        asked = read_options(given, self.world, first=not self._ready)
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
-            seeds = read_seeds(seed, self.num_envs)
-            if self._passing and asked.mask.all():
-                self._passing.go_to(0)
-            self._take_seeds(seeds, asked.mask)
+            self._take_seeds(read_seeds(seed, self.num_envs), asked.mask)
         self.world.reset(asked.wholes, asked.reals)
         flags = self._outputs.flags()
         flags[:, asked.mask] = False
@@ -350,7 +350,7 @@ class HouseVectorEnv(VectorEnv):
         With them every environment goes on bit for bit, in this or another environment of the same
         arguments.
         """
-        passed = {"passed": np.array([self._passing.steps])} if self._passing else {}
+        passed = {"passed": self._passing.state} if self._passing else {}
         return (
             self.world.state
             | passed
@@ -362,9 +362,9 @@ class HouseVectorEnv(VectorEnv):
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
+        if self._passing and "passed" in state and self._passing.go_on_from(state["passed"]):
+            self._pictures.forget()
         require_state(dict(state), self.state, len(self.houses), self.config.drives)
-        if self._passing:
-            self._passing.go_to(int(state["passed"][0]))
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]

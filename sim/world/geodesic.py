@@ -92,7 +92,9 @@ class Distances:
     def wait(self) -> None:
         """Let all environments wait for their fields, as their states are others."""
         arrays = self.world.arrays
-        arrays["fields"].fill(np.full(arrays["fields"].shape, -1, np.int32))
+        # As ``Episodes.aim`` has it: profile 0 is there, and is read before a field is known (``touch``).
+        nothing = np.array([-1, 0, 0, 0, -1, 0], np.int32)
+        arrays["fields"].fill(np.tile(nothing, (len(arrays["distance"].numpy()), 1)))
         arrays["distance"].fill(np.full(arrays["distance"].shape, NOT_YET, np.int32))
         arrays["pending"].fill(np.ones(1, np.int32))
 

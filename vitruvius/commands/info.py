@@ -14,6 +14,7 @@ from vitruvius.info.recognise import recognised
 
 TITLES = {
     "houses": "houses",
+    "set": "set of houses, for vitruvius train and check",
     "plan": "plan, for vitruvius generate --plan",
     "agent": "agent, for vitruvius evaluate",
     "run": "training run, for vitruvius train --resume",
@@ -32,7 +33,7 @@ HIDDEN = {"kind", "name", "config"}
 ALIKE = {"formats", "topologies", "grammars"}
 """Counts of houses, which say nothing where all are alike."""
 
-LARGE = {"houses", "parameters", "steps", "of_steps", "games", "length"}
+LARGE = {"houses", "shards", "there", "bytes", "parameters", "steps", "of_steps", "games", "length"}
 """Numbers that are grouped by thousands."""
 
 
@@ -46,8 +47,8 @@ class About(msgspec.Struct, frozen=True):
 class Info:
     """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
 
-    It reads house files of every format, plans that generate reads, checkpoints, folders of train, games,
-    scores, traces, folders of rules, TOML settings and weights of Keras, and runs nothing of them.
+    It reads house files of every format, sets of houses, plans that generate reads, checkpoints, folders of
+    train, games, scores, traces, folders of rules, TOML settings and weights of Keras, and runs nothing.
     """
 
     thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]

@@ -44,6 +44,29 @@ class Plan(Named, tag="plan", frozen=True):
     """Metres, east and south."""
 
 
+class SetOfHouses(Named, tag="set", frozen=True):
+    """A folder of ``generate --shard``."""
+
+    splits: dict[str, int]
+    """Houses that it is to hold."""
+    whole: bool
+    """Whether it has a manifest; without it some shards may be there."""
+    shards: int
+    there: int
+    """Shards that are there."""
+    limits: int | None
+    """Rows without a house; None where the set is not whole."""
+    bytes: int
+    """Of the shards that are there."""
+    grammars: dict[str, int]
+    """Houses by grammar, with the start of its hash: one."""
+    request: dict[str, Any]
+    seed: int
+    checksum: str | None
+    """``logic.HouseSet.hash``."""
+    versions: dict[str, str]
+
+
 class Agent(Named, tag="agent", frozen=True):
     """A checkpoint."""
 
@@ -149,4 +172,4 @@ class Settings(Named, tag="settings", frozen=True):
     """What is not as in the preset."""
 
 
-Kind = Houses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Keras | Settings
+Kind = Houses | SetOfHouses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Keras | Settings

@@ -15,7 +15,8 @@ from agent.banks import BANKS, bank_hash
 from agent.learning.config import TrainConfig, differences
 from agent.play.results import load as load_games
 from agent.runs.released import FORMAT, LEARNT_IN, MOST_HEADER, require_sizes
-from logic import House, RequestError
+from logic import House, HouseSet, RequestError
+from logic.dataset.sets import files_of_shards, read_manifest, read_set
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
 from logic.readers.regular import regular
@@ -23,7 +24,19 @@ from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
 from logic.request.given_plan import SNAP
 from logic.spelling import quoted
-from vitruvius.info.kinds import Agent, Games, Grammar, Houses, Keras, Plan, Run, Scores, Settings, Trace
+from vitruvius.info.kinds import (
+    Agent,
+    Games,
+    Grammar,
+    Houses,
+    Keras,
+    Plan,
+    Run,
+    Scores,
+    SetOfHouses,
+    Settings,
+    Trace,
+)
 
 MOST_TEXT = 1 << 20
 """What is read of a run's ``config.json``, and of the end of its reports."""
@@ -66,6 +79,28 @@ def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) 
         checksum=checksum,
         bank=next((bank for bank, known in BANKS.items() if known.hash == checksum), None),
         stopped=stopped,
+    )
+
+
+def read_set_of_houses(name: str, folder: Path) -> SetOfHouses:
+    """A set by its description and its manifest, without its rows."""
+    of = read_set(folder)
+    assert of is not None, "it is known by its description"
+    manifest = read_manifest(folder)
+    there = [path.stat().st_size for path in files_of_shards(folder)]
+    return SetOfHouses(
+        name=name,
+        splits=of.houses,
+        whole=manifest is not None,
+        shards=of.shards,
+        there=len(there),
+        limits=manifest.limits if manifest else None,
+        bytes=sum(there),
+        grammars={f"{of.grammar} ({of.grammar_hash[:12]})": sum(of.houses.values())},
+        request={key: value for key, value in of.request.items() if value},
+        seed=of.seed,
+        checksum=HouseSet(folder).hash if manifest else None,
+        versions=of.versions,
     )
 
 

@@ -16,6 +16,7 @@ from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, PAPER_HOUSE, benchmark_path
 from agent.runs.released import located, released
 from logic import HouseFileError, RequestError, load
+from logic.dataset.sets import SET
 from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
 from logic.house.ros_map import DESCRIPTIONS
@@ -35,6 +36,7 @@ from vitruvius.info.reading import (
     read_plan,
     read_run,
     read_scores,
+    read_set_of_houses,
     read_settings,
     read_trace,
     stopped,
@@ -88,7 +90,9 @@ def _named(name: str) -> Iterator[Kind]:
 
 
 def _folder(name: str, path: Path) -> Kind:
-    """A run or a grammar."""
+    """A set, a run or a grammar."""
+    if (path / SET).is_file():
+        return read_set_of_houses(name, path)
     if (path / "config.json").is_file():
         return read_run(name, path)
     if any(path.glob("*.lp")) or any(path.glob("*.pl")):
@@ -97,7 +101,7 @@ def _folder(name: str, path: Path) -> Kind:
     known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", "training"))]
     hint = f"look at {path / known[0]}" if known else "it has " + (", ".join(there[:5]) or "nothing")
     raise UnknownFileError(
-        f"{name}: a folder that is no run (no config.json) and no grammar (no .lp): {hint}"
+        f"{name}: a folder that is no set ({SET}), no run (config.json) and no grammar (.lp): {hint}"
     )
 
 

@@ -26,7 +26,7 @@ from agent.report.folder import report
 from agent.runs import checkpoint, runs
 from agent.runs.released import CheckpointError
 from agent.runs.runs import run
-from logic import HouseSet, load, save
+from logic import HouseSet, HouseStream, load, save
 from logic.errors import RequestError
 from logic.stopping import Terminated
 from sim import HouseRotation
@@ -150,14 +150,17 @@ def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monke
     assert same(tmp_path / "stopped", tmp_path / "whole")
 
 
-def test_houses_in_rotation_are_named_together_and_maps_of_them_are_not_learnt(tmp_path):
+def test_houses_in_rotation_are_named_and_maps_of_them_are_not_learnt(tmp_path):
     rotation = HouseRotation(HOUSES, 2, 50)
     made, _ = run(rotation, CONFIG, tmp_path / "run")
-    assert made.houses == bank_hash(HOUSES)
-    assert not made.learnt_in
+    assert (made.houses, len(made.learnt_in)) == (bank_hash(HOUSES), 4)
     assert json.loads((tmp_path / "run/config.json").read_text())["houses"]["number"] == 4
     with pytest.raises(RequestError, match="map-completion learns in houses that stay: give a house file"):
         run(rotation, COMPLETION, tmp_path / "maps")
+    with pytest.raises(RequestError, match="seed 2000000000 of a stream: learn in houses of seeds below"):
+        run(HouseStream(2, seed=2 * 10**9), CONFIG, tmp_path / "stream")
+    with pytest.raises(RequestError, match="a state of another rotation"):
+        run(HouseRotation(HOUSES, 3, 50), CONFIG, tmp_path / "run", resume=True)
 
 
 def test_train_learns_in_the_training_split_of_a_set_and_in_houses_made_meanwhile(tmp_path, monkeypatch):
@@ -169,7 +172,10 @@ def test_train_learns_in_the_training_split_of_a_set_and_in_houses_made_meanwhil
         out = Path(houses.partition(":")[0] + "-run")
         assert parse(["train", houses, *words, "--out", str(out)]).run() == 0
         assert json.loads((out / "config.json").read_text())["houses"]["number"] == number
-    assert checkpoint.load("set-run/agent.safetensors").houses == HouseSet("set", "train").hash
+    found = checkpoint.load("set-run/agent.safetensors")
+    assert (found.houses, found.learnt_in) == (HouseSet("set", "train").hash, frozenset())
+    with pytest.raises(RequestError, match="a set is learnt in by its split train"):
+        run(HouseSet("set"), CONFIG, tmp_path / "all")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from logic import House, LimitReached, generate
+from logic import House, HouseSet, LimitReached, generate
 from logic.dataset.formats import read
 from logic.dataset.rows import house_sha256
 from logic.dataset.sets import Manifest, read_manifest, read_set
@@ -19,6 +19,8 @@ from logic.grammar import SHIPPED
 from logic.workers.series import HouseSeries
 from tests.logic.dataset.sets import content, made
 from tests.programs import finished
+from vitruvius.info.kinds import SetOfHouses
+from vitruvius.info.recognise import recognised
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +58,21 @@ def test_a_set_has_the_houses_that_generate_makes(whole: Path) -> None:
     assert {file.name for file in rules.iterdir()} >= {
         file.name for file in (SHIPPED / "family").glob("*.[lp]*")
     }
+
+
+def test_info_tells_a_set_by_its_description_whole_or_not(whole: Path, copy: Path) -> None:
+    [found] = recognised(str(whole))
+    assert isinstance(found, SetOfHouses)
+    of = read_set(whole)
+    assert of is not None
+    assert (found.whole, found.there, found.splits) == (True, found.shards, of.houses)
+    assert found.checksum == HouseSet(whole).hash
+    assert found.bytes == sum(path.stat().st_size for path in (whole / "data").iterdir())
+    (copy / "manifest.json").unlink()
+    next((copy / "data").iterdir()).unlink()
+    [found] = recognised(str(copy))
+    assert isinstance(found, SetOfHouses)
+    assert (found.whole, found.there, found.limits, found.checksum) == (False, found.shards - 1, None, None)
 
 
 def test_shards_by_themselves_in_any_order_are_the_set(whole: Path, tmp_path: Path) -> None:

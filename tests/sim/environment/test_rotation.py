@@ -2,13 +2,14 @@
 
 import pickle
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from logic import House
-from sim import HouseRotation, HouseVectorEnv
+from logic import House, HouseFileError
+from sim import DEFAULT, HouseEnv, HouseRotation, HouseVectorEnv
 from tests import sample_houses
 
 HOUSES = [sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2), *sample_houses.RANDOM[:6:2]]
@@ -18,7 +19,7 @@ PLAN = np.random.default_rng(3).choice(3, p=[0.15, 0.15, 0.7], size=(4 * T, E))
 
 def make(count: int = E, houses: Sequence[House] = HOUSES, **more: Any) -> HouseVectorEnv:
     rotation = HouseRotation(houses, 2, T)
-    return HouseVectorEnv(rotation, count, targets="mixed", max_episode_steps=LIFE, **more)
+    return HouseVectorEnv(rotation, count, **{"targets": "mixed", "max_episode_steps": LIFE} | more)
 
 
 def steps(envs: HouseVectorEnv, plan: np.ndarray) -> Iterator[list[np.ndarray]]:
@@ -54,12 +55,24 @@ def test_trajectories_are_those_of_any_batch_and_of_the_seed() -> None:
     assert all(same(one, other) for one, other in zip(before, steps(envs, PLAN), strict=True))
 
 
-@pytest.mark.parametrize("at", [T - 1, T, T + 20])
-def test_kept_environments_go_on_in_the_periods_that_follow(at: int) -> None:
-    envs = make()
+@pytest.mark.parametrize(
+    ("at", "more"),
+    [
+        (T - 1, {}),
+        (T, {}),
+        (T + 20, {}),
+        (T + 20, {"preset": "doors"}),
+        (T + 20, {"preset": replace(DEFAULT, geodesic=True)}),
+        (T + 20, {"targets": {"task": "all", "terms": {"progress": 0.01}}}),
+        (T + 20, {"backend": "free", "preset": "drive"}),
+    ],
+)
+def test_kept_environments_go_on_in_the_periods_that_follow(at: int, more: dict[str, Any]) -> None:
+    """Whatever they keep of a house: doors, distances."""
+    envs = make(**more)
     envs.reset(seed=5)
     list(steps(envs, PLAN[:at]))
-    other, again = make(), pickle.loads(pickle.dumps(envs))
+    other, again = make(**more), pickle.loads(pickle.dumps(envs))
     other.reset(seed=7)
     other.state = envs.state
     after = list(steps(envs, PLAN[at:]))
@@ -119,9 +132,20 @@ def test_what_cannot_be_had_is_said() -> None:
     narrow = sample_houses.drawn(sample_houses.ONE_ROOM, cell=0.05)
     envs = make(houses=[*HOUSES[:3], narrow])
     envs.reset(seed=0)
-    with pytest.raises(ValueError, match="house 1 of 2: "):
+    with pytest.raises(HouseFileError, match="from house 2 of 4 on, house 1 of 2: "):
         list(steps(envs, PLAN[: T + 1]))
     state = make()
     state.reset(seed=0)
-    with pytest.raises(ValueError, match="fewer than no steps"):
-        state.state = state.state | {"passed": np.array([-1])}
+    for other in ([-1, 2, T], [0, 3, T], [0, 2, T + 1]):
+        with pytest.raises(ValueError, match="a state of another rotation"):
+            state.state = state.state | {"passed": np.array(other)}
+    with pytest.raises(ValueError, match="houses in rotation are for HouseVectorEnv"):
+        HouseEnv(HouseRotation(HOUSES, 2, T))
+    same = HouseVectorEnv(HOUSES[:1], autoreset_mode="SameStep")
+    with pytest.raises(ValueError, match="need autoreset_mode='NextStep'"):
+        same.set_houses(HouseRotation(HOUSES, 2, T))
+    assert same.houses == HOUSES[:1]
+    list(steps(state, PLAN[: T + 1]))
+    with pytest.raises(ValueError, match="pose"):  # of the first period's houses, which a seed leads back to
+        state.reset(seed=0, options={"house": np.full(E, 0), "pose": np.full((E, 3), 50.0)})
+    assert state.houses == HOUSES[:2]

@@ -53,7 +53,7 @@ MISTAKES = (
     Command("train --config mine.toml", ("mine.toml: cannot be read: No such file",), 5),
     Command("train --config", ("--config: give a value, as in --config PATH",)),
     Command("info housse.jsonl", ("there is no such file", "did you mean houses.jsonl?"), 5),
-    Command("info runs", ("no run (no config.json) and no grammar", "it has mine"), 5),
+    Command("info runs", ("no run (config.json) and no grammar", "it has mine"), 5),
     Command("train --preset map-completio", ("no preset map-completio", "did you mean map-completion?")),
     Command("train --preset=best", ("there is no preset best: there are pqn,",)),
     Command(
