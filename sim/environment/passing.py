@@ -5,7 +5,7 @@ from weakref import WeakSet
 
 import numpy as np
 
-from logic import HouseFileError, RequestError
+from logic.errors import HouseFileError, RequestError
 from sim.environment.rotation import HouseRotation
 from sim.world.episodes import OVER
 from sim.world.kernels import TERMINATED, TRUNCATED
