@@ -13,11 +13,9 @@ from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import LONGEST_NAME, Room
 from logic.readers.features import GEOMETRIES, features, inner_wall
 from logic.readers.regular import unlike
+from logic.readers.sketch import FAR
 from logic.readers.units import metres_to
 from logic.spelling import numbered
-
-FAR = 1e8
-"""Metres: as far from the origin as coordinates of maps are."""
 
 OTHER_KINDS = ("door", "window", "piece", "wall")
 """What our own exports call the parts of a house that are no rooms."""
