@@ -21,6 +21,7 @@ import torch
 
 from benchmarks.simulator.c_loop import Loop, compiler, version
 from benchmarks.simulator.cores import confined, processors
+from benchmarks.simulator.peers.ours import ROBOT, peers_house
 from logic import House, generate, save
 from sim import DEFAULT, Config, HouseVectorEnv, Oracle
 from sim.backends.continuous.layout import lines_listed as listed_at
@@ -186,6 +187,14 @@ def test_houses_of_cells(benchmark, backend):
     """The two backends in the same houses, whose edges are multiples of a cell."""
     envs = ready(MANY, bank(cell=CELL), backend=backend)
     timed(benchmark, kernel(envs), MANY, backend=backend)
+
+
+@study
+@pytest.mark.parametrize("backend", ["continuous", "free"])
+def test_the_house_of_the_peers(benchmark, backend):
+    envs = ready(MANY, [peers_house()], preset=ROBOT, backend=backend)
+    actions = driven(MANY) if envs.config.drives else plan(MANY)
+    timed(benchmark, envs.step_torch, MANY, actions, beside_peers=backend)
 
 
 @study

@@ -44,6 +44,7 @@ def simulator_report() -> dict[str, Any]:
         benchmarks.append(entry(f"by_{key}", 0.001, steps_per_second=5e6, panel="Q", **{key: value}, **more))
     for how, rate in (("kernel on one core", 3e6), ("C on one core", 2e6)):
         benchmarks.append(entry(f"driven[{how}]", 0.001, steps_per_second=rate, driven=how))
+    benchmarks.append(entry("peers[free]", 0.001, steps_per_second=3e6, beside_peers="free"))
     benchmarks.append(entry("parts[launch]", 2e-5, part="a launch"))
     benchmarks.append(entry("packing", 0.064, packing="grid", packed=64))
     for name, outcome in (("taichi", "a"), ("quadrants", "a"), ("another", "b")):
