@@ -14,6 +14,11 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "vitruvius/test_demo.py": "the demo is run whole",
     "vitruvius/test_stopping.py": "commands are stopped at many times",
     "logic/dataset/test_kills.py": "sets are made under kills",
+    "logic/dataset/test_engine.py": {
+        "test_a_node_that_is_killed_is_made_up_for_by_the_others": "Ray is started, on two nodes",
+        "test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault": "Ray is started",
+        "test_ctrl_c_keeps_what_is_done_and_ends_all_that_was_started": "Ray is started",
+    },
     "logic/dataset/test_libraries.py": "pandas, polars, DuckDB, datasets and Croissant's reader are imported",
     "agent/play/test_play_display.py": "windows on a virtual display",
     "agent/report/test_page.py": "reports are driven in a browser",
@@ -25,6 +30,9 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "agent/planner/test_noise.py": "the planner in noisy worlds",
     "agent/planner/test_doors.py": "the planner behind closed doors",
     "agent/evaluation/test_task_figures.py": "evaluations of the tasks of furniture",
+    "agent/evaluation/test_drivers.py": {
+        "test_it_learns_and_is_measured_beside_baselines_that_drive": "it learns",
+    },
     "agent/evaluation/test_protocol.py": {
         "test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number": "whole evaluations",
     },
@@ -52,11 +60,36 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "logic/generation/test_furnish.py": {
         "test_furniture_leaves_every_door_free_and_joined_to_all_the_floor": "many rooms",
     },
+    "logic/generation/test_brief.py": {
+        "test_no_dissection_is_preferred_where_a_brief_leaves_all": "hundreds of houses",
+    },
+    "logic/generation/test_dissections.py": {
+        "test_a_void_is_free_where_the_rules_say_and_as_large_as_they_say": "large plans",
+    },
+    "logic/generation/test_thick_walls.py": {
+        "test_other_topologies_and_units_have_such_walls": "every topology",
+        "test_no_thickness_is_the_same_as_none_bit_for_bit": "every topology",
+    },
+    "logic/generation/test_door_widths.py": {
+        "test_stars_units_and_own_plans_refuse_it": "grammars of their own",
+        "test_without_such_clauses_houses_are_as_ever": "many houses",
+    },
+    "logic/generation/test_parts.py": {
+        "test_a_plan_of_another_area_is_moved_as_little_as_can_be": "large plans",
+    },
+    "logic/generation/test_outdoor.py": {
+        "test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door": "many plans",
+    },
     "logic/generation/test_units.py": {
         "test_a_building_depends_on_the_rules_the_request_and_the_seed_alone": "large buildings",
+        "test_a_building_keeps_all_that_its_grammar_promises": "large buildings",
+        "test_what_no_building_has_is_proved_by_the_rules_of_its_flats": "large buildings",
     },
     "logic/generation/test_shared_walls.py": {
         "test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible": "many requests",
+        "test_that_there_is_no_plan_is_proved_by_the_users_own_lines": "large plans",
+        "test_nothing_is_refuted_that_has_a_solution": "systems by three solvers",
+        "test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window": "many proofs",
     },
     "logic/workers/test_limits.py": {
         "test_a_join_of_very_many_values_is_named": "limits are waited for",
@@ -71,6 +104,11 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     },
     "logic/language/test_lint.py": {
         "test_rules_that_bind_only_in_larger_houses_or_beside_some_doors_draw_no_finding": "large grammars",
+        "test_what_changes_no_rule_changes_no_finding": "every grammar",
+        "test_the_shipped_grammars_are_clean": "every grammar",
+    },
+    "logic/language/test_recipes.py": {
+        "test_a_recipe_does_what_its_title_says": "a grammar with each",
     },
     "logic/language/test_lengths.py": {
         "test_a_length_that_lint_lets_through_holds_in_what_is_made": "every length of every grammar",
@@ -87,6 +125,16 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_nothing_is_read_or_written_out_of_bounds": "kernels with every bound checked",
     },
     "sim/backends/test_original_collisions.py": "every collision that can be reached",
+    "sim/backends/test_rays.py": {
+        "test_a_million_rays_aimed_at_corners_equal_those_of_the_reference_and_none_leaks": "a million",
+    },
+    "sim/baselines/test_bound.py": {
+        "test_nobody_is_better_and_who_knows_the_way_is_not_much_worse": "many episodes",
+    },
+    "sim/environment/test_observe.py": {
+        "test_they_conform": "Gymnasium's checks",
+    },
+    "sim/test_compilers.py": "every kernel is compiled by both compilers",
     "sim/test_plans.py": {
         "test_the_searcher_finds_targets_behind_rooms": "long episodes",
     },
@@ -117,6 +165,7 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     },
     "logic/proofs/test_short_proofs.py": {
         "test_a_plan_of_far_more_rooms_than_there_can_be_is_proved_impossible_in_few_lines": "a large plan",
+        "test_a_proof_that_a_room_is_too_small_for_its_furniture_is_of_that_room_alone": "many proofs",
     },
 }
 """By path below ``tests``: of a folder or a file what takes long there; or names, where it is some tests."""
