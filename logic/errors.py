@@ -135,7 +135,7 @@ class OutOfInferences(LimitReached):
 
 
 class Killed(LimitReached):
-    """A solver process was killed from outside: of the house that it worked on nothing is known."""
+    """A process was killed from outside: a solver, and of its house nothing is known; a rank of a run."""
 
 
 class MissingProgram(VitruviusError):

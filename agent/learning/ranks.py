@@ -6,6 +6,7 @@ is one rank, and nothing here does anything.
 """
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -13,6 +14,11 @@ from typing import Any
 import torch
 import torch.distributed as dist
 from torch import Tensor, nn
+
+from logic.errors import Killed
+
+LOST = re.compile(r"(closed|reset) by peer|timed out|broken pipe|NETWORK_ERROR", re.IGNORECASE)
+"""What gloo says where another rank does not answer: it has no class of error for that."""
 
 
 @contextmanager
@@ -35,7 +41,8 @@ def joined() -> Iterator[None]:
     dist.init_process_group("gloo")
     try:
         yield
-        dist.barrier()  # a rank that leaves while others still communicate would end them
+        with _all_there():
+            dist.barrier()  # a rank that leaves while others still communicate would end them
     finally:
         dist.destroy_process_group()
 
@@ -55,7 +62,8 @@ def total(values: Sequence[float]) -> list[float]:
     if size() == 1:
         return list(values)
     sums = torch.tensor(values, dtype=torch.float64)
-    dist.all_reduce(sums)
+    with _all_there():
+        dist.all_reduce(sums)
     return sums.tolist()
 
 
@@ -64,7 +72,8 @@ def first(value: float) -> float:
     if size() == 1:
         return value
     given = torch.tensor([value], dtype=torch.float64)
-    dist.broadcast(given, 0)
+    with _all_there():
+        dist.broadcast(given, 0)
     return float(given)
 
 
@@ -73,14 +82,16 @@ def gathered(value: Any) -> list[Any]:
     if size() == 1:
         return [value]
     values: list[Any] | None = [None] * size() if rank() == 0 else None
-    dist.gather_object(value, values)
+    with _all_there():
+        dist.gather_object(value, values)
     return values or []
 
 
 def all_reduce(values: Tensor) -> None:
     """Replace a tensor by its sum over all ranks, in place."""
     if size() > 1:
-        dist.all_reduce(values)
+        with _all_there():
+            dist.all_reduce(values)
 
 
 def all_reduce_gradients(network: nn.Module) -> None:
@@ -89,9 +100,23 @@ def all_reduce_gradients(network: nn.Module) -> None:
         return
     gradients = [p.grad for p in network.parameters() if p.grad is not None]
     flat = torch.cat([gradient.flatten() for gradient in gradients])
-    dist.all_reduce(flat)
+    all_reduce(flat)
     for gradient, part in zip(gradients, flat.split([g.numel() for g in gradients]), strict=True):
         gradient.copy_(part.view_as(gradient))
+
+
+@contextmanager
+def _all_there() -> Iterator[None]:
+    """Raise ``Killed`` where a rank is lost while others wait for it."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not LOST.search(str(error)):
+            raise
+        raise Killed(
+            f"rank {dist.get_rank()} of {dist.get_world_size()} has lost another one, so the run ends; "
+            "start all ranks again with --resume: it goes on from its last report"
+        ) from error
 
 
 def _keep_to_own_processors(local: int, ranks: int) -> None:
