@@ -15,7 +15,7 @@ import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import chdir, contextmanager
+from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from logic.errors import Killed, MissingProgram, RequestError, VitruviusError
@@ -162,6 +162,19 @@ def connected(address: str | None = None, workers: int | None = None) -> Iterato
             yield Cluster(address, workers)
         finally:
             ray.shutdown()
+
+
+def engine(
+    name: str | None, address: str | None = None, workers: int | None = None
+) -> AbstractContextManager[Cluster | None]:
+    """What ``--engine``, ``--address`` and ``--workers`` of a command say: see ``connected``; without an
+    engine, None. Raises ``RequestError`` for an address without one.
+    """
+    if name:
+        return connected(address, workers)
+    if address is not None:
+        raise RequestError("--address: is of --engine ray: add it")
+    return nullcontext()
 
 
 class _Said:

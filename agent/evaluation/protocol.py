@@ -4,16 +4,18 @@ All policies meet the same starts and the same targets in the same order: house 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import islice
 
 import numpy as np
+import torch
 
 from agent.algorithms.build import policy_of
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
 from agent.evaluation.drivers import DRIVERS, EXACT, bound_scores, knowing
 from agent.evaluation.episodes import EpisodeScores, play, reset
-from agent.evaluation.result import Result
+from agent.evaluation.result import Result, joined
 from agent.learning.config import TARGET_MODES
 from agent.learning.environments import make_envs, playable
 from agent.learning.simulator import sensor, undisturbed, with_sensor
@@ -21,6 +23,7 @@ from agent.policies.policies import Policy
 from agent.progress import Report
 from agent.runs.checkpoint import Checkpoint
 from logic import House, RequestError
+from logic.cluster import Cluster
 from logic.house.looks import looks_of
 from logic.spelling import keywords
 from sim import HouseVectorEnv
@@ -28,9 +31,30 @@ from sim.baselines.bound import TimeBound
 from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
 from sim.config import PRESETS, Config
+from sim.runtime import start
 from sim.tasks.tasks import task
 from sim.tasks.terms import counted
 from sim.tasks.words import in_words
+
+PART = 256
+"""Houses that are played in at once: all of a frozen bank, and a larger one part by part."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What all policies play in a mode in some houses of a bank, in one process: see ``measure``."""
+
+    agents: Mapping[str, Sequence[Checkpoint]]
+    houses: Sequence[House]
+    mode: str
+    words: str
+    """The mode in words."""
+    seed: int
+    """Of the first episode."""
+    backend: str
+    baselines: Sequence[str]
+    world: str
+    episodes: int
 
 
 @keywords(targets="modes", preset="agents")
@@ -45,6 +69,7 @@ def measure(
     baselines: Sequence[str] | None = None,
     world: str = "default",
     episodes: int = 1,
+    cluster: Cluster | None = None,
 ) -> Iterator[Result]:
     """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
 
@@ -54,51 +79,88 @@ def measure(
     ``world`` names the simulator's preset that all play in, each with its own sensor; those that know where
     they are (searcher, oracle, true path) and the bound, without its noise and slips. Each house is played in
     that many ``episodes``; for a task that not all houses suit, each of the others
-    (``environments.playable``). ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be
-    played in one of the houses, or where one has too many corners for the bound or the true path;
-    ``RequestError`` for an agent of another kind of motion, or one that drives by other limits than they do.
+    (``environments.playable``). A bank is played ``PART`` houses at a time, as tasks of a ``cluster`` where
+    there is one, which changes no figure. ``report`` follows the work.
+
+    Raises ``HouseFileError`` where a mode cannot be played in one of the houses, or where one has too many
+    corners for the bound or the true path; ``RequestError`` for an agent of another kind of motion, or one
+    that drives by other limits than they do; what ``Cluster.each`` does.
     """
-    drives = backend == "free"
-    known = DRIVERS if drives else BASELINES
-    names = tuple(known) if baselines is None else baselines
-    baseline = with_sensor(PRESETS[world])
-    exact = undisturbed(baseline)
-    if drives:
-        require_drive(agents, baseline, world)
-    for number, mode in enumerate(modes):
+    names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
+    if backend == "free":
+        require_drive(agents, with_sensor(PRESETS[world]), world)
+    parts, numbers = list[Part](), list[int]()
+    for mode in modes:
         suited = playable(houses, mode, backend=backend)
         words = in_words(mode, looks_of(suited[0]).name)
-        numbers = np.arange(len(suited) * episodes) % len(suited)
-        sensors = {baseline, exact, *(sensor(run.config, world) for runs in agents.values() for run in runs)}
-        settings = {each: Setting(suited, mode, each, backend, len(numbers)) for each in sensors}
-        policies: list[tuple[str, Setting, Callable[[HouseVectorEnv, int], Policy]]] = [
-            (name, settings[sensor(run.config, world)], partial(policy_of, run.network, run.config))
-            for name, runs in agents.items()
-            for run in runs
-        ]
-        policies += [
-            (name, settings[exact if name in (*PRIVILEGED, *EXACT) else baseline], known[name])
-            for name in names
-        ]
-        players = ((name, setting, make(setting.envs, seed)) for name, setting, make in policies)
-        bound: TimeBound | None = None
-        if drives:  # a house of too many corners is found before anything plays
-            bound, players = knowing(TimeBound, settings[exact].envs), iter(list(players))
-        scores: dict[str, tuple[EpisodeScores, ...]] = {}
-        for place, (name, setting, policy) in enumerate(players):
-            report((number + place / len(policies)) / len(modes), f"{words}: {name}")
-            played = play(setting.envs, policy, seed, numbers, setting.coverage)
-            scores[name] = (*scores.get(name, ()), played)
-        rooms = np.array([len(house.secondary) for house in suited])[numbers]
-        if bound:
-            reset(settings[exact].envs, seed, numbers)
-            best, shortest = bound_scores(bound)
-            scores["bound"] = (best,)
-        else:
-            shortest = shortest_ways(settings[exact].envs, seed, numbers)
-        ends = task(mode).ends_on_pick_up
-        yield Result(mode, rooms, shortest, scores, episodes, baseline.steps, ends, words)
+        firsts = range(0, len(suited), PART)
+        for first in firsts:
+            some, begins = suited[first : first + PART], seed + first * episodes
+            parts.append(Part(agents, some, mode, words, begins, backend, names, world, episodes))
+        numbers.append(len(firsts))
+    found = _on_cluster(parts, report, cluster) if cluster else _here(parts, report)
+    for number in numbers:
+        yield joined(list(islice(found, number)))
     report(1.0, f"{len(houses)} houses")
+
+
+def _here(parts: Sequence[Part], report: Report) -> Iterator[Result]:
+    for number, part in enumerate(parts):
+        yield played(part, lambda done, words, number=number: report((number + done) / len(parts), words))
+
+
+def _on_cluster(parts: Sequence[Part], report: Report, cluster: Cluster) -> Iterator[Result]:
+    found = dict[int, Result]()
+    for place, result in cluster.each(_as_task, parts):
+        found[place] = result
+        report(len(found) / len(parts), parts[place].words)
+    yield from (found[place] for place in range(len(parts)))
+
+
+def _as_task(part: Part) -> Result:
+    """A task has one processor."""
+    start(threads=1)
+    torch.set_num_threads(1)
+    return played(part)
+
+
+def played(part: Part, report: Report = lambda done, words: None) -> Result:
+    """What all policies do in a part of a bank."""
+    agents, houses, mode, seed, world = part.agents, part.houses, part.mode, part.seed, part.world
+    drives = part.backend == "free"
+    known = DRIVERS if drives else BASELINES
+    baseline = with_sensor(PRESETS[world])
+    exact = undisturbed(baseline)
+    numbers = np.arange(len(houses) * part.episodes) % len(houses)
+    sensors = {baseline, exact, *(sensor(run.config, world) for runs in agents.values() for run in runs)}
+    settings = {each: Setting(houses, mode, each, part.backend, len(numbers)) for each in sensors}
+    policies: list[tuple[str, Setting, Callable[[HouseVectorEnv, int], Policy]]] = [
+        (name, settings[sensor(run.config, world)], partial(policy_of, run.network, run.config))
+        for name, runs in agents.items()
+        for run in runs
+    ]
+    policies += [
+        (name, settings[exact if name in (*PRIVILEGED, *EXACT) else baseline], known[name])
+        for name in part.baselines
+    ]
+    players = ((name, setting, make(setting.envs, seed)) for name, setting, make in policies)
+    bound: TimeBound | None = None
+    if drives:  # a house of too many corners is found before anything plays
+        bound, players = knowing(TimeBound, settings[exact].envs), iter(list(players))
+    scores: dict[str, tuple[EpisodeScores, ...]] = {}
+    for place, (name, setting, policy) in enumerate(players):
+        report(place / len(policies), f"{part.words}: {name}")
+        played = play(setting.envs, policy, seed, numbers, setting.coverage)
+        scores[name] = (*scores.get(name, ()), played)
+    rooms = np.array([len(house.secondary) for house in houses])[numbers]
+    if bound:
+        reset(settings[exact].envs, seed, numbers)
+        best, shortest = bound_scores(bound)
+        scores["bound"] = (best,)
+    else:
+        shortest = shortest_ways(settings[exact].envs, seed, numbers)
+    ends = task(mode).ends_on_pick_up
+    return Result(mode, rooms, shortest, scores, part.episodes, baseline.steps, ends, part.words)
 
 
 def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, world: str) -> None:

@@ -1,7 +1,7 @@
 """What all policies did in one target mode, and the figures of that."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -186,3 +186,29 @@ class Result:
             "interventions": mean(interventions),
             **({"human": mean(counts > human.targets)} if human else {}),
         }
+
+
+def joined(parts: Sequence[Result]) -> Result:
+    """The result in a bank, of those in its parts: first an episode of each house, then another of each."""
+    episodes = parts[0].episodes
+
+    def whole(arrays: Iterable[np.ndarray]) -> np.ndarray:
+        divided = [array.reshape(*array.shape[:-1], episodes, -1) for array in arrays]
+        found = np.concatenate(divided, axis=-1)
+        return found.reshape(*found.shape[:-2], -1)
+
+    def scores(runs: Sequence[EpisodeScores]) -> EpisodeScores:
+        steps, blocked, interventions = (
+            sum(getattr(each, name) for each in runs) for name in ("steps", "blocked", "interventions")
+        )
+        targets, first, coverage, rooms = (
+            whole(getattr(each, name) for each in runs) for name in ("targets", "first", "coverage", "rooms")
+        )
+        return EpisodeScores(targets, steps, blocked, interventions, first, coverage, rooms)
+
+    policies = {
+        name: tuple(map(scores, zip(*(part.policies[name] for part in parts), strict=True)))
+        for name in parts[0].policies
+    }
+    rooms, shortest = (whole(getattr(part, name) for part in parts) for name in ("rooms", "shortest"))
+    return replace(parts[0], rooms=rooms, shortest=shortest, policies=policies)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 from agent.banks import BANKS, NAME
 from agent.evaluation import scores
@@ -23,6 +24,7 @@ from benchmarks.agents.runs import EntryRun, ExternalRun, given
 from benchmarks.common.houses import TRAINING, training_houses
 from benchmarks.common.pages import ROOT, machine, revision, versions, write
 from benchmarks.common.processes import CLI, Job, StudyFailed, run_all
+from logic.cluster import Cluster, engine
 from logic.errors import RequestError
 from logic.spelling import unknown
 
@@ -40,8 +42,15 @@ class Agents:
     seeds: tuple[int, ...] = (0, 1, 2)
     """Of the training runs of each entry."""
 
-    workers: int = 2
-    """Processes at a time, each on another processor."""
+    workers: int | None = None
+    """Processes at a time, each on another processor: 2, or with --engine all that its processors can
+    take."""
+
+    engine: Literal["ray"] | None = None
+    """Train and measure by Ray, here or on a cluster whose machines share this checkout and --out."""
+
+    address: str | None = None
+    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here."""
 
     out: Path = Path("runs/study")
     """Folder for all runs and records of one share, and for agents.md."""
@@ -58,27 +67,21 @@ class Agents:
         names = [*(entry.name for entry in entries), *EXTERNALS]
         if wrong := set(self.only) - set(names):
             raise RequestError(f"--only: {unknown('entry', min(wrong), names)}")
-        if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
+        workers = 2 if self.workers is None else self.workers
+        if not 0 < self.share <= 1 or workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends what it started too
         out = self.out.resolve()
-        houses = training_houses(out / "learn.jsonl", self.workers)
         # Seed by seed: wherever the study is stopped, the entries have about equally many runs.
         runs = [EntryRun(entry, seed, out) for seed in self.seeds for entry in entries]
         for run in runs:
             run.require_same()
         others = [ExternalRun(name, seed, out) for seed in self.seeds for name in EXTERNALS]
         asked = [each for each in (*runs, *others) if not self.only or each.name in self.only]
-        run_all([each.training(houses) for each in asked if not each.finished], self.workers)
-        finished = [run for run in runs if run.finished]
-        if not finished:
-            raise StudyFailed(f"{self.out}: no entry is finished, and external agents alone make no page")
-        places = {mode: out / f"evaluation-{mode}" for mode in TARGET_MODES}
-        agents = {mode: [run for run in finished if run.plays(mode)] for mode in TARGET_MODES}
-        late = [mode for mode in TARGET_MODES if not measured(places[mode], agents[mode])]
-        run_all([measuring(mode, agents[mode], places[mode]) for mode in late], self.workers)
-        if left := [places[mode] for mode in late if not measured(places[mode], agents[mode])]:
-            raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
+        with engine(self.engine, self.address, self.workers) as cluster:
+            houses = training_houses(out / "learn.jsonl", workers)
+            run_all([each.training(houses) for each in asked if not each.finished], workers, cluster)
+            places = measured_all([run for run in runs if run.finished], out, workers, cluster)
         study = self.study(entries, runs, others, places)
         write({"agents.md": agents_page(study).encode(), **pictures(study)}, self.out, self.publish)
         describe(self.out, "How well do agents learn?", f"Made by `{study.command}`. {study.machine}.")
@@ -117,6 +120,21 @@ class Agents:
             externals=tuple(dict.fromkeys(run.agent for run in came)),
             absent=tuple(run.record() for run in others if run.begun and not run.finished),
         )
+
+
+def measured_all(
+    finished: Sequence[EntryRun], out: Path, workers: int, cluster: Cluster | None
+) -> dict[str, Path]:
+    """Measure finished runs in each target mode, where that is not done; the folder of each record."""
+    if not finished:
+        raise StudyFailed(f"{out}: no entry is finished, and external agents alone make no page")
+    places = {mode: out / f"evaluation-{mode}" for mode in TARGET_MODES}
+    agents = {mode: [run for run in finished if run.plays(mode)] for mode in TARGET_MODES}
+    late = [mode for mode in TARGET_MODES if not measured(places[mode], agents[mode])]
+    run_all([measuring(mode, agents[mode], places[mode]) for mode in late], workers, cluster)
+    if left := [places[mode] for mode in late if not measured(places[mode], agents[mode])]:
+        raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
+    return places
 
 
 def measuring(mode: str, runs: Iterable[EntryRun], folder: Path) -> Job:

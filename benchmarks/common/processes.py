@@ -1,12 +1,15 @@
 """Processes of a study, some at a time, each on one processor; how each went is noted."""
 
 import ctypes
+import fcntl
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
@@ -14,7 +17,8 @@ from pathlib import Path
 from time import sleep
 
 from benchmarks.common.pages import ROOT
-from logic.errors import VitruviusError
+from logic.cluster import Cluster
+from logic.errors import MissingProgram, VitruviusError
 from logic.house.files import write_whole
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
@@ -37,8 +41,8 @@ class Job:
     command: tuple[str, ...]
     folder: Path
 
-    def start(self, processor: int) -> subprocess.Popen[bytes]:
-        """Start it on one processor; what it prints goes to a file."""
+    def start(self, processor: int, orphaned: int = signal.SIGTERM) -> subprocess.Popen[bytes]:
+        """Start it on one processor; what it prints goes to a file. When its parent ends it gets a signal."""
         self.folder.mkdir(parents=True, exist_ok=True)
         failure(self.folder).unlink(missing_ok=True)
         with (self.folder / "log.txt").open("wb") as log:
@@ -49,8 +53,23 @@ class Job:
                 stdin=subprocess.DEVNULL,
                 cwd=ROOT,
                 env=os.environ | ONE_THREAD,
-                preexec_fn=partial(_keep_to, processor),  # noqa: PLW1509 (no threads are at work here)
+                preexec_fn=partial(_keep_to, processor, orphaned),  # noqa: PLW1509 (no threads are at work here)
             )
+
+    def run(self) -> int:
+        """Run it to its end on a processor that no other job here has; its exit code.
+
+        Raises ``MissingProgram`` on a machine that does not share the checkout or the job's folder.
+        """
+        if not self.folder.is_dir():
+            raise MissingProgram(f"{self.folder}: is not there: all nodes must share it, and the checkout")
+        with own_processor() as processor:
+            # At once, or the task that is begun again in place of a lost one finds it still at work.
+            process = self.start(processor, orphaned=signal.SIGKILL)
+            try:
+                return process.wait()
+            finally:
+                process.terminate()
 
     def end(self, code: int) -> None:
         """Say how it went; a failure is noted too."""
@@ -63,8 +82,17 @@ class Job:
         say(f"{self.name}: {words}")
 
 
-def run_all(jobs: Iterable[Job], workers: int) -> None:
-    """Run jobs, ``workers`` at a time, each on another processor as long as there are enough."""
+def run_all(jobs: Iterable[Job], workers: int, cluster: Cluster | None = None) -> None:
+    """Run jobs, ``workers`` at a time, each on another processor as long as there are enough; or as tasks of
+    a cluster, as many as it can take.
+    """
+    if cluster:
+        waiting = list(jobs)
+        for job in waiting:
+            job.folder.mkdir(parents=True, exist_ok=True)
+        for place, code in cluster.each(Job.run, waiting):
+            waiting[place].end(code)
+        return
     processors = sorted(os.sched_getaffinity(0))
     free = [processors[number % len(processors)] for number in range(workers)]
     waiting, running = deque(jobs), dict[subprocess.Popen[bytes], tuple[Job, int]]()
@@ -84,6 +112,21 @@ def run_all(jobs: Iterable[Job], workers: int) -> None:
             process.terminate()
         for process in running:
             process.wait()
+
+
+@contextmanager
+def own_processor() -> Iterator[int]:
+    """A processor of this machine that no other block here has, where there are as many."""
+    processors = sorted(os.sched_getaffinity(0))
+    for processor in processors:
+        with Path(tempfile.gettempdir(), f"vitruvius-{os.getuid()}-processor-{processor}").open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # it goes with the process
+            except BlockingIOError:
+                continue
+            yield processor
+            return
+    yield processors[0]
 
 
 def failure(folder: Path) -> Path:
@@ -115,7 +158,7 @@ def output(command: Sequence[str], **environment: str) -> str:
 LIBC = ctypes.CDLL(None)
 
 
-def _keep_to(processor: int) -> None:
+def _keep_to(processor: int, orphaned: int) -> None:
     """In a new process: keep to one processor, or Taichi's workers share it; end with the study."""
     os.sched_setaffinity(0, {processor})
-    LIBC.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+    LIBC.prctl(1, orphaned)  # PR_SET_PDEATHSIG

@@ -3,15 +3,17 @@
 import hashlib
 import json
 import random
+import signal
 import subprocess
 import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from logic.dataset.sets import read_manifest
-from logic.errors import VitruviusError
+from benchmarks.generator.killing import Plain, victims
+from logic.dataset.sets import files_of_shards, read_manifest
+from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
 from logic.terminal import say
 
@@ -24,7 +26,8 @@ class NotMade(VitruviusError):
 
 @dataclass(frozen=True)
 class Shards:
-    """Make a set of houses twice, once under kills at random moments, and compare every file."""
+    """Make a set of houses under kills at random moments, and the set or a part of it without, and compare
+    every file."""
 
     grammar: str = "home"
     """A shipped grammar's name, or a directory of rules."""
@@ -39,13 +42,21 @@ class Shards:
     """In how many files."""
 
     workers: int = 2
-    """Solver processes."""
+    """Solver processes; with --engine, nodes of one processor each."""
 
     kills: int = 20
-    """How often it is killed."""
+    """How often something is killed: in turn the command and one of its solver processes; with --engine also
+    the raylet of a node."""
+
+    engine: Literal["ray"] | None = None
+    """Make the killed set by Ray, on a cluster of this machine."""
+
+    undisturbed: float = 1.0
+    """Part of the shards that plain workers make beside, without kills: 1 for the whole set, or some taken at
+    random."""
 
     seed: int = 0
-    """Of the moments."""
+    """Of the moments, of what is killed and of which shards are made beside."""
 
     out: Path = Path("runs/shards")
     """Folder for both sets, shards.md and shards.json."""
@@ -55,13 +66,21 @@ class Shards:
 
     def run(self) -> int:
         """Write the figures; 1 where a file differs."""
-        undisturbed, killed = self.out / "undisturbed", self.out / "killed"
-        took = finished(self, undisturbed)
-        kills = self._killed(killed, took)
-        resumed = finished(self, killed)
-        same = content(undisturbed) == content(killed)
-        manifest = read_manifest(undisturbed)
+        if not 0 <= self.kills < self.shards:
+            raise RequestError("--kills must be fewer than --shards")
+        if not 0 < self.undisturbed <= 1:
+            raise RequestError("--undisturbed must be more than 0 and at most 1")
+        killed, beside = self.out / "killed", self.out / "undisturbed"
+        with victims(self.engine, self.workers) as found:
+            began = time.monotonic()
+            kills, last = self._killed(killed, found)
+            took = time.monotonic() - began
+        manifest = read_manifest(killed)
         assert manifest
+        shards, alone = self._undisturbed(beside)
+        rows = sum(manifest.shards[shard].rows for shard in shards)
+        one, other = content(killed), content(beside)
+        same = one == other if len(shards) == self.shards else other.items() <= one.items()
         figures = {
             "grammar": self.grammar,
             "rooms": self.rooms,
@@ -69,11 +88,14 @@ class Shards:
             "limits": manifest.limits,
             "shards": self.shards,
             "workers": self.workers,
+            "engine": self.engine or "none",
             "kills": kills,
-            "seconds": round(took, 1),
-            "houses_a_second": round(self.houses / took, 1),
+            "seconds_under_kills": round(took, 1),
+            "seconds_after_the_last_kill": round(last, 1),
+            "undisturbed_shards": len(shards),
+            "undisturbed_houses": rows,
+            "undisturbed_seconds": round(alone, 1),
             "bytes_a_house": round(sum(each.bytes for each in manifest.shards) / self.houses),
-            "seconds_after_the_last_kill": round(resumed, 1),
             "same_bytes": same,
         }
         table = "\n".join(f"| {name.replace('_', ' ')} | {value} |" for name, value in figures.items())
@@ -82,32 +104,56 @@ class Shards:
         print(self.out / "shards.md")
         return 0 if same else 1
 
-    def _killed(self, folder: Path, took: float) -> int:
-        """Kill what makes a set, each time after some of the seconds that it takes; how often."""
-        moments, kills = random.Random(self.seed), 0
-        while kills < self.kills and read_manifest(folder) is None:
-            process = start(self, folder)
-            time.sleep(2 + moments.uniform(0, 2 * took / self.kills))
-            if process.poll() is None:
-                kills += 1
-                say(f"{folder}: kill {kills}")
+    def _killed(self, folder: Path, found: Plain) -> tuple[dict[str, int], float]:
+        """Make a set under kills, each when some number of shards is there, and some of a shard's time later;
+        how many of which kind, and the seconds from the last one to the end.
+        """
+        moments, kills = random.Random(self.seed), dict.fromkeys(found.kinds, 0)
+        last = time.monotonic()
+        process = start(self, folder, *found.words)
+        try:
+            for number, made in enumerate(sorted(moments.sample(range(self.shards), self.kills))):
+                kind = found.kinds[number % len(found.kinds)]
+                while process.poll() is None and _made(folder) < made:
+                    time.sleep(0.05)
+                time.sleep(moments.uniform(0, _last_took(folder)))
+                while process.poll() is None and not found.kill(kind, process.pid, moments):
+                    time.sleep(0.05)
+                if process.poll() in (None, -signal.SIGKILL):
+                    kills[kind], last = kills[kind] + 1, time.monotonic()
+                    say(f"{folder}: {_made(folder)} shards of {self.shards}, {kind} killed")
+                if kind == "driver":
+                    process.wait()
+                    process = start(self, folder, *found.words)
+            if code := process.wait():
+                raise NotMade(f"{folder}: the command that makes it ended with exit code {code}")
+        finally:
             process.kill()
-            process.wait()
-        return kills
+        return kills, time.monotonic() - last
+
+    def _undisturbed(self, folder: Path) -> tuple[list[int], float]:
+        """Make the set, or some of its shards, without kills; which, and the seconds."""
+        if self.undisturbed == 1:
+            return [*range(self.shards)], finished(self, folder)
+        number = max(1, round(self.undisturbed * self.shards))
+        shards = sorted(random.Random(self.seed).sample(range(self.shards), number))
+        return shards, sum(finished(self, folder, shard=shard) for shard in shards)
 
 
-def start(study: Any, folder: Path, *words: str) -> "subprocess.Popen[bytes]":
-    """The command that makes a set, as the options of a study say."""
-    asked = f"generate --rooms {study.rooms} --count {study.houses} --shard all/{study.shards}"
+def start(
+    study: Any, folder: Path, *words: str, shard: int | Literal["all"] = "all"
+) -> "subprocess.Popen[bytes]":
+    """The command that makes a set, or a shard of it, as the options of a study say."""
+    asked = f"generate --rooms {study.rooms} --count {study.houses} --shard {shard}/{study.shards}"
     asked = [*asked.split(), "--workers", str(study.workers), "--grammar", study.grammar, *words]
     command = [sys.executable, "-m", "vitruvius.cli", *asked, "--out", str(folder)]
     return subprocess.Popen(command, stderr=subprocess.DEVNULL)
 
 
-def finished(study: Any, folder: Path, *words: str) -> float:
-    """Make what is missing of a set; the seconds."""
+def finished(study: Any, folder: Path, *words: str, shard: int | Literal["all"] = "all") -> float:
+    """Make what is missing of a set, or a shard of it; the seconds."""
     began = time.monotonic()
-    if code := start(study, folder, *words).wait():
+    if code := start(study, folder, *words, shard=shard).wait():
         raise NotMade(f"{folder}: the command that makes it ended with exit code {code}")
     return time.monotonic() - began
 
@@ -116,3 +162,14 @@ def content(folder: Path) -> dict[str, str]:
     """The hash of each file in a folder."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file())
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def _made(folder: Path) -> int:
+    """How many shards of a set are there."""
+    return sum(1 for _ in files_of_shards(folder))
+
+
+def _last_took(folder: Path) -> float:
+    """Seconds from the last shard but one to the last."""
+    times = sorted(path.stat().st_mtime for path in files_of_shards(folder))
+    return times[-1] - times[-2] if times[1:] else 0

@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.common.pages import DOCS, machine, png, table_rows
 from benchmarks.common.processes import say
-from logic.cluster import connected
+from logic.cluster import engine
 from logic.errors import LimitReached, RequestError, VitruviusError
 from logic.generation.builder import Builder
 from logic.grammar import find
@@ -99,11 +99,10 @@ class Complexity:
 
     def _measured(self, wanted: list[StudyCell]) -> Iterator[dict[str, Any]]:
         """What is found of cells, as it is."""
-        if self.engine is None:
-            yield from map(measured, wanted)
-        elif wanted:
-            with connected(self.address) as cluster:
-                for _, entry in cluster.each(measured, wanted, alone=True):
+        if wanted:
+            with engine(self.engine, self.address) as cluster:
+                cells = enumerate(map(measured, wanted))
+                for _, entry in cluster.each(measured, wanted, alone=True) if cluster else cells:
                     yield entry
 
 

@@ -13,6 +13,7 @@ import tyro
 from agent import banks
 from agent.learning.config import MOST_SEED, differences
 from agent.runs.released import located
+from logic.cluster import engine
 from logic.errors import RequestError
 from logic.request.request import whole
 from logic.terminal import say
@@ -31,7 +32,12 @@ class Evaluate:
     searcher that knows the house, and the shortest-path oracle. All meet the same starts and targets.
     """
 
-    groups: ClassVar = {"houses": "What they play", "scores": "Beside others", "out": "Output"}
+    groups: ClassVar = {
+        "houses": "What they play",
+        "scores": "Beside others",
+        "engine": "Work",
+        "out": "Output",
+    }
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Checkpoints, or names of agents that come with the project (pqn, map-completion, search, paper,
@@ -71,6 +77,14 @@ class Evaluate:
     beside: Path | None = None
     """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
     play the same episodes."""
+
+    engine: Literal["ray"] | None = None
+    """Play by Ray, on this machine or on a cluster (docs/scale.md): each place of the targets is a task, and
+    each 256 houses of a larger bank. No figure changes."""
+
+    address: str | None = None
+    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here and
+    ends with the command."""
 
     out: Path | None = None
     """Folder for evaluation.json, evaluation.md, evaluation.png and report.html."""
@@ -132,9 +146,9 @@ class Evaluate:
         told = warnings(known, len(houses))
         for each in told:
             say(f"warning: {each}")
-        with progress("measuring") as report:
+        with engine(self.engine, self.address) as cluster, progress("measuring") as report:
             how = {"backend": self.backend, "world": self.world, "episodes": self.episodes}
-            results = list(measure(agents, houses, modes, self.seed, report, **how))
+            results = list(measure(agents, houses, modes, self.seed, report, **how, cluster=cluster))
         for path, policies in others.items():
             results = [joined(result, policies.get(result.mode, {}), path) for result in results]
 

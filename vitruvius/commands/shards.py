@@ -2,12 +2,11 @@
 
 import re
 import time
-from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from logic.cluster import Cluster, connected
+from logic.cluster import Cluster, engine
 from logic.dataset.formats import schema
 from logic.dataset.sets import Set, Shard, begin
 from logic.dataset.shards import Mapper, complete, make, make_on_node, missing
@@ -29,7 +28,7 @@ def make_shards(command: Any, asked: str) -> int:
     of, shards = _set(command, series, parts)
     if not asked.startswith("all"):
         shards = [shards[int(asked.partition("/")[0])]]
-    with _engine(command) as cluster:
+    with engine(command.engine, command.address, command.workers) as cluster:
         begin(folder, of, series.grammar, command.replace)
         made = _made(folder, of, shards, command, cluster)
         last = _completed(folder, of, cluster.map if cluster else map)
@@ -53,6 +52,8 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     if command.nearest:
         raise RequestError("--shard: a set is of one request: leave out --nearest")
     require_folder(command.out)
+    if command.workers is not None:
+        whole("workers", command.workers, 1)
     if command.files == "parquet":
         schema()  # before the work, where pyarrow is missing
     return command.out.resolve() if command.engine else command.out, parts
@@ -86,17 +87,6 @@ def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard
         promises,
     )
     return of, of.divided()
-
-
-def _engine(command: Any) -> AbstractContextManager[Cluster | None]:
-    """What makes the shards, beside this process."""
-    if command.engine is None:
-        if command.address is not None:
-            raise RequestError("--address: is of --engine ray: add it")
-        return nullcontext()
-    if command.workers is not None:
-        whole("workers", command.workers, 1)
-    return connected(command.address, command.workers)
 
 
 def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Cluster | None) -> int:

@@ -12,10 +12,12 @@ from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, benchmark, house_key
+from agent.evaluation import protocol
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.learnt_in import learnt_in as learnt_in_
 from agent.evaluation.learnt_in import warnings
 from agent.evaluation.protocol import Setting, measure
+from agent.evaluation.result import Result, joined
 from agent.learning.config import TARGET_MODES
 from agent.learning.simulator import sensor
 from agent.report.folder import report
@@ -62,6 +64,20 @@ def test_a_short_evaluation_gives_the_figures_of_the_whole_one(measured):
     assert list(short.policies) == ["script", "oracle"]
     for name in short.policies:
         assert short.figures(name) == measured.figures(name)
+
+
+def test_a_large_bank_is_played_part_by_part_with_the_same_starts_and_targets(measured, monkeypatch):
+    monkeypatch.setattr(protocol, "PART", 3)
+    [parts] = measure({}, HOUSES, ("secondary",), seed=3, baselines=("explorer", "oracle"))
+    assert np.array_equal(parts.shortest, measured.shortest)
+    for name in parts.policies:
+        assert parts.figures(name) == measured.figures(name)
+
+
+def test_episodes_in_parts_of_a_bank_are_in_its_order():
+    rooms = [1, 2, 1, 2], [3, 3]
+    one, two = (Result("main", np.array(each), np.array(each), {}, episodes=2) for each in rooms)
+    assert joined([one, two]).rooms.tolist() == [1, 2, 3, 1, 2, 3]
 
 
 def written(folder, config, name="pqn") -> Path:

@@ -61,6 +61,45 @@ with cluster.connected(sys.argv[1]) as nodes:
 """
 """Tasks that go wrong in each way."""
 
+ONCE = """
+import os, pathlib, signal, sys
+first = pathlib.Path(sys.argv[1], "first")
+if first.exists():
+    there = pathlib.Path("/proc", first.read_text(), "stat")
+    print(there.exists() and ") Z " not in there.read_text(), len(os.sched_getaffinity(0)))
+else:
+    first.write_text(str(os.getpid()))
+    os.kill(os.getppid(), signal.SIGKILL)
+    signal.pause()
+"""
+"""Ends its parent, and in another process says whether it is there, and how many processors it has."""
+
+STUDY = """
+import sys
+from pathlib import Path
+from agent.evaluation import protocol
+from agent.evaluation.scores import modes_of
+from benchmarks.common.processes import Job, run_all
+from logic import cluster
+from tests.logic.dataset.test_engine import ONCE
+from tests.sample_houses import random_house
+
+folder, houses = Path(sys.argv[2]), [random_house(seed) for seed in range(3)]
+scripts = {"once": ONCE, "wrong": "raise SystemExit('no good')"}
+jobs = [
+    Job(name, (sys.executable, "-c", script, str(folder / name)), folder / name)
+    for name, script in scripts.items()
+]
+how = {"modes": ("main",), "baselines": ("script", "oracle"), "episodes": 2}
+protocol.PART = 2
+with cluster.connected(sys.argv[1]) as nodes:
+    alone, tasks = (modes_of(protocol.measure({}, houses, **how, cluster=each)) for each in (None, nodes))
+    print(alone == tasks)
+    run_all(jobs, 1, nodes)
+print((folder / "once" / "log.txt").read_text(), (folder / "wrong" / "failed.txt").read_text(), sep="")
+"""
+"""An evaluation, and jobs of a study."""
+
 
 def start(folder: Path, *words: str) -> subprocess.Popen[str]:
     """The command at work, in a session of its own; all that it starts has its folder in the environment."""
@@ -162,6 +201,13 @@ def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
     assert result == f"MissingProgram: a node cannot run a task or return its result: {why}"
     assert lost.startswith("Killed: the process or node of a task was lost 2 times: ")
     assert {line.partition(":")[0] for line in ended.stderr.splitlines()} == {"Ray"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_evaluations_and_jobs_of_studies_are_tasks_with_the_same_results(nodes: Any, tmp_path: Path) -> None:
+    """A job ends with the process of its task, and is begun again."""
+    ended = finished([sys.executable, "-c", STUDY, nodes.address, str(tmp_path)], cwd=ROOT)
+    assert ended.stdout.splitlines() == ["True", "False 1", "failed, exit code 1: no good"], ended.stderr
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
