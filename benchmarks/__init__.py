@@ -24,6 +24,7 @@ STUDIES = {
     "paper": ("benchmarks.paper.run:PaperStudy", "The paper's claims, one by one, and what comes out here."),
     "learner": ("benchmarks.agents.learner:LearnerStudy", "Where the time of a training step goes."),
     "throughput": ("benchmarks.agents.throughput:Throughput", "Training speed of one process and of two."),
+    "ranks": ("benchmarks.agents.ranks:Ranks", "What training by 1, 2 and 4 ranks costs."),
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),

@@ -24,6 +24,7 @@ from logic.errors import GrammarError, HouseFileError, RequestError
 from logic.grammar import Grammar, find, shipped
 from logic.house.files import write_whole
 from logic.house.promises import Promises
+from logic.request.request import request_at
 from logic.workers.series import HouseSeries
 
 Kind = TypeVar("Kind")
@@ -62,6 +63,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     grammar: str
     grammar_hash: str
     request: dict[str, Any]
+    """As ``HouseSeries.request``."""
     seed: int
     """Of the houses to train on; those of the other splits have the seeds that are as far in theirs."""
     start: int
@@ -85,7 +87,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def row_source(self, seed: int, index: int) -> Row:
         """The columns that say what a house is a function of."""
-        return source(self.grammar, self.grammar_hash, self.request, seed, index)
+        return source(self.grammar, self.grammar_hash, request_at(index, self.request), seed, index)
 
     def divided(self) -> list[Shard]:
         """All shards: each split has as many as its share of the houses, and one at least."""

@@ -140,6 +140,16 @@ def as_range(name: str, count: Any) -> Range:
     return least, most
 
 
+def request_at(index: int, request: dict[str, Any]) -> dict[str, Any]:
+    """What house ``index`` of a series is asked for by, whose ``rooms`` may be a range, as a list: they have
+    one number of rooms after the other then, from the least.
+    """
+    if isinstance(request["rooms"], int):
+        return request
+    least, most = request["rooms"]
+    return request | {"rooms": least + index % (most - least + 1)}
+
+
 def in_words(wanted: Range) -> str:
     """As in ``2``, ``1 to 3``, ``2 or more``."""
     least, most = wanted

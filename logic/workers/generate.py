@@ -84,7 +84,7 @@ def generate(
 
 
 def series_of(
-    rooms: int | None = None,
+    rooms: int | tuple[int, int] | None = None,
     *,
     types: Mapping[str, Count] | None = None,
     furniture: Mapping[str, Count] | None = None,
@@ -98,7 +98,9 @@ def series_of(
     inferences: int = 100_000_000,
     seconds: float = 60.0,
 ) -> HouseSeries:
-    """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its."""
+    """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its, but
+    that ``rooms`` may be a range: then house i has ``least + i % n`` rooms, of the n numbers that it has.
+    """
     own = None if plan is None else read_plan(plan, plan_unit, snap)
     asked = None if brief is None else read_brief(brief)
     if keep is not None and keep.main_room is None:
@@ -114,7 +116,9 @@ def series_of(
         rooms = _rooms_of_brief(asked, rooms, cell, own, keep)
     if rooms is None:
         raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
+    rooms, most = rooms if isinstance(rooms, tuple) else (rooms, rooms)
     rooms = whole("rooms", rooms, 1, MOST_ROOMS)
+    most = whole("the most rooms", most, rooms, MOST_ROOMS)
     inferences = whole("inferences", inferences, 1)
     if not 0 < seconds < 1e6:
         raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
@@ -137,10 +141,11 @@ def series_of(
     if asked and grammar is None:
         asked, grammar = alone(asked), PLAIN
     wanted = replace(wanted, plan=own, brief=asked)
-    return HouseSeries(find(grammar or "family"), wanted.to_dict(), inferences, seconds)
+    request = wanted.to_dict() | ({"rooms": [rooms, most]} if most > rooms else {})
+    return HouseSeries(find(grammar or "family"), request, inferences, seconds)
 
 
-def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None) -> int:
+def _rooms_of(plan: OwnPlan, rooms: int | tuple[int, int] | None, cell: float, keep: House | None) -> int:
     """How many rooms a plan has. Raises ``RequestError`` for what a request cannot have beside it."""
     number = len(plan.rooms)
     if rooms not in (None, number):
@@ -152,7 +157,7 @@ def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None)
 
 
 def _rooms_of_brief(
-    brief: Brief, rooms: int | None, cell: float, plan: OwnPlan | None, keep: House | None
+    brief: Brief, rooms: int | tuple[int, int] | None, cell: float, plan: OwnPlan | None, keep: House | None
 ) -> int:
     """How many rooms a brief has. Raises ``RequestError`` for what a request cannot have beside it."""
     number = len(brief.rooms)

@@ -12,6 +12,7 @@ from logic.errors import GrammarWarning, LimitReached, RequestError, Unsatisfiab
 from logic.grammar import SHIPPED, Grammar
 from logic.house.house import House
 from logic.house.promises import Promises
+from logic.request.request import request_at
 from logic.workers.idle import Idle
 from logic.workers.messages import Judged, Loaded, Made, MakeHouse, Open, Promise, Promised, Warn
 from logic.workers.solver import LOADING, START_UP, Solver
@@ -33,7 +34,7 @@ class HouseSeries:
 
     grammar: Grammar
     request: dict[str, Any]
-    """As ``Request.to_dict`` has it."""
+    """As ``Request.to_dict`` has it, but that ``rooms`` may be a range, as a list: see ``request_at``."""
     inferences: int
     """Most Prolog inferences for a house."""
     seconds: float
@@ -48,19 +49,30 @@ class HouseSeries:
                 yield made
 
     def described(self) -> tuple[dict[str, str], Promises]:
-        """The versions of what makes its houses, and what they promise; raises as ``generate`` does."""
+        """The versions of what makes its houses, and what they promise.
+
+        Raises as ``generate`` does, and ``RequestError`` where houses of a range promise different things.
+        """
         opening, key = self._opening()
         worker = _idle.take(key) or Solver(opening)
         try:
             self._load(worker, key)
             late = f"what the houses of {self.grammar.name} promise took {self.seconds:g} seconds"
-            asked = Promise(request=self.request)
-            found = worker.asked(asked, Promised, self.seconds, late).promises
+            least, most = (rooms, rooms) if isinstance(rooms := self.request["rooms"], int) else rooms
+            found, *others = (
+                worker.asked(Promise(request=request_at(index, self.request)), Promised, self.seconds, late)
+                for index in range(most - least + 1)
+            )
+            if any(each != found for each in others):
+                raise RequestError(
+                    f"rooms: houses of {self.grammar.name} of {least} to {most} rooms promise different "
+                    "things: take one number of rooms for a set"
+                )
         except BaseException:
             worker.end()
             raise
         _idle.add(key, worker)
-        return _loaded[key], found
+        return _loaded[key], found.promises
 
     def _opening(self) -> tuple[Open, tuple[str, Open]]:
         """What a solver process loads, and the name of that."""
@@ -73,6 +85,10 @@ class HouseSeries:
             loaded = worker.loaded()
             assert isinstance(loaded, Loaded)
             _loaded[key] = loaded.versions
+
+    def _question(self, seed: int, index: int) -> MakeHouse:
+        request = request_at(index, self.request)
+        return MakeHouse(request=request, seed=seed, index=index, inferences=self.inferences)
 
     def late(self, index: int) -> str:
         """What is said of a house that takes too many seconds."""
@@ -87,8 +103,6 @@ class HouseSeries:
         opening, key = self._opening()
         warn = self.grammar.hash not in _warned and self.grammar.directory.parent != SHIPPED
         _warned.add(self.grammar.hash)
-        question = MakeHouse(request=self.request, seed=seed, index=0, inferences=self.inferences)
-        rooms = [self.request["rooms"]]
         number = min(workers, len(indices))
         team: list[Solver] = []
         reusable = False
@@ -100,19 +114,20 @@ class HouseSeries:
                 self._load(worker, key)
             opening = structs.replace(opening, remarks=False)
             for turn, worker in enumerate(team):
-                worker.ask(structs.replace(question, index=indices[turn]), self.seconds)
+                worker.ask(self._question(seed, indices[turn]), self.seconds)
             for turn, index in enumerate(indices):
                 place = turn % len(team)
                 worker = team[place]
                 made: House | LimitReached
+                request = request_at(index, self.request)
                 try:
-                    answer = worker.answer(Made, self.seconds, self.late(index), rooms, self.request)
+                    answer = worker.answer(Made, self.seconds, self.late(index), [request["rooms"]], request)
                     made = House.from_dict(answer.house)
                 except LimitReached as limit:
                     made = limit
                 finally:
                     if warn and worker.is_alive():
-                        _warn(worker, *rooms)
+                        _warn(worker, request["rooms"])
                     warn = False
                 if isinstance(made, LimitReached):
                     yield made
@@ -122,7 +137,7 @@ class HouseSeries:
                     if not worker.is_alive():
                         team[place] = worker = Solver(opening)
                         worker.loaded()
-                    worker.ask(structs.replace(question, index=indices[turn + len(team)]), self.seconds)
+                    worker.ask(self._question(seed, indices[turn + len(team)]), self.seconds)
                 if isinstance(made, House):
                     reusable = True
                     yield made

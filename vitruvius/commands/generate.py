@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import re
 import time
 from dataclasses import dataclass
 from functools import cached_property
@@ -44,9 +45,9 @@ class Generate:
         "out": "Output",
     }
 
-    rooms: int | None = None
+    rooms: Annotated[str | None, tyro.conf.arg(metavar="N")] = None
     """Number of rooms, 1 to 128, not counted a main room as in family; with a plan or a brief, as many as it
-    has."""
+    has. Of a set 4..10 too: its houses have each number in turn."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
     """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
@@ -199,7 +200,7 @@ class Generate:
     def asked(self, brief: Any, plan: Any) -> dict[str, Any]:
         """What the houses are asked for by, with this brief and this plan."""
         return {
-            "rooms": self.rooms,
+            "rooms": self.number_of_rooms(),
             "types": counts("--type", self.type),
             "furniture": counts("--piece", self.piece),
             "cell": self.cell,
@@ -212,6 +213,23 @@ class Generate:
             "inferences": self.inferences,
             "seconds": self.seconds,
         }
+
+    def number_of_rooms(self) -> int | tuple[int, int] | None:
+        """What ``--rooms`` says. Raises ``RequestError`` where that is no number, or a range but no set."""
+        if self.rooms is None:
+            return None
+        found = re.fullmatch(r"(\d+)(?:\.\.(\d+))?", self.rooms)
+        if not found:
+            raise RequestError(
+                f"--rooms {self.rooms}: give a whole number, as in --rooms 3, or for a set a range, as 4..10"
+            )
+        least, most = int(found[1]), int(found[2] or found[1])
+        if least != most and self.shard is None:
+            raise RequestError(
+                f"--rooms {self.rooms}: houses of several numbers of rooms are a set: say which of its "
+                "shards by --shard, as in all/8, and its folder by --out"
+            )
+        return least if least == most else (least, most)
 
     def _nearest(self) -> "tuple[Brief | None, tuple[Broken, ...]]":
         """A brief that has houses, and which lines of the user's these break, which is said."""

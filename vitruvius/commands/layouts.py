@@ -19,7 +19,7 @@ def count_layouts(command: Any) -> int:
     for option, given in (("--keep", command.keep), ("--plan", command.plan), ("--brief", command.brief)):
         if given:
             raise RequestError(f"--count-layouts counts those of whole houses: leave out {option}")
-    if command.rooms is None:
+    if (rooms := command.number_of_rooms()) is None:
         raise RequestError("--count-layouts counts those of some rooms: say how many, as in --rooms 6")
     if command.out:
         raise RequestError("--count-layouts makes no houses: leave out --out")
@@ -33,7 +33,7 @@ def count_layouts(command: Any) -> int:
             bar.update(task, description=f"{name}: {numbered(number, 'layout')} after {passed:.0f} s")
 
         for name, number, whole in layouts(
-            command.rooms,
+            rooms,
             types=counts("--type", command.type),
             furniture=counts("--piece", command.piece),
             grammar=command.grammar or "family",

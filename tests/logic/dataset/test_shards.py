@@ -17,7 +17,7 @@ from logic.dataset.sets import Manifest, read_manifest, read_set
 from logic.errors import Killed
 from logic.grammar import SHIPPED
 from logic.workers.series import HouseSeries
-from tests.logic.dataset.sets import content, made
+from tests.logic.dataset.sets import command, content, made
 from tests.programs import finished
 from vitruvius.info.kinds import SetOfHouses
 from vitruvius.info.recognise import recognised
@@ -58,6 +58,32 @@ def test_a_set_has_the_houses_that_generate_makes(whole: Path) -> None:
     assert {file.name for file in rules.iterdir()} >= {
         file.name for file in (SHIPPED / "family").glob("*.[lp]*")
     }
+
+
+def test_houses_of_a_range_of_rooms_have_each_number_in_turn(tmp_path: Path) -> None:
+    folder = tmp_path / "set"
+    for shard in ("1/2", "0/2"):
+        asked = ("--rooms", "1..3", "--count", 5, "--test", 4, "--shard", shard, "--out", folder)
+        assert command("generate", *asked) == 0
+    for split, seed, numbers in (("train", 0, [1, 2, 3, 1, 2]), ("test", 2 * 10**9, [1, 2, 3, 1])):
+        found = rows(folder, split)
+        assert [row["rooms"] for row in found] == numbers
+        made = [next(generate(number, seed=seed, start=index)) for index, number in enumerate(numbers)]
+        assert [row["sha256"] for row in found] == [house_sha256(house) for house in made]
+    assert [len(house.counted) for house in HouseSet(folder, "train")] == [1, 2, 3, 1, 2]
+    assert command("regenerate", folder) == 0
+
+
+def test_houses_of_a_range_that_promise_different_things_are_no_set(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine, folder = shutil.copytree(SHIPPED / "home", tmp_path / "mine"), tmp_path / "set"
+    with (mine / "rooms.lp").open("a") as rules:
+        rules.write("opens(kitchen,bathroom) :- rooms > 4.\n")
+    asked = ("--grammar", mine, "--count", 2, "--shard", "all/1", "--out", folder)
+    assert command("generate", "--rooms", "4..5", *asked) == 2
+    assert "houses of mine of 4 to 5 rooms promise different things" in capsys.readouterr().err
+    assert not folder.exists()
 
 
 def test_info_tells_a_set_by_its_description_whole_or_not(whole: Path, copy: Path) -> None:
