@@ -1,6 +1,7 @@
-"""Stable-Baselines3 in our houses: its DQN or PPO.
+"""Stable-Baselines3 in our houses: its DQN or PPO, of one observation or of a stack of the last ones.
 
-./run python examples/stable_baselines.py houses.jsonl --algorithm dqn --avoid
+./run python examples/stable_baselines.py houses.jsonl --algorithm dqn --avoid --stack 4 \
+    --observe rays bump last_action
 """
 
 from dataclasses import dataclass
@@ -9,7 +10,8 @@ from typing import Literal
 import torch
 import tyro
 from stable_baselines3 import DQN, PPO
-from task import Task
+from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
+from task import Frames, Task
 from torch import Tensor
 from torch.nn.functional import one_hot
 
@@ -23,9 +25,15 @@ class Example(Task):
     algorithm: Literal["dqn", "ppo"] = "ppo"
     """How it learns."""
 
+    stack: int = 1
+    """Observations that it sees, the last ones."""
+
     def run(self) -> None:
         """Learn from all the steps, then play."""
-        envs, seed = StableBaselinesVecEnv(self.make_envs()), self.seed
+        envs: VecEnv = StableBaselinesVecEnv(self.make_envs())
+        frames, seed = Frames(self.stack, self.numbers), self.seed
+        if self.stack > 1:
+            envs = VecFrameStack(envs, self.stack)
         if self.algorithm == "dqn":
             # A batch for every 16 steps: so often is each one seen.
             model = DQN(
@@ -60,10 +68,10 @@ class Example(Task):
 
         def act(observation: Tensor) -> Tensor:
             """Sampled, as both explore a little: a body that remembers nothing would turn to and fro."""
-            actions, _ = model.predict(observation.numpy(), deterministic=False)
+            actions, _ = model.predict(frames(observation).numpy(), deterministic=False)
             return one_hot(torch.from_numpy(actions), 3).float()
 
-        self.score(f"SB3 {self.algorithm.upper()}", act)
+        self.score(f"SB3 {self.algorithm.upper()}", act, frames.begin)
 
 
 if __name__ == "__main__":

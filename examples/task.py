@@ -6,7 +6,7 @@ shows it in its tables by ``--scores``.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,8 +29,22 @@ from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs, shield
 from logic import load
 from logic.house.files import write_whole
+from sim import DEFAULT, Config
 from sim.actions import ACTIONS
 from sim.baselines.coverage import Coverage
+from sim.config import PRESETS
+
+Act = Callable[[Tensor], Tensor]
+"""From observations (E, n) to preferences (E, 3)."""
+
+
+def forget(environments: int) -> None:
+    """E episodes begin: for agents that remember nothing."""
+
+
+def rays(seen: Tensor) -> Tensor:
+    """The rays (E, 40, 2) of observations (E, n), of which they are the first part."""
+    return seen[:, : 2 * DEFAULT.rays].unflatten(1, (DEFAULT.rays, 2))
 
 
 @dataclass(frozen=True)
@@ -52,6 +66,9 @@ class Task:
     environments: int = 64
     """Environments stepped at once."""
 
+    observe: tuple[str, ...] = ("rays",)
+    """What the agent may know, rays first: of sim.Config.observe."""
+
     avoid: bool = False
     """Put our avoidance layer over the agent: a step into something becomes a turn."""
 
@@ -61,6 +78,16 @@ class Task:
     out: Path | None = None
     """File for all figures, and each house's, as JSON: vitruvius evaluate --scores FILE shows them."""
 
+    @property
+    def config(self) -> Config:
+        """What an observation is: one row of numbers, (E, n)."""
+        return replace(PRESETS["default"], observe=self.observe, flat=True)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers it has."""
+        return self.config.rays * self.config.channels + self.config.extra_numbers
+
     def make_envs(self) -> VectorEnv:
         """The environments to learn in. They begin the next episode in the step that ends one."""
         banks.require_training(load(self.houses), self.houses)
@@ -69,17 +96,19 @@ class Task:
             num_envs=self.environments,
             houses=str(self.houses),
             targets=self.targets,
+            preset=self.config,
             seed=self.seed,
             autoreset_mode="SameStep",
         )
         return Avoiding(envs) if self.avoid else envs
 
-    def score(self, name: str, act: Callable[[Tensor], Tensor]) -> Result:
-        """Measure, print and write how good an agent is: preferences (E, 3) for observations (E, 40, 2)."""
+    def score(self, name: str, act: Act, begin: Callable[[int], None] = forget) -> Result:
+        """Measure, print and write how good an agent is, that is told when E episodes ``begin``."""
         name += " + avoidance" if self.avoid else ""
         houses = banks.named(self.held_out)
-        envs = make_envs(houses, len(houses), self.targets)
-        policies = {name: Agent(act, envs if self.avoid else None), "oracle": BASELINES["oracle"](envs, 0)}
+        envs = make_envs(houses, len(houses), self.targets, preset=self.config)
+        agent = Agent(act, begin, envs if self.avoid else None)
+        policies = {name: agent, "oracle": BASELINES["oracle"](envs, 0)}
         coverage = Coverage(envs)
         runs = {each: (play(envs, policy, 0, coverage=coverage),) for each, policy in policies.items()}
         rooms = np.array([len(house.secondary) for house in houses])
@@ -120,26 +149,45 @@ class Avoiding(VectorWrapper):
 
     def allows(self, seen: Any, info: dict[str, Any]) -> Tensor:
         """Which actions (E, 3) bool may come next. Found at once, as what is returned is the caller's."""
-        return self.shield(torch.from_numpy(seen), torch.from_numpy(info["blocked"]))
+        return self.shield(rays(torch.from_numpy(seen)), torch.from_numpy(info["blocked"]))
 
 
 class Agent:
     """A function from observations to preferences as a ``Policy``, by itself or under avoidance."""
 
-    def __init__(self, act: Callable[[Tensor], Tensor], envs: Any = None) -> None:
+    def __init__(self, act: Act, begin: Callable[[int], None], envs: Any = None) -> None:
         """Act under the avoidance layer for the body of ``envs``, if they are given."""
-        self.act, self.avoidance, self.interventions = act, shield(envs) if envs else None, 0
+        self.act, self.begins = act, begin
+        self.avoidance, self.interventions = shield(envs) if envs else None, 0
 
     def begin(self, environments: int) -> None:
-        """An episode begins: these agents remember nothing."""
+        """An episode begins in each of that many environments."""
         self.interventions = 0
+        self.begins(environments)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        """Actions (E,) int64 for observations (E, n); ``blocked`` (E,) bool: the last move was."""
         chosen = self.act(observation).argmax(1)
         if self.avoidance is None:
             return chosen
-        actions = subsume(one_hot(chosen, ACTIONS).float(), self.avoidance(observation, blocked))
+        actions = subsume(one_hot(chosen, ACTIONS).float(), self.avoidance(rays(observation), blocked))
         self.interventions += int((actions != chosen).sum())
         return actions
+
+
+class Frames:
+    """The last observations of each environment in one row, the newest at the end; zeros before the first."""
+
+    def __init__(self, number: int, size: int) -> None:
+        """So many, of (E, size) each."""
+        self.number, self.size = number, size
+
+    def begin(self, environments: int) -> None:
+        """Forget all."""
+        self.row = torch.zeros(environments, self.number * self.size)
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """(E, number * size), with an observation (E, size) more."""
+        self.row = torch.cat([self.row[:, self.size :], observation], dim=1)
+        return self.row

@@ -18,10 +18,11 @@ from torchrl.objectives import ClipPPOLoss
 from torchrl.objectives.value import GAE
 
 
-def body(outputs: int) -> nn.Module:
-    """From the rays (B, 40, 2) to numbers (B, outputs)."""
-    layers = nn.Linear(80, 128), nn.Tanh(), nn.Linear(128, 128), nn.Tanh(), nn.Linear(128, outputs)
-    return nn.Sequential(nn.Flatten(-2), *layers)
+def body(inputs: int, outputs: int) -> nn.Module:
+    """From observations (B, inputs) to numbers (B, outputs)."""
+    return nn.Sequential(
+        nn.Linear(inputs, 128), nn.Tanh(), nn.Linear(128, 128), nn.Tanh(), nn.Linear(128, outputs)
+    )
 
 
 @dataclass(frozen=True)
@@ -32,11 +33,11 @@ class Example(Task):
         """Learn from all the steps, then play."""
         torch.manual_seed(self.seed)
         env = GymWrapper(self.make_envs(), categorical_action_encoding=True)
-        network = TensorDictModule(body(3), in_keys=["observation"], out_keys=["logits"])
+        network = TensorDictModule(body(self.numbers, 3), in_keys=["observation"], out_keys=["logits"])
         actor = ProbabilisticActor(
             network, in_keys=["logits"], distribution_class=Categorical, return_log_prob=True
         )
-        critic = ValueOperator(body(1), in_keys=["observation"])
+        critic = ValueOperator(body(self.numbers, 1), in_keys=["observation"])
         advantages = GAE(gamma=0.99, lmbda=0.95, value_network=critic)
         loss = ClipPPOLoss(actor, critic, entropy_coeff=0.01, critic_coeff=0.5, normalize_advantage=True)
         optimizer = torch.optim.Adam(loss.parameters(), lr=1e-3, eps=1e-5)

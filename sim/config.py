@@ -120,7 +120,8 @@ class Config:
     three numbers 1, none as an episode begins; ``odometry``, where it is by the body's own account: metres
     forward and left of the start, cosine and sine of the turn; ``goal``, metres forward and left of the body
     to the target; ``geodesic``, the fewest actions to it, -1 where no path leads there; in the backend
-    ``free`` also ``speed``, metres forward and radians to the left in a second."""
+    ``free`` also ``speed``, metres forward and radians to the left in a second, or where bodies drive
+    sideways metres forward, metres and radians to the left."""
 
     flat: bool = sensed(False)
     """Whether an observation is one row of numbers, in the order of ``observe``."""
@@ -244,12 +245,16 @@ class Config:
     @property
     def extra_numbers(self) -> int:
         """How many numbers that is."""
-        return sum(EXTRAS[name] for name in self.extras)
+        return sum(map(self.numbers_of, self.extras))
+
+    def numbers_of(self, name: str) -> int:
+        """How many numbers a part is that is observed beside rays."""
+        return len(self.drive.low) if name == "speed" else EXTRAS[name]
 
     def extra(self, name: str) -> int:
         """Where a part begins among these numbers."""
         before = self.extras[: self.extras.index(name)]
-        return sum(EXTRAS[each] for each in before)
+        return sum(map(self.numbers_of, before))
 
     @property
     def knows_distance(self) -> bool:

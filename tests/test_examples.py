@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import gymnasium
 import jsonschema
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ LIBRARIES = {
     "torchrl_ppo": "torchrl",
     "one_file": "torch",
 }
+KNOWS = ("rays", "bump", "last_action")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -69,10 +71,10 @@ def example(name: str) -> ModuleType:
 @pytest.mark.parametrize(
     ("name", "options"),
     [
-        ("stable_baselines", {"algorithm": "dqn", "avoid": True}),
+        ("stable_baselines", {"algorithm": "dqn", "avoid": True, "observe": KNOWS, "stack": 4}),
         ("stable_baselines", {"algorithm": "ppo"}),
         ("torchrl_ppo", {"avoid": True}),
-        ("one_file", {"avoid": True}),
+        ("one_file", {"avoid": True, "observe": KNOWS}),
     ],
 )
 def test_an_example_learns_plays_and_writes_its_score(name, options, houses, tmp_path, capsys):
@@ -118,7 +120,8 @@ def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bu
     task = example("task")
     free, avoiding = (task.Task(houses, environments=4, avoid=avoid).make_envs() for avoid in (False, True))
     assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
-    check_vector_env(avoiding, steps=SHORT.steps + 100, skip=["close"])
+    # JSON has no Config, which says what is observed.
+    check_vector_env(avoiding, steps=SHORT.steps + 100, skip=["close", "spec"])
     bumps = []
     for envs in (free, avoiding):
         envs.reset(seed=0)
@@ -173,3 +176,20 @@ def test_the_example_of_continuous_control_learns_and_plays_beside_its_baselines
     found = free.Example(houses, held_out=houses, steps=256, environments=4, algorithm=algorithm).run()
     assert list(found) == [f"SB3 {algorithm.upper()}", "pursuit", "random"]
     assert "random: " in capsys.readouterr().out
+
+
+def test_a_stack_of_frames_is_that_of_stable_baselines():
+    """The same rows as its own wrapper's, which learns by them, until an episode ends."""
+    frames = pytest.importorskip("stable_baselines3.common.vec_env")
+    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+
+    task = example("task")
+    envs = gymnasium.make_vec(
+        "sim:Vitruvius/House-v0", 3, preset=task.Task(Path()).config, autoreset_mode="SameStep"
+    )
+    theirs, ours = frames.VecFrameStack(StableBaselinesVecEnv(envs), 4), task.Frames(4, 80)
+    ours.begin(3)
+    seen = theirs.reset()
+    for _ in range(10):
+        np.testing.assert_array_equal(ours(torch.from_numpy(seen[:, -80:])).numpy(), seen)
+        seen = theirs.step(np.array([2, 1, 0]))[0]

@@ -4,6 +4,7 @@
 |---|---|
 | random drive | another v and w at each step, drawn from all |
 | pursuit | to a target in sight, else where rays go furthest, and around before walls: by rule |
+| explorer | the planner, whose paths are followed by rule (``DrivingExplorer``): knows its pose |
 | true path | knows the house and the target, and follows the shortest path by rule (``TruePath``) |
 | bound | no player: what none can do better (``TimeBound``) |
 
@@ -19,6 +20,7 @@ from torch import Tensor
 
 from agent.evaluation.baselines import REFERENCES, Privileged
 from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
+from agent.policies.driving import DrivingExplorer
 from agent.policies.policies import Policy
 from logic import HouseFileError
 from sim import HouseVectorEnv
@@ -96,6 +98,7 @@ def knowing(make: Callable[[HouseVectorEnv], Knows], envs: HouseVectorEnv) -> Kn
 DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
     "random drive": lambda envs, seed: RandomDrive(envs.config, seed),
     "pursuit": lambda envs, seed: Pursuit(envs.config),
+    "explorer": lambda envs, seed: DrivingExplorer(envs.config, lambda: envs.unwrapped.world.describe()[0]),
     "true path": lambda envs, seed: Privileged(knowing(TruePath, envs).act),
 }
 """By name, what makes a baseline's policy for environments and a seed."""

@@ -38,6 +38,35 @@ STATE = (*(name for name in PlannerArrays._fields if name not in GIVEN), "states
 """The arrays that the next steps depend on."""
 
 
+def require_time(world: Config) -> None:
+    """Raise ``ValueError`` for episodes too long for a cell to keep when it was seen."""
+    if world.steps > LATEST - 2:
+        raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
+
+
+def memory_arrays(
+    config: PlannerConfig, count: int, rays: int, errs: bool, prior: bool, slips: bool
+) -> dict[str, Array]:
+    """What planners of ``count`` environments keep: see ``PlannerArrays``; their states, and the advice."""
+    area = count << 2 * config.map_bits
+    return {
+        "cells": Array(ti.u16, area),
+        "distance": Array.of(np.full(area, FAR, np.uint16)),
+        "queue": Array(number_type(config), area),
+        "dirty": Array(ti.u8, area >> 2 * TILE),
+        "reached": Array(ti.i32, count * rays),
+        "tiles": Array(ti.u64, WORDS * area >> 2 * TILE),
+        "odds": Array.of(np.full(area >> 2, UNKNOWN, np.uint8)),
+        "candidates": Array(ti.u8, area >> 2),
+        "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
+        "evidence": Array(ti.u8, area if errs else 1),
+        "last": Array(ti.f32, count * rays if slips else 1),
+        "prior": Array(ti.u16, area >> 2 if prior else 1),
+        "states": Array(ti.i32, count * SIZE),
+        "advice": Array(ti.i64, count),
+    }
+
+
 class Planner:
     """Planners of E environments: one kernel takes them all a step further.
 
@@ -66,8 +95,7 @@ class Planner:
         Raises ``ValueError`` for episodes too long for a cell to keep when it was seen.
         """
         world.require_lattice("a planner")
-        if world.steps > LATEST - 2:
-            raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
+        require_time(world)
         count, rays, side = environments, world.rays, max(world.body)
         step = max(1, round(4 * world.step / side))
         self.world, self.config, self.cell = world, config, 2 * world.step / step
@@ -77,7 +105,7 @@ class Planner:
         clear = clearance(angles, side, world.step, air(world)) / world.range
         starts, skips, cells = fan(config, angles, world.range / self.cell)
         errs = (world.noise > 0 or world.slip > 0) and not world.in_cells
-        program, area = start(), count << 2 * config.map_bits
+        program = start()
         given = {
             "observation": Array(ti.f32, count * rays * world.channels),
             "action": Array(ti.i64, count),
@@ -92,25 +120,8 @@ class Planner:
             "fan": Array.of(cells),
             "views": Array.of(views(config)),
         }
-        memory = {
-            "cells": Array(ti.u16, area),
-            "distance": Array.of(np.full(area, FAR, np.uint16)),
-            "queue": Array(number_type(config), area),
-            "dirty": Array(ti.u8, area >> 2 * TILE),
-            "reached": Array(ti.i32, count * rays),
-            "tiles": Array(ti.u64, WORDS * area >> 2 * TILE),
-            "odds": Array.of(np.full(area >> 2, UNKNOWN, np.uint8)),
-            "candidates": Array(ti.u8, area >> 2),
-            "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
-            "evidence": Array(ti.u8, area if errs else 1),
-            "last": Array(ti.f32, count * rays if world.slip else 1),
-            "prior": Array(ti.u16, area >> 2 if prior else 1),
-        }
-        kept = {
-            "states": Array(ti.i32, count * SIZE),
-            "advice": Array(ti.i64, count),
-        }
-        self.arrays = given | tables | memory | kept | {"goals": Array(ti.i32, 3 * count)}
+        memory = memory_arrays(config, count, rays, errs, prior, world.slip > 0)
+        self.arrays = given | tables | memory | {"goals": Array(ti.i32, 3 * count)}
         self.body = body = BodyModel(
             rays=rays,
             columns=world.columns,
@@ -128,9 +139,13 @@ class Planner:
         )
         self._launch = Launch(step_kernel(program, config, body), self.arrays)
         self._lead = Launch(lead_kernel(program, config, body), self.arrays) if led else None
+        self._open(("observation", "blocked", "action", "begun"))
+
+    def _open(self, given: tuple[str, ...]) -> None:
+        """Hold the arrays as tensors: those of these names are given in each step."""
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
-        self._given = [tensors[name] for name in ("observation", "blocked", "action", "begun")]
-        self._states = tensors["states"].view(count, SIZE)
+        self._given = [tensors[name] for name in given]
+        self._states = tensors["states"].view(-1, SIZE)
         self.advice = tensors["advice"]
 
     def step(self, observation: Tensor, blocked: Tensor, action: Tensor, begun: Tensor) -> None:
@@ -138,8 +153,12 @@ class Planner:
 
         Where ``begun`` (E,) bool, the observation is an episode's first one, and the action is ignored.
         """
-        for held, given in zip(self._given, (observation, blocked, action, begun), strict=True):
-            held.copy_(given.reshape(-1))
+        self._take(observation, blocked, action, begun)
+
+    def _take(self, *given: Tensor) -> None:
+        """Run the kernel with these in the place of those before."""
+        for held, now in zip(self._given, given, strict=True):
+            held.copy_(now.reshape(-1))
         self._launch()
 
     @property

@@ -42,3 +42,6 @@ class BodyModel(NamedTuple):
 
     led: bool
     """Whether its viewpoints are given from outside, and none is chosen."""
+
+    drives: bool = False
+    """Whether it is a disc that drives, at any heading."""

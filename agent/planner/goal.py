@@ -8,6 +8,9 @@ from agent.planner.state import NONE, SEARCH, TARGET
 from agent.planner.viewpoints.choice import Viewpoints
 from sim.runtime import ti
 
+NEXT = 2
+"""Half cells from a viewpoint at which a body that drives is there."""
+
 
 @ti.data_oriented
 class Goal:
@@ -22,6 +25,7 @@ class Goal:
         body: BodyModel,
     ) -> None:
         self.config, self.occupancy, self.half, self.led = config, occupancy, body.target, body.led
+        self.drives = body.drives
         self.paths, self.viewpoints = paths, viewpoints
         self.radius = config.goal_radius_touching if occupancy.touching else config.goal_radius
 
@@ -58,6 +62,8 @@ class Goal:
         elif state.kind == SEARCH:
             gx, gy = self.occupancy.across(state.goal), self.occupancy.down(state.goal)
             done = ti.cast((state.look == state.heading) & (far == 0), ti.i32)
+            if ti.static(self.drives):
+                done = ti.cast((state.look == state.heading) & (state.aligned > 0) & (far <= NEXT), ti.i32)
             if state.look < 0:
                 done = 1 - self.occupancy.hides(memory, base, gx, gy, state.since)
             done |= ti.cast(state.plan_age > ti.static(self.config.replan_interval), ti.i32)

@@ -19,6 +19,9 @@ from agent.planner.viewpoints.candidates import Candidates
 from agent.planner.viewpoints.choice import Viewpoints
 from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 
+SKIPPED = 2
+"""In place of whether an episode has begun: this environment's planner stays as it is."""
+
 Sighting = ti.types.struct(
     due=ti.i32,  # whether the rays were swept
     hits=ti.i32,  # cells found to be occupied that were not known to be
@@ -41,10 +44,10 @@ class Step:
         self.scan = Scan(body)
         self.occupancy = Occupancy(config, body.step, body.touching, body.errs)
         self.visibility = Visibility(config, self.occupancy, body.rays, body.ray_range, self.scan.tolerance)
-        self.target = TargetEstimate(config, body.target)
+        self.target = TargetEstimate(config, body.target, body.drives)
         self.belief = Belief(config, self.occupancy, body.prior)
         candidates = Candidates(config, self.occupancy, self.belief)
-        self.viewpoints = Viewpoints(config, self.occupancy, candidates)
+        self.viewpoints = Viewpoints(config, self.occupancy, candidates, body.drives)
         self.paths = Paths(config, self.occupancy)
         self.advice = Advice(self.occupancy, self.paths)
         self.ahead = body.step // 2 if body.touching else body.step
@@ -137,24 +140,9 @@ class Step:
     @ti.func
     def remember(self, memory: ti.template(), state, sight, base, blocked):
         """Where the target is, whether one was picked up, and what hinders the body."""
-        px, py, known, picked = state.x, state.y, state.known, 0
+        px, py = state.x, state.y
         eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
-        offset = state.target - eye
-        if sight.spotted > 0:
-            there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, offset)
-            picked = known & self.target.other(there, offset)
-            state.target = eye + there
-            known = 1
-        elif known & self.target.gone(offset, sight.missed):
-            known = 0
-            picked = ti.cast(ti.abs(offset).max() < ti.static(self.config.picked_up), ti.i32)
-        if picked:
-            state.since, state.straight = state.time, -1
-            state.found += 1
-            self.viewpoints.forget(memory, base)
-            spot = ti.cast(ti.floor(eye + offset + 0.5), ti.i32)
-            state.found_here += self.belief.within(self.belief.start_room(memory, base), spot[0], spot[1])
-        state.known = known
+        state = self.remember_target(memory, state, sight, base, eye)
         # What blocks a body before a closed door is the door, which opens.
         if (blocked != 0) & (sight.door == 0):
             sight.forward = 0
@@ -170,6 +158,27 @@ class Step:
             self.occupancy.close(memory, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
             sight.hits += 1
         return state, sight
+
+    @ti.func
+    def remember_target(self, memory: ti.template(), state, sight, base, eye):
+        """Where the target is, and whether one was picked up, by what is seen from the ``eye``, cells."""
+        offset, known, picked = state.target - eye, state.known, 0
+        if sight.spotted > 0:
+            there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, offset)
+            picked = known & self.target.other(there, offset)
+            state.target = eye + there
+            known = 1
+        elif known & self.target.gone(offset, sight.missed):
+            known = 0
+            picked = ti.cast(ti.abs(offset).max() < ti.static(self.config.picked_up), ti.i32)
+        if picked:
+            state.since, state.straight = state.time, -1
+            state.found += 1
+            self.viewpoints.forget(memory, base)
+            spot = ti.cast(ti.floor(eye + offset + 0.5), ti.i32)
+            state.found_here += self.belief.within(self.belief.start_room(memory, base), spot[0], spot[1])
+        state.known = known
+        return state
 
     @ti.func
     def advise(self, memory: ti.template(), state, base):
@@ -200,15 +209,16 @@ def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
     ):
         ti.loop_config(block_dim=8)  # few environments to a thread: their steps take very different times
         for e in range(blocked.shape[0]):
-            base, state = e * parts.occupancy.area, loaded(states, e)
-            fresh, hit = ti.cast(begun[e], ti.i32), ti.cast(blocked[e], ti.i32)
-            state, fresh = parts.move(memory, tables, observation, state, base, e, action[e], hit, fresh)
-            state, sight = parts.see(memory, tables, observation, state, base, e)
-            state, sight = parts.remember(memory, state, sight, base, hit)
-            state.forward = sight.forward
-            state = parts.goal.choose(memory, tables, state, base, sight.hits)
-            advice[e] = parts.advise(memory, state, base)
-            store(states, e, state)
+            if begun[e] != SKIPPED:
+                base, state = e * parts.occupancy.area, loaded(states, e)
+                fresh, hit = ti.cast(begun[e], ti.i32), ti.cast(blocked[e], ti.i32)
+                state, fresh = parts.move(memory, tables, observation, state, base, e, action[e], hit, fresh)
+                state, sight = parts.see(memory, tables, observation, state, base, e)
+                state, sight = parts.remember(memory, state, sight, base, hit)
+                state.forward = sight.forward
+                state = parts.goal.choose(memory, tables, state, base, sight.hits)
+                advice[e] = parts.advise(memory, state, base)
+                store(states, e, state)
 
     return step
 

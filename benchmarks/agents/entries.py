@@ -41,16 +41,23 @@ def _external(name: str, command: str, shows: str) -> External:
     return External(f"{name} + avoidance", f"examples/{command} --avoid", EXTERNAL_STEPS, "main", shows)
 
 
+KNOWS = "--observe rays bump last_action"
+"""What `pqn` sees."""
+
 EXTERNALS = {
     "sb3-dqn": _external(
-        "SB3 DQN", "stable_baselines.py --algorithm dqn", "deep Q-learning of Stable-Baselines3"
+        "SB3 DQN",
+        f"stable_baselines.py --algorithm dqn --stack 4 {KNOWS}",
+        "deep Q-learning of Stable-Baselines3",
     ),
     "sb3-ppo": _external(
         "SB3 PPO", "stable_baselines.py --algorithm ppo", "policy gradients of Stable-Baselines3"
     ),
     "torchrl-ppo": _external("TorchRL PPO", "torchrl_ppo.py", "policy gradients of TorchRL"),
     "one-file": _external(
-        "PQN in one file", "one_file.py", "parallel Q-learning in plain torch, as CleanRL does"
+        "Recurrent PQN in one file",
+        f"one_file.py {KNOWS}",
+        "recurrent Q-learning in plain torch, as CleanRL does",
     ),
 }
 """Agents of other libraries, by the folders of their runs. Each learns, plays and writes its own scores."""

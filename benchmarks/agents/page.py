@@ -148,7 +148,7 @@ EXTERNALS = """
 ## External agents
 Agents of other libraries, by the examples that come with the project: our houses, rays and avoidance layer;
 their way to learn and to explore, which they keep when they are measured. Their networks have two layers of
-128 too, but see only the present observation, where ours see averages of earlier ones. They learn from
+128 too, or one and a recurrent one; their commands say what they see, by default rays, now. They learn from
 {steps} M steps in any share, far fewer than ours, so they are in no table with them. They are measured for
 the targets that they learnt for.
 

@@ -102,6 +102,7 @@ class TimeBound:
         config = self.world.config
         if not config.drives:
             raise ValueError("a bound is of bodies that drive: take the backend free, or an oracle")
+        config.drive.require_heading("a bound")
         self.steps, self.step, task = config.steps, config.drive.time_step, self.world.task
         self.last = 1 if task.ends_on_pick_up else terms_of(task).targets
         self.edge, self.spacing = edge_of(config)

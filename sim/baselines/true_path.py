@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.backends.body import SKIN
+from sim.baselines.pursuit import told
 from sim.baselines.roadmap import FAR, Roadmap, Roads, graph, point, sees
 from sim.environment.vector import HouseVectorEnv
 from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
@@ -45,6 +46,7 @@ class TruePath:
         config = self.world.config
         if not config.drives:
             raise ValueError("a true path is driven: take the backend free, or an oracle")
+        config.drive.require_heading("a true path")
         roads, count = Roadmap(self.world, config.body[0] / 2 + AIR, cut=False), self.world.num_envs
         self.arrays = {
             "house": Array(ti.i32, count),
@@ -66,20 +68,7 @@ class TruePath:
         self.launch()
         away = self.arrays["aim"].numpy().reshape(-1, 2) - pose[:, :2]
         bearing = np.arctan2(-away[:, 1], away[:, 0])
-        off = np.angle(np.exp(1j * (bearing - pose[:, 2])))
-        return self.told(off)
-
-    def told(self, off: np.ndarray) -> np.ndarray:
-        """What to do where the heading is ``off`` by some radians."""
-        drive = self.world.config.drive
-        stops = np.sqrt(2 * min(drive.turn_acceleration, 1e9) * np.abs(off))
-        turn = np.minimum(np.minimum(stops, np.abs(off) / drive.time_step), drive.turn_speed)
-        told = np.column_stack([drive.speed * np.clip(2 * np.cos(off), 0, 1), np.sign(off) * turn])
-        if not drive.commands:
-            return told.astype(np.float32)
-        scale = np.array([drive.speed, max(drive.turn_speed, 1e-9)])
-        apart = (told[:, None] - np.array(drive.commands)) / scale
-        return (apart**2).sum(axis=-1).argmin(axis=1)
+        return told(self.world.config.drive, bearing - pose[:, 2])
 
 
 @cache

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.config import Config
 from sim.world.episodes import HOUSE, MOST_CELLS
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
@@ -12,9 +13,9 @@ KEPT = (*SPACES, "_np_random", "_np_random_seed", "spec")
 """What a pickled environment has beside its arguments and its state: spaces sample at random, too."""
 
 
-def require_state(state: dict[str, Any], own: dict[str, np.ndarray], houses: int, drives: bool) -> None:
+def require_state(state: dict[str, Any], own: dict[str, np.ndarray], houses: int, config: Config) -> None:
     """Raise ``ValueError`` for a state that environments with a bank of so many houses, whose ``own`` state
-    it is to replace, cannot have. ``drives``: whether bodies move freely.
+    it is to replace, cannot have.
     """
     kinds = {name: (array.dtype.str, array.shape) for name, array in own.items()}
     given = {name: np.asarray(array) for name, array in state.items()}
@@ -23,7 +24,9 @@ def require_state(state: dict[str, Any], own: dict[str, np.ndarray], houses: int
     house, cells = given["wholes"][:, HOUSE], given["wholes"][:, :HOUSE]
     if strange := house[(house < 0) | (house >= houses)].tolist():
         raise ValueError(f"a state of another bank: a body is in house {strange[0]} of {houses}")
-    if drives:
+    if config.drives:
+        if config.drive.sideways:  # speeds are whole numbers
+            cells = cells[:, 2:]
         if not np.isfinite(np.ascontiguousarray(cells).view(np.float32)).all():
             raise ValueError("a state of no house: a speed or a heading is no finite number")
     elif not ((cells >= 0) & (cells < MOST_CELLS)).all():

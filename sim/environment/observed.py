@@ -26,10 +26,11 @@ def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]
 
 
 def _commands(drive: Drive) -> spaces.Space[Any]:
-    """What a body that drives can be told: one of its commands, or any v and w within its limits."""
+    """What a body that drives can be told: one of its commands, or any numbers within its limits."""
     if drive.commands:
         return spaces.Discrete(len(drive.commands))
-    return spaces.Box(np.array(drive.low, np.float32), np.array(drive.high, np.float32), (2,), np.float32)
+    low, high = np.array(drive.low, np.float32), np.array(drive.high, np.float32)
+    return spaces.Box(low, high, low.shape, np.float32)
 
 
 ENDS = "low", "high"
@@ -42,7 +43,7 @@ def _box(config: Config, name: str) -> spaces.Box:
     """The space of one part."""
     if name != RAYS:
         low, high = BOUNDS.get(name, (-np.inf, np.inf))
-        return spaces.Box(low, high, (EXTRAS[name],), np.float32)
+        return spaces.Box(low, high, (config.numbers_of(name),), np.float32)
     shape = (config.rays, config.channels)
     # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
     high = np.ones(shape, np.float32)
@@ -62,8 +63,8 @@ def observed(config: Config, rays: Any, extras: Any) -> Any:
         if name == RAYS:
             parts[name] = rays
         else:
-            parts[name] = extras[:, at : at + EXTRAS[name]]
-            at += EXTRAS[name]
+            parts[name] = extras[:, at : at + config.numbers_of(name)]
+            at += config.numbers_of(name)
     return parts
 
 

@@ -6,8 +6,15 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 
+from sim.backends.free.body import FIELD
 from sim.drive import Drive
 from sim.world.kernels import TERMINATED, TRUNCATED
+
+MASK = (1 << FIELD) - 1
+"""Bits of one of three speeds."""
+
+SHIFTS = 1 << FIELD * np.arange(3)
+"""Where each lies in 64."""
 
 
 def orders(space: spaces.Space[Any], drive: Drive) -> "Choices | Commands":
@@ -60,24 +67,24 @@ class Choices:
 
 
 class Commands:
-    """Actions that are a forward speed and a turn rate, (v, w)."""
-
-    words = "two numbers, (v, w)"
+    """Actions that are speeds, (v, w), or (vx, vy, w)."""
 
     def __init__(self, drive: Drive) -> None:
         """Within its limits."""
-        self.drive = drive
+        self.drive, self.size = drive, len(drive.low)
+        self.words = f"{('two', 'three')[self.size - 2]} numbers, {drive.names}"
         self.low, self.high = (np.array(ends, np.float32) for ends in (drive.low, drive.high))
 
     def read(self, actions: Any) -> np.ndarray:
         """Actions as an array of float32. Raises ``ValueError`` for what are no numbers."""
         actions = np.asarray(actions)
         if actions.dtype.kind not in "iuf":
-            raise ValueError(f"actions must be numbers, (v, w) for each environment, not {actions.dtype}")
+            names = self.drive.names
+            raise ValueError(f"actions must be numbers, {names} for each environment, not {actions.dtype}")
         return np.ascontiguousarray(actions, np.float32)
 
     def read_tensor(self, actions: Any, device: str) -> Any:
-        """Actions (E, 2) float32 on a device; ``ValueError`` for others."""
+        """Actions (E, n) float32 on a device; ``ValueError`` for others."""
         import torch
 
         tensor = isinstance(actions, torch.Tensor)
@@ -87,30 +94,42 @@ class Commands:
         return actions.numpy() if device == "cpu" else actions
 
     def require(self, actions: Any, count: int) -> None:
-        """Raise ``ValueError`` where this has not two numbers for each of ``count`` environments, or NaN, or,
-        unless they are clipped, a number beyond its limit.
+        """Raise ``ValueError`` where this has not as many numbers for each of ``count`` environments, or NaN,
+        or, unless they are clipped, a number beyond its limit.
         """
-        if actions.shape != (count, 2):
-            raise ValueError(
-                f"actions have shape {tuple(actions.shape)}: (v, w) for each of {count} environments"
-            )
+        if actions.shape != (count, self.size):
+            found, names = tuple(actions.shape), self.drive.names
+            raise ValueError(f"actions have shape {found}: {names} for each of {count} environments")
         array = actions if isinstance(actions, np.ndarray) else actions.cpu().numpy()
         strange = np.isnan(array) if self.drive.clips else ~((array >= self.low) & (array <= self.high))
         if strange.any():
             e = int(strange.any(axis=1).argmax())
-            v, w = array[e].tolist()
-            limits = (
-                f"v from {self.low[0]:g} to {self.high[0]:g} m/s, w up to {self.high[1]:g} rad/s either way"
-            )
-            raise ValueError(f"action {e} is ({v:g}, {w:g}): {limits}")
+            given = ", ".join(f"{each:g}" for each in array[e].tolist())
+            first, aside = "vx" if self.size > 2 else "v", ""
+            if self.size > 2:
+                aside = f", vy up to {self.high[1]:g} m/s"
+            limits = f"{first} from {self.low[0]:g} to {self.high[0]:g} m/s{aside}"
+            raise ValueError(f"action {e} is ({given}): {limits}, w up to {self.high[-1]:g} rad/s either way")
 
     def packed(self, actions: Any) -> Any:
-        """Actions as kernels read them: the bits of both numbers in 64. Kernels clip them."""
+        """Actions as kernels read them, in 64 bits: those of two numbers, or three as parts of the greatest.
+        Kernels clip them.
+        """
         if isinstance(actions, np.ndarray):
-            return actions.view(np.int64)[:, 0]
+            if self.size == 2:
+                return actions.view(np.int64)[:, 0]
+            parts = np.rint(np.clip(actions, self.low, self.high) / np.array(self.drive.part))
+            return (parts.astype(np.int64) & MASK) @ SHIFTS
         import torch
 
-        return actions.view(torch.int64)[:, 0]
+        if self.size == 2:
+            return actions.view(torch.int64)[:, 0]
+        low, high, part = (
+            torch.tensor(each, dtype=torch.float64, device=actions.device)
+            for each in (self.drive.low, self.drive.high, self.drive.part)
+        )
+        parts = (actions.clamp(low, high) / part).round().long() & MASK
+        return (parts * torch.from_numpy(SHIFTS).to(parts.device)).sum(1)
 
 
 def require_going_on(flags: np.ndarray) -> None:

@@ -63,8 +63,8 @@ class HouseVectorEnv(VectorEnv):
     ## Action Space
     ``Discrete(3)``: 0 turns left by 45 degrees, 1 turns right, 2 goes one step (0.0717 m) forward along
     an axis, or as far along both on a diagonal. A step into something is blocked: it is not made.
-    In the backend ``free`` a ``Box`` (2,) of speeds forward and to the left, m/s and rad/s, or where
-    ``Config.drive`` has commands, ``Discrete``.
+    In the backend ``free`` a ``Box`` (2,) of speeds forward and to the left, m/s and rad/s, or (3,) where
+    bodies drive sideways, or where ``Config.drive`` has commands, ``Discrete``.
 
     ## Observation Space
     ``Box(0, 1, (40, 2), float32)``, a row for each ray from left to right:
@@ -89,6 +89,7 @@ class HouseVectorEnv(VectorEnv):
     | goal | (2,): forward and left to the target | m |
     | geodesic | (1,): the fewest actions to the target; -1 where no path leads there | actions |
     | speed | (2,): forward, and the turn to the left; backend ``free`` alone | m/s, rad/s |
+    | | or (3,), where bodies drive sideways: forward, to the left, and the turn | |
 
     ## Rewards
     1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
@@ -364,7 +365,7 @@ class HouseVectorEnv(VectorEnv):
     def state(self, state: dict[str, np.ndarray]) -> None:
         if self._passing and "passed" in state and self._passing.go_on_from(state["passed"]):
             self._pictures.forget()
-        require_state(dict(state), self.state, len(self.houses), self.config.drives)
+        require_state(dict(state), self.state, len(self.houses), self.config)
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]

@@ -45,7 +45,8 @@ class Extras:
             world.extras[first + 1] = -away[0] * sine - away[1] * cosine
         if ti.static("speed" in self.config.observe):
             speeds, first = self.body.speeds(state.cell), at + ti.static(self.config.extra("speed"))
-            world.extras[first], world.extras[first + 1] = speeds[0], speeds[1]
+            for k in ti.static(range(len(self.config.drive.low))):
+                world.extras[first + k] = speeds[k]
         self.notice_distance(world, e)
 
     @ti.func
@@ -71,9 +72,14 @@ class Extras:
                 share += ti.static(self.config.drift) * normal(words)
             if ti.static(self.config.drives):
                 speeds = ti.static(self.config.drive.time_step) * share * self.body.speeds(state.cell)
-                pose[0] += speeds[0] * ti.cos(pose[2] + 0.5 * speeds[1])
-                pose[1] += speeds[0] * ti.sin(pose[2] + 0.5 * speeds[1])
-                pose[2] += speeds[1]
+                turn = speeds[ti.static(len(self.config.drive.low) - 1)]
+                cosine, sine = ti.cos(pose[2] + 0.5 * turn), ti.sin(pose[2] + 0.5 * turn)
+                pose[0] += speeds[0] * cosine
+                pose[1] += speeds[0] * sine
+                if ti.static(self.config.drive.sideways > 0):
+                    pose[0] -= speeds[1] * sine
+                    pose[1] += speeds[1] * cosine
+                pose[2] += turn
             elif action == FORWARD:
                 long = ti.static(self.config.step) * ti.select(state.cell[2] & 1, ti.static(2**0.5), 1.0)
                 pose[0] += share * long * ti.cos(pose[2])

@@ -83,8 +83,8 @@ class Scan:
         return ti.select(ti.abs(votes[0] - votes[1]) < self.margin, -1, ti.cast(votes[1] > votes[0], ti.i32))
 
     @ti.func
-    def end(self, tables: ti.template(), observation: ti.template(), e, heading, ray):
-        """How far a ray reaches, as a part of its range, and what it ends on."""
+    def reach(self, observation: ti.template(), e, ray):
+        """How far a ray reaches, as a part of its range, and what it ends on, by itself."""
         d, kind = self.raw(observation, e, ray), self.kind(observation, e, ray)
         if kind == NOTHING:
             d = 1.0
@@ -92,8 +92,15 @@ class Scan:
                 for k in ti.static((-1, 1)):
                     if (ray + k >= 0) & (ray + k < self.rays):
                         d = ti.min(d, self.raw(observation, e, ray + k))
-        elif ti.static(self.noise > 0):
-            d = self.averaged(tables, observation, e, heading, ray, d, kind)
+        return d, kind
+
+    @ti.func
+    def end(self, tables: ti.template(), observation: ti.template(), e, heading, ray):
+        """How far a ray reaches, as a part of its range, and what it ends on, by those beside it too."""
+        d, kind = self.reach(observation, e, ray)
+        if ti.static(self.noise > 0):  # noqa: SIM102 - decided as it is compiled
+            if kind != NOTHING:
+                d = self.averaged(tables, observation, e, heading, ray, d, kind)
         return d, kind
 
     @ti.func

@@ -11,8 +11,9 @@ from sim.runtime import ti
 class TargetEstimate:
     """What follows from sightings of a square of half the side ``half``, in cells."""
 
-    def __init__(self, config: PlannerConfig, half: float) -> None:
-        self.config, self.half = config, half
+    def __init__(self, config: PlannerConfig, half: float, disc: bool = False) -> None:
+        """``disc``: the body is one, of a cell's radius; else a square of two cells."""
+        self.config, self.half, self.disc = config, half, disc
 
     @ti.func
     def centre(self, rays, low, high, way, known, before):
@@ -55,4 +56,6 @@ class TargetEstimate:
         """
         away = ti.abs(at).max()
         touched = away < ti.static(1.0 + self.half + self.config.target_contact)
+        if ti.static(self.disc):
+            touched = ti.max(0.0, ti.abs(at) - self.half).norm() < 1.0
         return ti.cast(touched | ((missed > 0) & (away < ti.static(self.config.target_certain))), ti.i32)

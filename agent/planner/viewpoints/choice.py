@@ -40,8 +40,13 @@ class Viewpoints:
     viewpoint along both axes first, of those between them only where these tell that it may be the best.
     """
 
-    def __init__(self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates) -> None:
-        """Choose on this map."""
+    def __init__(
+        self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates, drives: bool = False
+    ) -> None:
+        """Choose on this map. ``drives``: the body looks along no eighth of a turn but where it is
+        ``aligned``.
+        """
+        self.drives = drives
         self.config, self.occupancy = config, occupancy
         self.candidates, self.pitch = candidates, candidates.pitch
         self.places = config.view_range // config.view_stride
@@ -68,8 +73,11 @@ class Viewpoints:
         px, py, heading = state.x, state.y, state.heading
         nearest, within, total, likely, number, listed = self.candidates.collect(memory, state, base)
         for k in range(3):
-            here = self.occupancy.at(px >> 1, py >> 1)
-            total -= self.gain(memory, tables, base, here, (heading + k + 7) & 7, 1)[1]
+            here, shown = self.occupancy.at(px >> 1, py >> 1), 1
+            if ti.static(self.drives):
+                shown = ti.cast((k == 1) | (state.aligned > 0), ti.i32)
+            if shown:
+                total -= self.gain(memory, tables, base, here, (heading + k + 7) & 7, 1)[1]
         most = ti.cast(ti.min(total, ti.static(CERTAIN * self.config.gain_most)), ti.f32)
         least = ti.static(CERTAIN * self.config.gain_least)
         goal, look, best = nearest, -1, 0.0

@@ -1,8 +1,10 @@
 """A disc that drives: its pose and its speeds, as a state has them.
 
 Its ``origin`` is where it is, metres, and its ``cell`` three float32 as bits: forward speed (m/s), turn rate
-(rad/s) and heading (radians in [0, 2 pi), counter-clockwise from east). At rest with heading 0 that is the
-cell (0, 0, 0) of a lattice through the place, which ``stands`` and ``move`` ask about.
+(rad/s) and heading (radians in [0, 2 pi), counter-clockwise from east). Where it drives sideways, speeds are
+in the first two: forward, to the left, and turn rate, 21 bits each, whole numbers of parts of the greatest
+(``Drive.part``). At rest with heading 0 that is the cell (0, 0, 0) of a lattice through the place, which
+``stands`` and ``move`` ask about.
 """
 
 import math
@@ -15,6 +17,9 @@ from sim.config import Config
 from sim.runtime import constants, ti
 
 TURN = 2 * math.pi
+
+FIELD = 21
+"""Bits of a speed of a body that drives sideways."""
 
 
 @ti.func
@@ -49,18 +54,47 @@ class Disc:
         """Take the width from the configuration's body, and the lattice's pitch from its step."""
         self.radius, self.step, self.drive = config.body[0] / 2, config.step, config.drive
         self.headings = constants(np.array(HEADINGS, np.int32))
-        commands = config.drive.commands or ((0.0, 0.0),)
+        self.sideways = config.drive.sideways > 0
+        commands = config.drive.commands or (config.drive.low,)
         self.commands = constants(np.array(commands, np.float32))
 
     @ti.func
-    def moving(self, v, w, heading):
-        """The cell of a body with these speeds and this heading."""
-        return ti.Vector([ti.bit_cast(v, ti.i32), ti.bit_cast(w, ti.i32), ti.bit_cast(heading, ti.i32)])
+    def moving(self, speeds: ti.template(), heading):
+        """The cell of a body with these speeds, numbers of a command, and this heading."""
+        cell = ti.Vector([0, 0, ti.bit_cast(heading, ti.i32)])
+        if ti.static(self.sideways):
+            bits = self.packed(speeds)
+            cell[0], cell[1] = ti.cast(bits, ti.i32), ti.cast(bits >> ti.u64(32), ti.i32)
+        else:
+            cell[0], cell[1] = ti.bit_cast(speeds[0], ti.i32), ti.bit_cast(speeds[1], ti.i32)
+        return cell
 
     @ti.func
     def speeds(self, cell):
-        """Forward speed and turn rate."""
-        return ti.Vector([ti.bit_cast(cell[0], ti.f32), ti.bit_cast(cell[1], ti.f32)])
+        """Forward speed and turn rate, or those forward and to the left, and turn rate."""
+        if ti.static(self.sideways):
+            low, high = ti.bit_cast(cell[0], ti.u32), ti.bit_cast(cell[1], ti.u32)
+            return self.unpacked(ti.cast(low, ti.u64) | (ti.cast(high, ti.u64) << ti.u64(32)))
+        else:  # noqa: RET505 - decided as it is compiled
+            return ti.Vector([ti.bit_cast(cell[0], ti.f32), ti.bit_cast(cell[1], ti.f32)])
+
+    @ti.func
+    def packed(self, speeds: ti.template()):
+        """Three speeds in 64 bits."""
+        bits = ti.u64(0)
+        for k in ti.static(range(3)):
+            whole = ti.cast(ti.floor(speeds[k] * ti.static(1 / self.drive.part[k]) + 0.5), ti.i32)
+            bits |= (ti.cast(whole, ti.u64) & ti.u64((1 << FIELD) - 1)) << ti.u64(FIELD * k)
+        return bits
+
+    @ti.func
+    def unpacked(self, bits):
+        """Three speeds out of 64 bits."""
+        speeds = ti.Vector([0.0, 0.0, 0.0])
+        for k in ti.static(range(3)):
+            whole = ti.cast(bits >> ti.u64(FIELD * k), ti.i32) << (32 - FIELD) >> (32 - FIELD)
+            speeds[k] = ti.cast(whole, ti.f32) * ti.static(self.drive.part[k])
+        return speeds
 
     @ti.func
     def heading(self, cell):
@@ -85,19 +119,23 @@ class Disc:
         anyhow = ti.cast(word >> ti.u64(8), ti.f32) * ti.static(TURN * 2.0**-24)
         heading = ti.select(given < 0, anyhow, ti.bit_cast(given, ti.f32))
         place = corner + ti.cast(ti.Vector([i, j]), ti.f32) * ti.static(self.step)
-        return place, self.moving(0.0, 0.0, heading)
+        return place, ti.Vector([0, 0, ti.bit_cast(heading, ti.i32)])
 
     @ti.func
     def ordered(self, action):
-        """The v and w of an action: 64 bits, the number of a command or two float32. Within the limits."""
-        wanted = ti.Vector([0.0, 0.0])
+        """The numbers of a command of an action: 64 bits, the number of a command, two float32, or three
+        speeds as parts of the greatest. Within the limits.
+        """
+        wanted = ti.Vector([0.0 for _ in ti.static(self.drive.low)])
         if ti.static(len(self.drive.commands) > 0):
             wanted = self.commands[ti.cast(action, ti.i32)]
+        elif ti.static(self.sideways):
+            wanted = self.unpacked(ti.cast(action, ti.u64))
         else:
             bits = ti.cast(action, ti.u64)
             wanted[0] = ti.bit_cast(ti.cast(bits & ti.u64(0xFFFFFFFF), ti.u32), ti.f32)
             wanted[1] = ti.bit_cast(ti.cast(bits >> ti.u64(32), ti.u32), ti.f32)
-        for k in ti.static(range(2)):
+        for k in ti.static(range(len(self.drive.low))):
             wanted[k] = ti.max(ti.static(self.drive.low[k]), ti.min(ti.static(self.drive.high[k]), wanted[k]))
         return wanted
 

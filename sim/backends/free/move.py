@@ -28,12 +28,12 @@ class Motion:
     body: Disc
 
     @property
-    def changes(self) -> tuple[float, float]:
-        """How much a step changes v and w at most."""
+    def changes(self) -> tuple[float, ...]:
+        """How much a step changes each number of a command at most."""
         drive = self.config.drive
-        return min(1e9, drive.acceleration * drive.time_step), min(
-            1e9, drive.turn_acceleration * drive.time_step
-        )
+        speed = min(1e9, drive.acceleration * drive.time_step)
+        turn = min(1e9, drive.turn_acceleration * drive.time_step)
+        return (speed,) * (len(drive.low) - 1) + (turn,)
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
         """Places that are a step apart, where episodes may start and targets lie."""
@@ -95,21 +95,35 @@ class Motion:
         It goes along the chord of its arc. What it is slowed down by takes its speed, too.
         """
         wanted, speeds = self.body.ordered(action), self.body.speeds(cell)
-        limits = ti.Vector([ti.static(self.changes[0]), ti.static(self.changes[1])])
+        limits = ti.Vector([ti.static(self.changes[k]) for k in ti.static(range(len(self.changes)))])
         speeds += ti.max(-limits, ti.min(limits, wanted - speeds))
-        half = ti.static(0.5 * self.config.drive.time_step) * speeds[1]
+        half = ti.static(0.5 * self.config.drive.time_step) * speeds[ti.static(len(self.changes) - 1)]
         heading = self.body.heading(cell)
         cosine, sine = cosine_sine(heading + half)
         _, bent = cosine_sine(half)
         chord = ti.select(ti.abs(half) < 1e-2, 1.0 - half * half / 6.0, bent / half)
         length = ti.static(self.config.drive.time_step) * speeds[0] * chord
         direction = ti.Vector([cosine, -sine])
+        if ti.static(self.body.sideways):
+            length = ti.static(self.config.drive.time_step) * chord
+            direction = ti.Vector(
+                [cosine * speeds[0] - sine * speeds[1], -(sine * speeds[0] + cosine * speeds[1])]
+            )
         moved = self.slide(numbers, indices, house, origin, length * direction)
         off = moved - length * direction
         blocked = ti.cast(off.dot(off) > ti.static(SKIN**2), ti.i32)
         if blocked:
-            speeds[0] *= ti.max(0.0, ti.min(1.0, moved.dot(direction) / length))
-        return origin + moved, self.body.moving(speeds[0], speeds[1], wrapped(heading + 2.0 * half)), blocked
+            if ti.static(self.body.sideways):
+                made = moved / length
+                speeds[0], speeds[1] = cosine * made[0] - sine * made[1], -(sine * made[0] + cosine * made[1])
+                for k in ti.static(range(2)):
+                    speeds[k] = ti.max(
+                        ti.static(self.config.drive.low[k]),
+                        ti.min(ti.static(self.config.drive.high[k]), speeds[k]),
+                    )
+            else:
+                speeds[0] *= ti.max(0.0, ti.min(1.0, moved.dot(direction) / length))
+        return origin + moved, self.body.moving(speeds, wrapped(heading + 2.0 * half)), blocked
 
     @ti.func
     def slide(self, numbers: ti.template(), indices: ti.template(), house, origin, way):

@@ -137,9 +137,11 @@ class Outcome:
     """Metres: the greatest difference of a distance that is not grazing."""
 
 
-def compare(bank: Sequence[House], each: int, at_contact: str = "slide", seed: int = 0) -> Outcome:
-    """So many bodies in each house: what they see, and where a step takes them."""
-    drive = replace(BRISK, at_contact=at_contact)
+def compare(
+    bank: Sequence[House], each: int, at_contact: str = "slide", seed: int = 0, sideways: float = 0.0
+) -> Outcome:
+    """So many bodies in each house: what they see, and where a step takes them; ``sideways`` m/s at most."""
+    drive = replace(BRISK, at_contact=at_contact, sideways=sideways)
     config = replace(DEFAULT, drive=drive, rays=40, ray_spacing=9.0, first_ray=175.0)
     count, rng = each * len(bank), np.random.default_rng(seed)
     envs = HouseVectorEnv(bank, num_envs=count, backend="free", targets="all", preset=config)
@@ -161,15 +163,17 @@ def compare(bank: Sequence[House], each: int, at_contact: str = "slide", seed: i
     pose = info["pose"].astype(float)
     v, w = rng.uniform(-drive.reverse, drive.speed, count), rng.uniform(-8, 8, count)
     w[rng.random(count) < 0.2] = 0
-    action = np.column_stack([v, w]).astype(np.float32)
+    left = rng.uniform(-sideways, sideways, count) if sideways else np.zeros(count)
+    action = np.column_stack([v, left, w] if sideways else [v, w]).astype(np.float32)
     after = envs.step(action)[4]
     ours, blocked = after["pose"][:, :2].astype(float), after["blocked"]
     angle = pose[:, 2, None] + config.ray_angles
-    v, w = action.astype(float).T
+    v, w = action.astype(float).T[[0, -1]]
     turn = w * drive.time_step
-    chord = v * drive.time_step * np.sinc(turn / 2 / np.pi)
+    chord = drive.time_step * np.sinc(turn / 2 / np.pi)
     middle = pose[:, 2] + turn / 2
-    way = chord[:, None] * np.column_stack([np.cos(middle), -np.sin(middle)])
+    cosine, sine = np.cos(middle), np.sin(middle)
+    way = chord[:, None] * np.column_stack([v * cosine - left * sine, -v * sine - left * cosine])
     totals = np.zeros(6, int)
     furthest = 0.0
     for k, there in enumerate(solids):
@@ -250,8 +254,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     bank = houses(40, given.seed)
+    each = max(1, given.cases // 40 // 2 // len(bank))
     for at_contact in ("slide", "stop"):
-        print(at_contact, compare(bank, max(1, given.cases // 40 // 2 // len(bank)), at_contact, given.seed))
+        for sideways in (0.0, 3.0):
+            found = compare(bank, each, at_contact, given.seed, sideways)
+            print(at_contact, f"sideways up to {sideways:g} m/s", found)
 
 
 if __name__ == "__main__":

@@ -49,10 +49,11 @@ def walked(envs: HouseVectorEnv, actions: np.ndarray, seed: int = 0) -> list[np.
     return [np.stack(column) for column in zip(*rows, strict=True)]
 
 
+@pytest.mark.parametrize("sideways", [0.0, 3.0])
 @pytest.mark.parametrize("at_contact", ["slide", "stop"])
-def test_rays_and_contacts_are_those_of_shapely(at_contact):
+def test_rays_and_contacts_are_those_of_shapely(at_contact, sideways):
     """A sample of ``free_study``, which a command runs with a million cases."""
-    found = compare(houses(12, seed=7), 25, at_contact, seed=7)
+    found = compare(houses(12, seed=7), 25, at_contact, 7, sideways)
     assert (found.wrong_rays, found.wrong_moves) == (0, 0)
     assert found.met > 20
     assert found.grazing <= 1e-4 * found.rays
@@ -327,7 +328,7 @@ def test_baselines_of_a_lattice_are_refused_in_a_line(baseline):
     ("values", "message"),
     [
         ({"time_step": 0}, "drive: time_step 0 s, speed 0.7 m/s: both above 0"),
-        ({"reverse": -1}, "drive: reverse -1 m/s, turn_speed 3.0 rad/s: not negative"),
+        ({"reverse": -1}, "drive: reverse -1 m/s, sideways 0.0 m/s, turn_speed 3.0 rad/s: not negative"),
         ({"acceleration": 0}, "drive: acceleration 0, turn_acceleration 12.0: both above 0"),
         ({"turn_speed": 40.0}, "drive: 40.0 rad/s are more than half a turn in a step"),
         ({"at_contact": "bounce"}, "drive: at_contact is 'bounce': there are slide, stop"),

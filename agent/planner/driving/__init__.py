@@ -1,0 +1,5 @@
+"""Planners of bodies that drive: the map, the views and the paths of ``agent.planner``, from any pose."""
+
+from agent.planner.driving.planner import DrivingPlanner
+
+__all__ = ["DrivingPlanner"]

@@ -1,0 +1,192 @@
+"""A step of the planners of bodies that drive: move, see, remember, choose, advise a course."""
+
+import math
+from functools import cache
+from typing import Any, NamedTuple
+
+from agent.planner.arrays import PlannerArrays
+from agent.planner.body import BodyModel
+from agent.planner.config import PlannerConfig
+from agent.planner.driving.course import Course
+from agent.planner.driving.sweep import Sweep, turned
+from agent.planner.goal import NEXT
+from agent.planner.mapping.scan import TARGET, WALL
+from agent.planner.mapping.visibility import FINE
+from agent.planner.state import SEARCH, first_state, loaded, store
+from agent.planner.step import SKIPPED, Sighting, Step
+from sim.backends.free.body import TURN, cosine_sine
+from sim.runtime import Bytes, Floats, Ints, kernel, ti
+
+ALONG = 0.1
+"""Radians by which a heading may be off an eighth of a turn for a look along that."""
+
+STUCK = 0.2
+"""Of the way of a step: a body that is blocked and comes no further does not slide along what it touches."""
+
+BEFORE = 1.2
+"""Cells from the middle of a body that is stuck to where it then has no room."""
+
+
+class DrivingTables(NamedTuple):
+    """What follows from the rays, the same for all environments."""
+
+    rays: Floats
+    """(R, 2) float32: their directions, forward and left."""
+
+    views: Ints
+    """See ``PlannerTables``."""
+
+
+class Driven(NamedTuple):
+    """Where bodies are, and where they are to go."""
+
+    pose: Floats
+    """(E, 3): x, y, metres, and heading, radians."""
+
+    start: Floats
+    """(E, 2): where episodes began, metres."""
+
+    place: Floats
+    """(E, 2): where bodies were before the last step, cells from there."""
+
+    course: Floats
+    """(E, 2): radians to turn to the left, and metres to go until the body is to stand; negative: no end."""
+
+
+@ti.data_oriented
+class DrivingStep(Step):
+    """The parts of a step of a body that goes ``travel`` cells in one, whose cells have sides of ``cell``
+    metres, and whose rays are ``spacing`` radians apart.
+    """
+
+    def __init__(
+        self, config: PlannerConfig, body: BodyModel, cell: float, travel: float, spacing: float
+    ) -> None:
+        super().__init__(config, body)
+        self.cell, self.travel = cell, travel
+        self.sweep = Sweep(config, self.occupancy, body.rays, spacing, self.scan.tolerance)
+        self.course = Course(self.occupancy, body.target)
+
+    @ti.func
+    def drive(self, memory: ti.template(), driven: ti.template(), state, base, e, fresh):
+        """The state at a pose, and where the eye is, cells from where the episode began."""
+        here = ti.Vector([driven.pose[3 * e], driven.pose[3 * e + 1]])
+        if fresh:
+            self.paths.forget(memory, base, state.queued)
+            self.occupancy.forget(memory, base)
+            self.viewpoints.forget(memory, base)
+            state = first_state(0)
+            for k in ti.static(range(2)):
+                driven.start[2 * e + k], driven.place[2 * e + k] = here[k], 0.0
+        eye = (here - ti.Vector([driven.start[2 * e], driven.start[2 * e + 1]])) / ti.static(self.cell)
+        # It counts as on the node that is nearest.
+        state.x, state.y = (
+            2 * ti.cast(ti.floor(eye[0] + 0.5), ti.i32),
+            2 * ti.cast(ti.floor(eye[1] + 0.5), ti.i32),
+        )
+        eighths = driven.pose[3 * e + 2] * ti.static(8 / TURN)
+        nearest = ti.floor(eighths + 0.5)
+        state.heading = ti.cast(nearest, ti.i32) & 7
+        state.aligned = ti.cast(ti.abs(eighths - nearest) < ti.static(ALONG * 8 / TURN), ti.i32)
+        state.time += 1
+        return state, eye
+
+    @ti.func
+    def look(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
+             eye, cosine, sine):  # fmt: skip
+        """Mark what the body covers and the rays show on the map; what else they show."""
+        time, known, offset = state.time, state.known, state.target - eye
+        new, sight = self.occupancy.see_body(memory, base, state.x, state.y, time), Sighting(0)
+        sight.due = self.visibility.due(time, state.new, known, 0)
+        sight.low, sight.high = ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
+        before, earlier, ends, furthest = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0]), 0, 0
+        for r in range(self.body.rays):
+            d, kind = self.scan.reach(observation, e, r)
+            way = turned(ti.Vector([tables.rays[2 * r], tables.rays[2 * r + 1]]), cosine, sine)
+            far = ti.cast(d * self.body.ray_range, ti.i32)
+            ray = way * ti.static(self.body.ray_range / FINE)
+            end = d * ray
+            memory.reached[e * self.body.rays + r] = far
+            furthest = ti.max(furthest, far)
+            if sight.due:
+                if kind == WALL:
+                    sight.hits += self.sweep.wall(memory, base, eye, end, before, earlier, ends, time)
+                    ends, earlier, before = ti.min(ends + 1, 2), before, end
+                else:
+                    ends = 0
+            if kind == TARGET:
+                sight.spotted += 1
+                sight.side += way
+                sight.low, sight.high = ti.min(sight.low, end), ti.max(sight.high, end)
+            elif known:
+                sight.missed |= self.target.misses(offset, ray, d * ray.norm())
+        if sight.due:
+            new += self.sweep.floor(memory, tables, base, e, eye, cosine, sine, furthest, time)
+        state.new = new
+        state.seen += new
+        return state, sight
+
+    @ti.func
+    def note(
+        self, memory: ti.template(), driven: ti.template(), state, sight, base, e, eye, cosine, sine, blocked
+    ):
+        """That there is room where the body stands, and none where it is stuck."""
+        moved = (eye - ti.Vector([driven.place[2 * e], driven.place[2 * e + 1]])).norm()
+        for k in ti.static(range(2)):
+            driven.place[2 * e + k] = eye[k]
+        x, y = state.x >> 1, state.y >> 1
+        self.occupancy.clear(memory, base, x, y)
+        if blocked and moved < ti.static(STUCK * self.travel):
+            there = ti.cast(
+                ti.floor(eye + BEFORE * turned(ti.Vector([1.0, 0.0]), cosine, sine) + 0.5), ti.i32
+            )
+            if there[0] != x or there[1] != y:
+                sight.hits += self.occupancy.close(memory, base, there[0], there[1])
+        return sight
+
+    @ti.func
+    def steer(self, memory: ti.template(), driven: ti.template(), state, base, e, eye):
+        """Write the course to the goal, or the turn to look from there; around where there is none."""
+        way, heading = self.course.aim(memory, base, state, eye), driven.pose[3 * e + 2]
+        off, room = ti.f32(math.pi / 2), ti.f32(0.0)
+        if (state.kind == SEARCH) & (state.look >= 0) & (state.path <= NEXT):
+            off = ti.cast(state.look, ti.f32) * ti.static(TURN / 8) - heading
+        elif way.norm() > 0.0:
+            off, room = ti.atan2(-way[1], way[0]) - heading, -1.0
+            if (state.kind == SEARCH) & (state.look >= 0):
+                room = 0.5 * ti.cast(state.path, ti.f32) * ti.static(self.cell)
+        driven.course[2 * e], driven.course[2 * e + 1] = off, room
+
+
+@cache
+def driving_kernel(
+    program: Any, config: PlannerConfig, body: BodyModel, cell: float, travel: float, spacing: float
+) -> Any:
+    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    parts = DrivingStep(config, body, cell, travel, spacing)
+
+    @kernel
+    def step(
+        observation: Floats,
+        blocked: Bytes,
+        begun: Bytes,
+        tables: DrivingTables,
+        memory: PlannerArrays,
+        driven: Driven,
+        states: Ints,
+    ):
+        ti.loop_config(block_dim=8)
+        for e in range(blocked.shape[0]):
+            if begun[e] != SKIPPED:
+                base, state, fresh = e * parts.occupancy.area, loaded(states, e), ti.cast(begun[e], ti.i32)
+                cosine, sine = cosine_sine(driven.pose[3 * e + 2])
+                state, eye = parts.drive(memory, driven, state, base, e, fresh)
+                state, sight = parts.look(memory, tables, observation, state, base, e, eye, cosine, sine)
+                state = parts.remember_target(memory, state, sight, base, eye)
+                hit = ti.cast(blocked[e], ti.i32) * (1 - fresh)
+                sight = parts.note(memory, driven, state, sight, base, e, eye, cosine, sine, hit)
+                state = parts.goal.choose(memory, tables, state, base, sight.hits)
+                parts.steer(memory, driven, state, base, e, eye)
+                store(states, e, state)
+
+    return step

@@ -1,0 +1,24 @@
+"""What a body that drives is to be told so that it goes where it is to go: a rule, the same for all."""
+
+import numpy as np
+
+from sim.drive import Drive
+
+
+def told(drive: Drive, off: np.ndarray, room: np.ndarray | float = np.inf) -> np.ndarray:
+    """(v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands, for bodies whose headings are
+    ``off`` (E,) by some radians, and that are to stand after ``room`` (E,) metres.
+
+    They turn as fast as they can still stop turning, and drive the faster the less they are off.
+    """
+    off = np.angle(np.exp(1j * off))
+    stops = np.sqrt(2 * min(drive.turn_acceleration, 1e9) * np.abs(off))
+    turn = np.minimum(np.minimum(stops, np.abs(off) / drive.time_step), drive.turn_speed)
+    speed = drive.speed * np.clip(2 * np.cos(off), 0, 1)
+    speed = np.minimum(speed, np.sqrt(2 * min(drive.acceleration, 1e9) * room))
+    wanted = np.column_stack([speed, np.sign(off) * turn])
+    if not drive.commands:
+        return wanted.astype(np.float32)
+    scale = np.array([drive.speed, max(drive.turn_speed, 1e-9)])
+    apart = (wanted[:, None] - np.array(drive.commands)) / scale
+    return (apart**2).sum(axis=-1).argmin(axis=1)
