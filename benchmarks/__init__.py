@@ -31,6 +31,10 @@ STUDIES = {
     "exploration": ("benchmarks.exploration.run:Exploration", "How agents explore maps of buildings."),
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
+    "imitation": (
+        "benchmarks.planner.imitation:Imitation",
+        "Rays and recurrence alone, taught by the explorer.",
+    ),
     "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),
     "bounds": ("benchmarks.planner.bounds:Bounds", "What a network that searches may learn to know."),
     "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),

@@ -33,6 +33,7 @@ FOLDERS = (
         "generator",
         "gpu",
         "homes",
+        "imitation",
         "learner",
         "learning",
     ),
