@@ -41,7 +41,7 @@ PART = 256
 
 
 @dataclass(frozen=True)
-class Part:
+class EvaluationPart:
     """What all policies play in a mode in some houses of a bank, in one process: see ``measure``."""
 
     agents: Mapping[str, Sequence[Checkpoint]]
@@ -89,14 +89,14 @@ def measure(
     names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
     if backend == "free":
         require_drive(agents, with_sensor(PRESETS[world]), world)
-    parts, numbers = list[Part](), list[int]()
+    parts, numbers = list[EvaluationPart](), list[int]()
     for mode in modes:
         suited = playable(houses, mode, backend=backend)
         words = in_words(mode, looks_of(suited[0]).name)
         firsts = range(0, len(suited), PART)
         for first in firsts:
             some, begins = suited[first : first + PART], seed + first * episodes
-            parts.append(Part(agents, some, mode, words, begins, backend, names, world, episodes))
+            parts.append(EvaluationPart(agents, some, mode, words, begins, backend, names, world, episodes))
         numbers.append(len(firsts))
     found = _on_cluster(parts, report, cluster) if cluster else _here(parts, report)
     for number in numbers:
@@ -104,12 +104,12 @@ def measure(
     report(1.0, f"{len(houses)} houses")
 
 
-def _here(parts: Sequence[Part], report: Report) -> Iterator[Result]:
+def _here(parts: Sequence[EvaluationPart], report: Report) -> Iterator[Result]:
     for number, part in enumerate(parts):
         yield played(part, lambda done, words, number=number: report((number + done) / len(parts), words))
 
 
-def _on_cluster(parts: Sequence[Part], report: Report, cluster: Cluster) -> Iterator[Result]:
+def _on_cluster(parts: Sequence[EvaluationPart], report: Report, cluster: Cluster) -> Iterator[Result]:
     found = dict[int, Result]()
     for place, result in cluster.each(_as_task, parts):
         found[place] = result
@@ -117,14 +117,14 @@ def _on_cluster(parts: Sequence[Part], report: Report, cluster: Cluster) -> Iter
     yield from (found[place] for place in range(len(parts)))
 
 
-def _as_task(part: Part) -> Result:
+def _as_task(part: EvaluationPart) -> Result:
     """A task has one processor."""
     start(threads=1)
     torch.set_num_threads(1)
     return played(part)
 
 
-def played(part: Part, report: Report = lambda done, words: None) -> Result:
+def played(part: EvaluationPart, report: Report = lambda done, words: None) -> Result:
     """What all policies do in a part of a bank."""
     agents, houses, mode, seed, world = part.agents, part.houses, part.mode, part.seed, part.world
     drives = part.backend == "free"

@@ -9,6 +9,7 @@ rollouts and updates alone, after the first ones: no start.
 import json
 import os
 import sys
+from argparse import ArgumentParser
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -129,4 +130,8 @@ def learn(preset: str, iterations: int) -> None:
 
 
 if __name__ == "__main__":
-    learn(sys.argv[1], int(sys.argv[2]))
+    parser = ArgumentParser(description="One rank, as torchrun starts it.")
+    parser.add_argument("preset", choices=PRESETS)
+    parser.add_argument("iterations", type=int)
+    asked = parser.parse_args()
+    learn(asked.preset, asked.iterations)

@@ -41,6 +41,7 @@ FOLDERS = (
         "paper",
         "phases",
         "playing",
+        "ranks",
         "realism",
         "sampling",
         "shards",

@@ -302,7 +302,8 @@ def test_a_study_does_what_is_left_and_writes_its_page(tmp_path: Path, monkeypat
     """What trains and measures is replaced; a second call finds all done."""
     asked: list[str] = []
 
-    def pretend(jobs, workers) -> None:
+    def pretend(jobs, workers, cluster) -> None:
+        assert cluster is None
         for job in jobs:
             asked.append(job.name)
             if "train" in job.command:

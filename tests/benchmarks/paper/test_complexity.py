@@ -74,7 +74,7 @@ def test_by_an_engine_each_cell_has_a_whole_machine_which_it_names(
             assert alone
             yield from ((place, function(items[place])) for place in reversed(range(len(items))))
 
-    monkeypatch.setattr(complexity, "connected", lambda address: nullcontext(Engine()))
+    monkeypatch.setattr(complexity, "engine", lambda name, address: nullcontext(Engine()))
     Complexity(rooms=(2,), houses=1, inferences=10**6, out=tmp_path, engine="ray").run()
     cells = json.loads((tmp_path / "paper-complexity.json").read_bytes())["measured"]
     assert [cell["method"] for cell in cells] == ["ours", "original"]
