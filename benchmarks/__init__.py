@@ -32,7 +32,7 @@ STUDIES = {
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
     "imitation": (
-        "benchmarks.planner.imitation:Imitation",
+        "benchmarks.imitation.run:Imitation",
         "Rays and recurrence alone, taught by the explorer.",
     ),
     "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.driving import DrivingPlanner
-from sim.baselines.pursuit import told
+from sim.baselines.steering import steered
 from sim.config import Config
 
 
@@ -39,4 +39,4 @@ class DrivingExplorer:
         self.planner.drive(observation, blocked, self.fresh, pose)
         self.fresh.fill_(False)
         off, room = self.planner.course.numpy().T
-        return torch.from_numpy(told(self.world.drive, off, np.where(room < 0, np.inf, room)))
+        return torch.from_numpy(steered(self.world.drive, off, np.where(room < 0, np.inf, room)))

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.backends.body import SKIN
-from sim.baselines.pursuit import told
 from sim.baselines.roadmap import FAR, Roadmap, Roads, graph, point, sees
+from sim.baselines.steering import steered
 from sim.environment.vector import HouseVectorEnv
 from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.world import World
@@ -68,7 +68,7 @@ class TruePath:
         self.launch()
         away = self.arrays["aim"].numpy().reshape(-1, 2) - pose[:, :2]
         bearing = np.arctan2(-away[:, 1], away[:, 0])
-        return told(self.world.config.drive, bearing - pose[:, 2])
+        return steered(self.world.config.drive, bearing - pose[:, 2])
 
 
 @cache

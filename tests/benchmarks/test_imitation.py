@@ -7,15 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks.planner.imitation import (
-    GAMMA,
-    LAMBDA,
-    Imitation,
-    Lesson,
-    Pupil,
-    RaysNetwork,
-    advantages,
-)
+from benchmarks.imitation.lesson import Lesson
+from benchmarks.imitation.network import RaysNetwork
+from benchmarks.imitation.run import GAMMA, LAMBDA, Imitation, Pupil, advantages
 from logic import generate
 from logic.errors import RequestError
 from sim.actions import ACTIONS, FORWARD

@@ -16,7 +16,7 @@ from agent.planner.driving import DrivingPlanner
 from agent.policies.driving import DrivingExplorer
 from logic import FreeWall, House, Room
 from sim import DEFAULT, HouseVectorEnv
-from sim.baselines.pursuit import told
+from sim.baselines.steering import steered
 from sim.drive import FIVE, Drive
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from tests.sim.backends.free_study import Solids, with_slanted_walls
@@ -162,8 +162,8 @@ def test_rays_that_no_map_can_be_kept_by_are_refused_in_a_line(changes, words):
 def test_what_is_told_turns_there_stops_there_and_keeps_the_limits():
     drive = Drive(speed=1.0, acceleration=2.0)
     off, room = np.array([0.0, 0.0, 0.05, -3.0, 2 * np.pi]), np.array([np.inf, 0.01, np.inf, np.inf, 0.0])
-    v, w = told(drive, off, room).T
+    v, w = steered(drive, off, room).T
     np.testing.assert_allclose(v, [1.0, 0.2, 1.0, 0.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(w, [0.0, 0.0, 0.5, -3.0, 0.0], atol=1e-6)
-    chosen = told(replace(drive, commands=FIVE), np.array([0.0, 3.0, -3.0, 0.5]))
+    chosen = steered(replace(drive, commands=FIVE), np.array([0.0, 3.0, -3.0, 0.5]))
     assert chosen.tolist() == [2, 0, 1, 3]

@@ -7,8 +7,8 @@ import pytest
 
 from logic import FreeWall, House, Room
 from sim import DEFAULT, HouseVectorEnv
-from sim.baselines import pursuit
 from sim.baselines.bound import TimeBound, acceleration_loss
+from sim.baselines.steering import steered
 from sim.baselines.true_path import TruePath
 from sim.config import DRIVE, Config
 from sim.drive import Drive
@@ -128,7 +128,7 @@ def told(player: str, envs: HouseVectorEnv, path: TruePath, rng: np.random.Gener
         return rng.uniform(drive.low, drive.high, (envs.num_envs, 2)).astype(np.float32)
     info = envs.info()
     away = info["target"] - info["pose"][:, :2]
-    return pursuit.told(envs.config.drive, np.arctan2(-away[:, 1], away[:, 0]) - info["pose"][:, 2])
+    return steered(envs.config.drive, np.arctan2(-away[:, 1], away[:, 0]) - info["pose"][:, 2])
 
 
 @pytest.mark.parametrize(

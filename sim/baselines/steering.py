@@ -1,13 +1,13 @@
-"""What a body that drives is to be told so that it goes where it is to go: a rule, the same for all."""
+"""Steering of bodies that drive: by a rule from the heading error to (v, w)."""
 
 import numpy as np
 
 from sim.drive import Drive
 
 
-def told(drive: Drive, off: np.ndarray, room: np.ndarray | float = np.inf) -> np.ndarray:
+def steered(drive: Drive, off: np.ndarray, room: np.ndarray | float = np.inf) -> np.ndarray:
     """(v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands, for bodies whose headings are
-    ``off`` (E,) by some radians, and that are to stand after ``room`` (E,) metres.
+    ``off`` (E,) by some radians (the heading error), and that are to stand after ``room`` (E,) metres.
 
     They turn as fast as they can still stop turning, and drive the faster the less they are off.
     """

@@ -13,32 +13,26 @@ from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from time import process_time
-from typing import Any, NamedTuple, cast
+from typing import Any
 
 import numpy as np
 import torch
-import torch.nn.functional as F
 from torch import Tensor, nn
 
-from agent.avoidance import Layer, subsume
-from agent.learning.environments import make_envs, shield
+from agent.learning.environments import shield
 from agent.policies.network import seeded
-from agent.policies.policies import Explorer
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
 from benchmarks.common.pages import write_tables
 from benchmarks.common.processes import say
+from benchmarks.imitation.lesson import Lesson, StepsTaken
+from benchmarks.imitation.network import RaysNetwork, RaysPolicy
 from benchmarks.planner.contenders import EXPLORER, Contender, contender
 from benchmarks.planner.explorers import ORACLE
 from benchmarks.planner.learning import Learning, scores_table, share
 from logic import House
 from logic.errors import RequestError
 from logic.house.files import write_whole
-from sim import HouseVectorEnv
-from sim.actions import ACTIONS
 from sim.config import DEFAULT
-
-RESTARTS = 0.04
-"""Share of the environments that begin another episode before each window, beside those near their end."""
 
 IMITATING, REINFORCING, LEAST = 1e-3, 2e-4, 2e-5
 """Learning rates: of imitation and of the critic; of the rest by reward, at first, and in the end."""
@@ -60,9 +54,6 @@ SHARES = 4
 
 PASSES, PARTS = 2, 2
 """Of PPO over a window, and updates in each."""
-
-CODE = 128
-"""Numbers that encode an observation."""
 
 KEPT, SAID = 60.0, 40
 """Seconds of processor time from one checkpoint to the next, and windows between lines of the log."""
@@ -141,134 +132,6 @@ class Imitation:
             torch.save(pupil.state, buffer)
             write_whole(path, buffer.getvalue())
         return pupil.state
-
-
-class RaysNetwork(nn.Module):
-    """A recurrent layer (GRU) over codes of what the body senses; an actor and a critic that read it."""
-
-    def __init__(self, width: int, rays: int = 2 * DEFAULT.rays) -> None:
-        """Draw first weights from torch's generator."""
-        super().__init__()
-        self.code = nn.Sequential(
-            nn.Linear(rays + ACTIONS + 1, CODE), nn.ReLU(), nn.Linear(CODE, CODE), nn.ReLU()
-        )
-        self.memory = nn.GRU(CODE, width)
-        self.actor, self.critic = (
-            nn.Sequential(nn.Linear(width + CODE, CODE), nn.ReLU(), nn.Linear(CODE, outputs))
-            for outputs in (ACTIONS, 1)
-        )
-
-    def forward(self, signals: Tensor, memory: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Logits (T, E, A) of actions and values (T, E) by signals (T, E, S) and a memory (1, E, W); the
-        memory after them. No gradient of the values reaches the memory.
-        """
-        codes = self.code(signals)
-        kept, memory = self.memory(codes, memory)
-        read = torch.cat([codes, kept], 2)
-        return self.actor(read), self.critic(read.detach())[..., 0], memory
-
-
-def sensed(observation: Tensor, blocked: Tensor, actions: Tensor) -> Tensor:
-    """What the network reads (E, S): rays (E, R, C), the last actions (E,), and whether they were blocked."""
-    return torch.cat([observation.flatten(1), F.one_hot(actions, ACTIONS), blocked[:, None]], 1)
-
-
-class RaysPolicy:
-    """The policy of a network that has no map."""
-
-    def __init__(self, network: RaysNetwork, avoidance: Layer, drawn: bool, seed: int = 0) -> None:
-        """Act by the likeliest action, or by one that is ``drawn``."""
-        self.network, self.avoidance, self.drawn, self.interventions = network, avoidance, drawn, 0
-        self.generator = torch.Generator().manual_seed(seed)
-
-    def begin(self, environments: int) -> None:
-        """See ``Policy``."""
-        self.memory = torch.zeros(1, environments, self.network.memory.hidden_size)
-        self.actions, self.interventions = torch.zeros(environments, dtype=torch.int64), 0
-
-    @torch.no_grad()
-    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """See ``Policy``."""
-        signals = sensed(observation, blocked, self.actions)[None]
-        logits, _, self.memory = self.network(signals, self.memory)
-        preference, self.allowed = logits[0], self.avoidance(observation, blocked)
-        if self.drawn:
-            noise = torch.empty_like(preference).exponential_(generator=self.generator)
-            preference = preference - noise.log()
-        self.actions = subsume(preference, self.allowed)
-        self.interventions += int((self.actions != preference.argmax(1)).sum())
-        return self.actions
-
-
-class StepsTaken(NamedTuple):
-    """Steps to learn from."""
-
-    signals: Tensor
-    """(T + 1, E, S): what the network reads at each step, and after the last."""
-
-    allowed: Tensor
-    """(T, E, A) bool: what avoidance leaves."""
-
-    actions: Tensor
-    """(T, E) int64: what was done."""
-
-    rewards: Tensor
-    """(T, E) float32."""
-
-    memory: Tensor
-    """(1, E, W): before the first step."""
-
-    def of(self, environments: Tensor) -> "StepsTaken":
-        """That of some environments (n,) int64."""
-        return StepsTaken(*(field[:, environments] for field in self))
-
-    def log_odds(self, logits: Tensor) -> tuple[Tensor, Tensor]:
-        """By logits (T, E, A): logarithms of the probabilities (T, E) of what was done, and the entropy."""
-        every = logits.masked_fill(~self.allowed, -1e9).log_softmax(2)
-        return every.gather(2, self.actions[..., None])[..., 0], -(every.exp() * every).sum(2).mean()
-
-
-class Lesson:
-    """Bodies that a network or the explorer leads."""
-
-    def __init__(self, houses: list[House], number: int, network: RaysNetwork, seed: int) -> None:
-        self.envs = cast(HouseVectorEnv, make_envs(houses, number, "secondary"))
-        self.pupil = RaysPolicy(network, shield(self.envs), drawn=True, seed=seed)
-        self.explorer = Explorer(shield(self.envs), self.envs.config)
-        self.random, self.age = np.random.default_rng(seed), np.zeros(number, int)
-        self.observation = torch.as_tensor(self.envs.reset(seed=seed)[0])
-        self.blocked = torch.zeros(number, dtype=torch.bool)
-        for policy in (self.pupil, self.explorer):
-            policy.begin(number)
-
-    def window(self, steps: int, led: bool) -> StepsTaken:
-        """Some steps of the network, or of the explorer where it is ``led``: then the memory is not kept."""
-        self.restart((self.random.random(len(self.age)) < RESTARTS) | (self.age + steps >= DEFAULT.steps))
-        memory, rows = self.pupil.memory.clone(), []
-        for _ in range(steps):
-            signals = sensed(self.observation, self.blocked, self.pupil.actions)
-            if led:
-                self.pupil.actions = self.explorer(self.observation, self.blocked).clone()
-                allowed = self.explorer.choice.allowed.clone()
-            else:
-                self.pupil(self.observation, self.blocked)
-                allowed = self.pupil.allowed.clone()
-            observation, reward, _, _, info = self.envs.step_torch(self.pupil.actions)
-            self.observation, self.blocked = observation, info["blocked"].clone()
-            rows.append((signals, allowed, self.pupil.actions, reward.clone()))
-        self.age += steps
-        signals, *others = (torch.stack(column) for column in zip(*rows, strict=True))
-        last = sensed(self.observation, self.blocked, self.pupil.actions)[None]
-        return StepsTaken(torch.cat([signals, last]), *others, memory)
-
-    def restart(self, begun: np.ndarray) -> None:
-        """Begin other episodes where (E,) bool."""
-        if begun.any():
-            observation, _ = self.envs.reset(options={"reset_mask": begun})
-            fresh = torch.from_numpy(begun)
-            self.observation, self.blocked = torch.as_tensor(observation), self.blocked & ~fresh
-            self.age[begun], self.pupil.memory[:, fresh], self.pupil.actions[fresh] = 0, 0.0, 0
-            self.explorer.tracker.fresh |= fresh
 
 
 def advantages(rewards: Tensor, values: Tensor) -> Tensor:
