@@ -24,6 +24,9 @@ TRAININGS = (
     ("pqn-recurrent", "cpu", 512),
     ("pqn-recurrent", "cuda", 512),
     ("pqn-recurrent", "cuda", 4096),
+    ("pqn-free", "cpu", 512),
+    ("pqn-free", "cuda", 512),
+    ("pqn-free", "cuda", 4096),
 )
 """Preset, device and environments of each training."""
 SCORED = ("pqn-cpu-512", "pqn-cuda-512", "pqn-cuda-4096")
@@ -57,7 +60,8 @@ class GPU:
         self.out.mkdir(parents=True, exist_ok=True)
         record: dict[str, Any] = {device: self.device(device) for device in ("cpu", "cuda")}
         record["gpu"] = torch.cuda.get_device_name()
-        record["outcomes"] = compared(*(np.load(self.out / f"{name}.npz") for name in ("cpu", "cuda")))
+        trails = [np.load(self.out / f"{name}.npz") for name in ("cpu", "cuda")]
+        record["outcomes"], record["advice"] = compared(*trails), parted(*trails)
         record["trainings"] = [self.training(*each) for each in TRAININGS]
         record["scores"] = self.scores()
         page = self.page(record)
@@ -65,8 +69,8 @@ class GPU:
         write({"gpu.md": page.encode()}, self.out, self.publish)
         print(page)
 
-    def device(self, device: str) -> list[dict[str, Any]]:
-        """A device's rates."""
+    def device(self, device: str) -> dict[str, list[dict[str, Any]]]:
+        """A device's rates, of each backend and of planners."""
         say(f"steps on {device}")
         command = [sys.executable, "-m", "benchmarks.simulator.on_device", device]
         return json.loads(output([*command, str(self.out / f"{device}.npz")]))
@@ -109,7 +113,10 @@ class GPU:
             versions=versions("taichi", "torch", "numpy", "gymnasium"),
             rounds=ROUNDS,
             steps=STEPS,
-            rates=table_rows(map(rate_row, record["cpu"], record["cuda"])),
+            continuous=self.rates(record, "continuous"),
+            free=self.rates(record, "free"),
+            planner=self.rates(record, "planner"),
+            parted=record["advice"],
             trailed=TRAILED,
             trail=TRAIL,
             outcomes=table_rows(starmap(outcome_row, record["outcomes"].items())),
@@ -117,12 +124,17 @@ class GPU:
             trainings=table_rows(training_row(each, record["scores"]) for each in record["trainings"]),
         )
 
+    def rates(self, record: dict[str, Any], part: str) -> str:
+        """The rows of both devices' rates of a part."""
+        return table_rows(map(rate_row, record["cpu"][part], record["cuda"][part]))
+
 
 def rate_row(cpu: dict[str, Any], gpu: dict[str, Any]) -> list[str]:
     """Both devices' rates of a number of environments."""
     row = [f"{cpu['environments']:,}"]
-    for what in ("kernel", "step_torch"):
-        row += [rate(*cpu[what]), rate(*gpu[what]), f"{gpu[what][1] / cpu[what][1]:.2g}"]
+    for what in ("kernel", "step_torch", "planner"):
+        if what in cpu:
+            row += [rate(*cpu[what]), rate(*gpu[what]), f"{gpu[what][1] / cpu[what][1]:.2g}"]
     return row
 
 
@@ -152,7 +164,7 @@ def named(preset: str, device: str, environments: int) -> str:
 
 def compared(one: Any, other: Any) -> dict[str, dict[str, float]]:
     """How the outcomes on two devices differ, by preset."""
-    presets = dict.fromkeys(name.partition("/")[0] for name in one)
+    presets = dict.fromkeys(name.partition("/")[0] for name in one if "/" in name)
     differences = {}
     for preset in presets:
         names = (f"{preset}/{part}" for part in ("events", "places", "seen"))
@@ -166,3 +178,8 @@ def compared(one: Any, other: Any) -> dict[str, dict[str, float]]:
             "elsewhere": float(elsewhere.mean()),
         }
     return differences
+
+
+def parted(one: Any, other: Any) -> int:
+    """In how many environments planners advised differently at any time, on two devices."""
+    return int((one["advice"] != other["advice"]).any(axis=0).sum())

@@ -10,11 +10,14 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
@@ -40,6 +43,18 @@ DRIVEN = ("kernel", "step torch", "kernel on one core", "C on one core")
 ROUNDS, STEPS = 15, 32
 CELL = 0.3
 """Metres: the cell of houses that fit both backends."""
+TERMS = {"step": -0.01, "bump": -0.1}
+PROGRESS = {"progress": 0.01}
+ASKED: dict[str, tuple[dict[str, Any], int]] = {
+    "rays, bump, last action, odometry, goal": (
+        {"preset": replace(DEFAULT, observe=("rays", "bump", "last_action", "odometry", "goal"))}, 0,
+    ),
+    "a step and a bump cost something": ({"targets": {"task": "all", "terms": TERMS}}, 0),
+    "distance in infos, in one house, all known": ({"preset": replace(DEFAULT, geodesic=True)}, 16000),
+    "progress rewarded, in one house, all known": ({"targets": {"task": "all", "terms": PROGRESS}}, 16000),
+    "distance in infos, in 64 houses, none known": ({"preset": replace(DEFAULT, geodesic=True)}, 0),
+}  # fmt: skip
+"""What environments are asked for beyond the default; and steps until all distances are known."""
 
 BY_ENVIRONMENTS = "64 houses of 4 rooms"
 BY_OTHERS = "4,096 environments"
@@ -61,7 +76,8 @@ def _started() -> None:
 
 def ready(count: int, houses: list[House], **kinds: Any) -> HouseVectorEnv:
     """Environments in the midst of their episodes."""
-    envs = HouseVectorEnv(houses, num_envs=count, targets="mixed", **kinds)
+    kinds = {"targets": "mixed"} | kinds
+    envs = HouseVectorEnv(houses, num_envs=count, **kinds)
     envs.reset(seed=0)
     for action in driven(count) if envs.config.drives else plan(count):
         envs.step_torch(action)
@@ -269,6 +285,72 @@ def test_parts(benchmark, what):
     benchmark.extra_info.update(part=what)
 
 
+def processor_seconds(step: Callable[[Any], Any], actions: Any) -> float:
+    """Of this process, all threads, for these steps."""
+    begin = time.process_time()
+    for action in actions:
+        step(action)
+    return time.process_time() - begin
+
+
+def beside(benchmark: Any, ours: Callable[[Any], Any], other: Callable[[Any], Any], actions: Any) -> None:
+    """Rounds of both in turn; the quartiles of ours to the other's, by processor time."""
+    ratios = list[float]()
+
+    def both() -> None:
+        before = processor_seconds(other, actions)
+        ratios.append(processor_seconds(ours, actions) / before)
+
+    benchmark.pedantic(both, rounds=ROUNDS, warmup_rounds=1)
+    benchmark.extra_info.update(ratios=np.percentile(ratios[1:], [25, 50, 75]).tolist())
+
+
+@study
+@pytest.mark.parametrize("what", ASKED)
+def test_what_is_asked_for(benchmark, what):
+    kinds, known = ASKED[what]
+    houses = bank(1 if known else 64)
+    envs, plain = ready(MANY, houses, **kinds), ready(MANY, houses)
+    actions = plan(MANY).numpy()
+    for each in range(known):
+        envs.launch(actions[each % len(actions)])
+    beside(benchmark, envs.launch, plain.launch, actions)
+    benchmark.extra_info.update(asked=what)
+
+
+@study
+def test_one_environment_beside_CartPole(benchmark):
+    ours, theirs = gymnasium.make("sim:Vitruvius/House-v0", preset="long"), gymnasium.make("CartPole-v1")
+
+    def again(env: Any) -> Callable[[Any], None]:
+        def step(action: Any) -> None:
+            *_, terminated, truncated, _ = env.step(action)
+            if terminated or truncated:
+                env.reset()
+
+        env.reset(seed=0)
+        return step
+
+    actions = np.random.default_rng(0).integers(2, size=2000)
+    beside(benchmark, again(ours), again(theirs), actions)
+    benchmark.extra_info.update(asked="gym.make of one environment, to CartPole-v1's")
+
+
+@study
+def test_the_adapter_of_Stable_Baselines3(benchmark):
+    pytest.importorskip("stable_baselines3")
+    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+
+    mode = gymnasium.vector.AutoresetMode.SAME_STEP
+    raw, other = (HouseVectorEnv(bank(), num_envs=256, autoreset_mode=mode, seed=0) for _ in range(2))
+    adapted = StableBaselinesVecEnv(other)
+    raw.reset()
+    adapted.reset()
+    actions = np.random.default_rng(0).integers(3, size=(300, 256))
+    beside(benchmark, adapted.step, raw.step, actions)
+    benchmark.extra_info.update(asked="256 environments by the adapter of Stable-Baselines3, to `step`")
+
+
 @study
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 def test_packing(benchmark, backend):
@@ -311,7 +393,9 @@ def test_compilers(benchmark, name, tmp_path):
         return json.loads(subprocess.check_output(command, env=environment, cwd=tmp_path))
 
     def run() -> None:
-        [row] = printed(environment, "on_device", "cpu", "trails.npz", MANY)
+        [row] = printed(environment, "on_device", "cpu", "trails.npz", MANY, "--parts", "continuous")[
+            "continuous"
+        ]
         rates.append(row["kernel"][1])
         firsts.append(printed(uncached, "first_step", "house.jsonl")["first step"])
 

@@ -46,6 +46,7 @@ def simulator_report() -> dict[str, Any]:
         benchmarks.append(entry(f"driven[{how}]", 0.001, steps_per_second=rate, driven=how))
     benchmarks.append(entry("peers[free]", 0.001, steps_per_second=3e6, beside_peers="free"))
     benchmarks.append(entry("parts[launch]", 2e-5, part="a launch"))
+    benchmarks.append(entry("asked[goal]", 0.1, asked="goal", ratios=[1.0, 1.25, 1.5]))
     benchmarks.append(entry("packing", 0.064, packing="grid", packed=64))
     for name, outcome in (("taichi", "a"), ("quadrants", "a"), ("another", "b")):
         more = {"rates": [2e6, 1e6, 3e6], "compiling": 4.0, "outcome": outcome}

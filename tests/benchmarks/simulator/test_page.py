@@ -17,6 +17,7 @@ def test_the_simulators_page_has_its_figures_and_the_ratio_to_c() -> None:
     assert "| 2 | 2 | 5.00 M [5.00 M, 5.00 M] |" in page
     for words in (
         "| a launch | 0.020 |",
+        "| goal | 1.25 [1.00, 1.50] |",
         "| grid | 1.0 |",
         "| compiled | 0.50 | 1.25 |",
         "clang 1",

@@ -2,7 +2,6 @@
 
 import re
 import sys
-import time
 from functools import cache
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -308,44 +307,3 @@ def folder(tmp_path_factory):
     for seed, name in enumerate(("houses", "others")):
         save(generate(rooms=4, seed=seed, count=2), path / f"{name}.jsonl")
     return path
-
-
-def processor_time(step: Any, actions: np.ndarray) -> float:
-    """Seconds of this process for these steps, the least of some rounds."""
-    rounds = []
-    for _ in range(7):
-        begin = time.process_time()
-        for action in actions:
-            step(action)
-        rounds.append(time.process_time() - begin)
-    return min(rounds)
-
-
-def test_a_step_of_one_environment_costs_little_more_than_cartpoles():
-    """2.7 times; the bound leaves room for a busy machine. It was 20 times with a launch of Taichi's own."""
-    ours, theirs = gymnasium.make("sim:Vitruvius/House-v0", preset="long"), gymnasium.make("CartPole-v1")
-    actions = np.random.default_rng(0).integers(2, size=2000)
-
-    def again(env: Any) -> Any:
-        def step(action: Any) -> None:
-            *_, terminated, truncated, _ = env.step(action)
-            if terminated or truncated:
-                env.reset()
-
-        env.reset(seed=0)
-        return step
-
-    assert processor_time(again(ours), actions) < 4 * processor_time(again(theirs), actions)
-
-
-def test_the_adapter_costs_little_more_than_a_step():
-    """1.2 times with 256 environments; it was 1.9 when it said the info of each."""
-    pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
-
-    raw, other = (HouseVectorEnv(num_envs=256, autoreset_mode=SAME, seed=0) for _ in range(2))
-    adapted = StableBaselinesVecEnv(other)
-    raw.reset()
-    adapted.reset()
-    actions = np.random.default_rng(0).integers(3, size=(300, 256))
-    assert processor_time(adapted.step, actions) < 1.5 * processor_time(raw.step, actions)
