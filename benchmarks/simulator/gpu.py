@@ -116,7 +116,7 @@ class GPU:
             continuous=self.rates(record, "continuous"),
             free=self.rates(record, "free"),
             planner=self.rates(record, "planner"),
-            parted=record["advice"],
+            same=TRAILED - record["advice"],
             trailed=TRAILED,
             trail=TRAIL,
             outcomes=table_rows(starmap(outcome_row, record["outcomes"].items())),
@@ -139,7 +139,9 @@ def rate_row(cpu: dict[str, Any], gpu: dict[str, Any]) -> list[str]:
 
 
 def rate(low: float, median: float, high: float) -> str:
-    """Millions of steps a second, with quartiles."""
+    """Millions of steps a second, or steps where they are few, with quartiles."""
+    if median < 1e6:
+        return f"{median:,.0f} [{low:,.0f}, {high:,.0f}]"
     return f"{median / 1e6:.3g} M [{low / 1e6:.3g}, {high / 1e6:.3g}]"
 
 

@@ -74,6 +74,7 @@ class Commands:
         self.drive, self.size = drive, len(drive.low)
         self.words = f"{('two', 'three')[self.size - 2]} numbers, {drive.names}"
         self.low, self.high = (np.array(ends, np.float32) for ends in (drive.low, drive.high))
+        self._tensors: Any = None  # both, where step_torch's actions are
 
     def read(self, actions: Any) -> np.ndarray:
         """Actions as an array of float32. Raises ``ValueError`` for what are no numbers."""
@@ -100,16 +101,30 @@ class Commands:
         if actions.shape != (count, self.size):
             found, names = tuple(actions.shape), self.drive.names
             raise ValueError(f"actions have shape {found}: {names} for each of {count} environments")
-        array = actions if isinstance(actions, np.ndarray) else actions.cpu().numpy()
-        strange = np.isnan(array) if self.drive.clips else ~((array >= self.low) & (array <= self.high))
-        if strange.any():
-            e = int(strange.any(axis=1).argmax())
+        if self._strange(actions).any():
+            array = actions if isinstance(actions, np.ndarray) else actions.cpu().numpy()
+            e = int(self._strange(array).any(axis=1).argmax())
             given = ", ".join(f"{each:g}" for each in array[e].tolist())
             first, aside = "vx" if self.size > 2 else "v", ""
             if self.size > 2:
                 aside = f", vy up to {self.high[1]:g} m/s"
             limits = f"{first} from {self.low[0]:g} to {self.high[0]:g} m/s{aside}"
             raise ValueError(f"action {e} is ({given}): {limits}, w up to {self.high[-1]:g} rad/s either way")
+
+    def _strange(self, actions: Any) -> Any:
+        """Which numbers (E, n) cannot be taken, found where they are."""
+        if self.drive.clips:
+            return ~(actions <= np.inf)  # NaN
+        low, high = self._limits(actions)
+        return ~((actions >= low) & (actions <= high))
+
+    def _limits(self, actions: Any) -> Any:
+        """The limits, where actions are."""
+        if isinstance(actions, np.ndarray):
+            return self.low, self.high
+        if self._tensors is None:
+            self._tensors = [actions.new_tensor(ends.tolist()) for ends in (self.low, self.high)]
+        return self._tensors
 
     def packed(self, actions: Any) -> Any:
         """Actions as kernels read them, in 64 bits: those of two numbers, or three as parts of the greatest.
