@@ -48,9 +48,11 @@ class Outputs:
         """Which environments terminated, were truncated, were blocked (3, E) bool: a copy."""
         return self.world.arrays["flags"].numpy().view(bool).reshape(3, self.world.num_envs)
 
-    def info(self, flags: np.ndarray | None = None, last: bool = False) -> dict[str, np.ndarray]:
-        """The info of the environments: copies. ``last``: as their latest episodes ended."""
-        pose, target, house = self.world.describe(last)
+    def info(
+        self, flags: np.ndarray | None = None, last: bool = False, stepped: bool = False
+    ) -> dict[str, np.ndarray]:
+        """The info of the environments: copies. ``last``, ``stepped``: see ``World.describe``."""
+        pose, target, house = self.world.describe(last, stepped)
         flags = self.flags() if flags is None else flags
         info = {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
         if self.world.config.geodesic:

@@ -292,7 +292,8 @@ class HouseVectorEnv(VectorEnv):
         self.world.arrays["action"].fill(self._orders.packed(actions))
         self._run_step()
         flags, observation = self._outputs.flags(), self._outputs.observation()
-        reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
+        info = self._outputs.info(flags, stepped=not self._passing)
+        reward = self.world.arrays["reward"].numpy()
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED], info)
         self._pictures.show()

@@ -77,6 +77,15 @@ def kernels(
         flags[ti.static(TRUNCATED) * count + e] = ti.cast(truncated, ti.u8)
         flags[ti.static(BLOCKED) * count + e] = ti.cast(blocked, ti.u8)
 
+    @ti.func
+    def show(pose: ti.template(), target: ti.template(), house: ti.template(), e, state):
+        """Write an environment's row of what ``describe`` tells."""
+        eye = backend.body.eye(state.origin, state.cell)
+        pose[3 * e], pose[3 * e + 1] = eye[0], eye[1]
+        pose[3 * e + 2] = backend.body.heading(state.cell)
+        target[2 * e], target[2 * e + 1] = state.target[0], state.target[1]
+        house[e] = state.house
+
     @kernel
     def reset(world: Arrays, option_wholes: Options, option_reals: Reals, observation: Observation):
         """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
@@ -116,11 +125,15 @@ def kernels(
         last_reals: Reals,
         last_wholes: Wholes,
         prefetched: Ints,
+        pose: Floats,
+        target: Floats,
+        house: Ints,
     ):
         """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
 
         Fills ``observation``, ``extras``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated,
-        blocked; in ``SAME_STEP`` also ``final``, ``final_extras`` and the ``last`` state.
+        blocked; in ``SAME_STEP`` also ``final``, ``final_extras`` and the ``last`` state; where few are
+        stepped also what ``describe`` does, as a launch of its own takes as long as the step.
         """
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
@@ -159,6 +172,8 @@ def kernels(
                     state = episodes.begin(world, e, state, SAMPLE)
                     episodes.notice(world, e, state, -1, 0)
             store(world, e, state)
+            if ti.static(serial):
+                show(pose, target, house, e, state)
             if ti.static(all_rays):
                 episodes.look(world, e, state, 0, rays, observation)
         if ti.static(by_ray):
@@ -184,12 +199,7 @@ def kernels(
         """
         ti.loop_config(serialize=serial)
         for e in range(states.reals.shape[0]):
-            state = loaded(states, e)
-            eye = backend.body.eye(state.origin, state.cell)
-            pose[3 * e], pose[3 * e + 1] = eye[0], eye[1]
-            pose[3 * e + 2] = backend.body.heading(state.cell)
-            target[2 * e], target[2 * e + 1] = state.target[0], state.target[1]
-            house[e] = state.house
+            show(pose, target, house, e, loaded(states, e))
 
     @kernel
     def peek(world: WorldArrays, targets: Floats):

@@ -67,8 +67,8 @@ class World:
         check_lengths(houses)
         self.config = backend.fit(config, houses)
         ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
-        serial = num_envs <= FEW and not by_ray
-        self.kernels = kernels(start(), self.config, backend, mode, by_ray, serial, ends, terms)
+        self.serial = num_envs <= FEW and not by_ray
+        self.kernels = kernels(start(), self.config, backend, mode, by_ray, self.serial, ends, terms)
         self.backend: Backend = self.kernels.backend
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
@@ -252,14 +252,17 @@ class World:
             raise ValueError(f"pose {e}: the body cannot be at ({x:.3f}, {y:.3f}) m in house {house[e]}")
         return origin, cell
 
-    def describe(self, last: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def describe(
+        self, last: bool = False, stepped: bool = False
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,): copies.
 
         ``last``: as they were when the latest episode ended, where the same step begins the next.
+        ``stepped``: right after a step, which has told already where there are few.
         """
         if last:
             self._describe_last()
-        else:
+        elif not (stepped and self.serial):
             self.run("describe")
         pose, target, house = (self.arrays[name].numpy() for name in ("pose", "target", "house"))
         return pose.reshape(-1, 3), target.reshape(-1, 2), house
