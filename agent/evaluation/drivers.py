@@ -5,6 +5,7 @@
 | random drive | another v and w at each step, drawn from all |
 | pursuit | to a target in sight, else where rays go furthest, and around before walls: by rule |
 | explorer | the planner, whose paths are followed by rule (``DrivingExplorer``): knows its pose |
+| searcher | knows the house and its pose, but not where the target is (``DrivingSearcher``) |
 | true path | knows the house and the target, and follows the shortest path by rule (``TruePath``) |
 | bound | no player: what none can do better (``TimeBound``) |
 
@@ -25,6 +26,7 @@ from agent.policies.policies import Policy
 from logic import HouseFileError
 from sim import HouseVectorEnv
 from sim.baselines.bound import TimeBound
+from sim.baselines.driving_searcher import DrivingSearcher
 from sim.baselines.true_path import TruePath
 from sim.config import Config
 
@@ -84,7 +86,7 @@ def pursue(seen: np.ndarray, config: Config) -> np.ndarray:
     return np.column_stack([np.where(fast, drive.speed, 0), turn]).astype(np.float32)
 
 
-Knows = TypeVar("Knows", TimeBound, TruePath)
+Knows = TypeVar("Knows", TimeBound, TruePath, DrivingSearcher)
 
 
 def knowing(make: Callable[[HouseVectorEnv], Knows], envs: HouseVectorEnv) -> Knows:
@@ -95,16 +97,23 @@ def knowing(make: Callable[[HouseVectorEnv], Knows], envs: HouseVectorEnv) -> Kn
         raise HouseFileError(str(error)) from None
 
 
+def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
+    """It knows the house, not the target: see ``sim.baselines.driving_searcher``."""
+    searcher = knowing(DrivingSearcher, envs)
+    return Privileged(searcher.act, searcher.begin)
+
+
 DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
     "random drive": lambda envs, seed: RandomDrive(envs.config, seed),
     "pursuit": lambda envs, seed: Pursuit(envs.config),
     "explorer": lambda envs, seed: DrivingExplorer(envs.config, lambda: envs.unwrapped.world.describe()[0]),
+    "searcher": searcher,
     "true path": lambda envs, seed: Privileged(knowing(TruePath, envs).act),
 }
 """By name, what makes a baseline's policy for environments and a seed."""
 
 EXACT = ("true path",)
-"""Those that know where they are."""
+"""Those that know where they are, beside the searcher: see ``PRIVILEGED``."""
 
 NO_AGENTS = (*REFERENCES, *DRIVERS, "bound")
 """Names of all that is shown beside agents."""

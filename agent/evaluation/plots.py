@@ -26,7 +26,7 @@ COLOURS = {
     "oracle": "#c96a12",
     "random drive": "#8b8f96",
     "pursuit": "#7a9a3a",
-    "true path": "#a5518e",
+    "true path": "#b04a5a",
     "bound": "#c96a12",
 }
 """Of policies, by name."""

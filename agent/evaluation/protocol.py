@@ -83,8 +83,8 @@ def measure(
     there is one, which changes no figure. ``report`` follows the work.
 
     Raises ``HouseFileError`` where a mode cannot be played in one of the houses, or where one has too many
-    corners for the bound or the true path; ``RequestError`` for an agent of another kind of motion, or one
-    that drives by other limits than they do; what ``Cluster.each`` does.
+    corners for the bound, the searcher or the true path; ``RequestError`` for an agent of another kind of
+    motion, or one that drives by other limits than they do; what ``Cluster.each`` does.
     """
     names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
     if backend == "free":

@@ -50,10 +50,10 @@ DRIVE_NOTE = (
     "more. Both are interquartile means, with 95 % intervals over training runs and houses. Success: the "
     f"share of episodes with a first target within {SUCCESS_STEPS} steps, or at all, where it ends the "
     "episode. SPL: that times the bound on the first target's time over the time taken. The true path's "
-    "body knows the house and the target; the pursuit goes to a target that its rays show, else where they "
-    "go furthest; a random drive is of speeds by chance. Seen: the share of the places where targets may lie "
-    "that it had looked at by that step. Rooms: the share of the secondary rooms that it was in. Blocked "
-    "moves: per 1000 steps."
+    "body knows the house and the target, the searcher the house and its pose, the explorer its pose; the "
+    "pursuit goes to a target that its rays show, else where they go furthest; a random drive is of speeds "
+    "by chance. Seen: the share of the places where targets may lie that it had looked at by that step. "
+    "Rooms: the share of the secondary rooms that it was in. Blocked moves: per 1000 steps."
 )
 """What they mean where bodies drive."""
 

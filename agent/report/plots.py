@@ -17,7 +17,7 @@ SLOTS = {
     "paper-original": 6,
     "random + avoidance": 7,
     "bound": 1,
-    "true path": 2,
+    "true path": 5,
     "pursuit": 3,
     "random drive": 7,
 }

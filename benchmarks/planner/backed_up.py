@@ -23,17 +23,8 @@ from agent.policies.policies import Explorer
 from benchmarks.planner.true_views import TrueChooser
 from sim import HouseVectorEnv
 from sim.baselines.coverage import WORD, LineOfSight, bit
-from sim.baselines.searcher import AT_ONCE
-from sim.baselines.view_planner import (
-    LINES,
-    SAMPLE,
-    SAMPLED,
-    SPOT,
-    VIEW,
-    VIEWPOINT_COST,
-    SearcherArrays,
-    ViewPlanner,
-)
+from sim.baselines.posterior import AT_ONCE, SAMPLE, SAMPLED, SPOT, VIEW
+from sim.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from sim.baselines.views import ViewValues
 from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.episodes import Episodes, WorldArrays, loaded

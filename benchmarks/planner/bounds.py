@@ -42,7 +42,7 @@ from benchmarks.planner.learning import clustered
 from benchmarks.planner.views import AGENT, INPUTS
 from logic.errors import RequestError
 from sim import HouseVectorEnv
-from sim.baselines.view_planner import SPOT, SPOTS
+from sim.baselines.posterior import SPOT, SPOTS
 
 NOTED = 0.3
 """Share of the choices that are judged: those of an episode are much like each other."""

@@ -34,7 +34,7 @@ from logic import House
 from logic.dataset.splits import VALIDATION
 from logic.errors import RequestError
 from sim import HouseVectorEnv
-from sim.baselines import priors, searcher, view_planner
+from sim.baselines import posterior, priors, searcher, view_planner
 from sim.baselines.priors import PriorName
 from sim.baselines.searcher import Searcher
 from sim.tasks import furniture as furniture_tasks
@@ -46,7 +46,7 @@ SEED = VALIDATION[len(VALIDATION) // 2] + 100
 SIZES = {"family": range(2, 7), "home": range(4, 11)}
 """Rooms of a grammar's houses, those of its frozen bank; of another grammar's, those of ``family``."""
 
-SOURCES = [searcher, priors, view_planner, furniture_tasks]
+SOURCES = [searcher, posterior, priors, view_planner, furniture_tasks]
 """What scores of searchers depend on."""
 
 FLOOR, TASK, FINDS = "searcher, floor", "searcher, task", "searcher, finds"

@@ -12,22 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from sim.baselines.coverage import WORD, LineOfSight, bit, in_steps, origins_of
+from sim.baselines.coverage import LineOfSight, in_steps
+from sim.baselines.posterior import AT_ONCE, DONE, KNOWN, LENGTH, VIEW, posterior_arrays, starts
 from sim.baselines.priors import PRIORS, PriorName
-from sim.baselines.view_planner import (
-    DONE,
-    KNOWN,
-    LENGTH,
-    LINES,
-    PLACE,
-    REPLAN,
-    SAMPLE,
-    SAMPLED,
-    SPOT,
-    VIEW,
-    SearcherArrays,
-    ViewPlanner,
-)
+from sim.baselines.view_planner import LINES, PLACE, REPLAN, SearcherArrays, ViewPlanner
 from sim.environment.vector import HouseVectorEnv
 from sim.runtime import Array, Launch, Longs, kernel, start, ti
 from sim.tasks.survey import survey
@@ -37,9 +25,6 @@ from sim.world.world import World
 VIEWS, SAMPLES = 0.57, 0.29
 """Metres between the places that it may go to for a look, and between those places of the target by which it
 judges a look, about: whole numbers of steps. The posterior itself is of all places."""
-
-AT_ONCE = 32
-"""Environments that plan at a time: it bounds the memory of their searches for paths."""
 
 
 class Searcher:
@@ -64,39 +49,18 @@ class Searcher:
         world, count = self.world, self.world.num_envs
         tables = survey(world.backend, world.bank, list(range(len(world.places))), world.lattices)
         self.prior = PRIORS[prior](world, tables, in_steps(SAMPLES, world))
-        spots, samples = self.prior.spots, self.prior.samples
         pitch = pitch or in_steps(VIEWS, world)
         shapes = np.array([table.moves.shape for table in tables])
-        words = -(-max(map(len, samples)) // WORD)
-        views = 8 * np.prod(-(-shapes // pitch), axis=1)
-        rows = np.column_stack(
-            [
-                _starts(map(len, spots)), [len(each) for each in spots],
-                _starts(map(len, samples)), [len(each) for each in samples],
-                _starts(views), _starts(np.prod(shapes, axis=1)), shapes,
-            ]
-        )  # fmt: skip
-        if views.sum() * words >= 1 << 31:
-            raise ValueError(f"{len(spots)} houses are too many for a searcher: give it some at a time")
-        poses, slots = 8 * int(np.prod(shapes, axis=1).max()), min(count, AT_ONCE)
-        self.arrays = {
-            "spots": Array.of(np.concatenate(spots).ravel()),
-            "samples": Array.of(np.concatenate(samples).astype(np.int32)),
-            "rows": Array(ti.i32, len(rows), 8),
-            "origins": Array.of(origins_of(world)),
+        sizes, views = np.prod(shapes, axis=1), 8 * np.prod(-(-shapes // pitch), axis=1)
+        poses, slots = 8 * int(sizes.max()), min(count, AT_ONCE)
+        more = np.column_stack([starts(sizes), shapes])
+        self.arrays = posterior_arrays(world, self.prior, views, more) | {
             "moves": Array.of(np.concatenate([table.moves.ravel() for table in tables])),
-            "shown": Array(ti.u64, int(views.sum()) * words),
-            "left": Array(ti.u64, count * -(-max(map(len, spots)) // WORD)),
-            "sampled": Array(ti.u64, slots * words),
-            "weights": Array.of(np.ones(count * words, np.float32)),
             "distance": Array(ti.u16, slots * poses),
             "queue": Array(ti.i32, slots * poses),
-            "notes": Array(ti.i32, count, 5),
-            "last": Array(ti.f32, count, 2),
             "plan": Array(ti.u8, count * REPLAN),
             "answer": Array(ti.i64, count),
         }
-        self.arrays["rows"].fill(rows.astype(np.int32))
         kernels = _kernels(start(), world.kernels.episodes, pitch)
         Launch(kernels["prepare"], world.arrays | self.arrays)()
         self._act = Launch(kernels["act"], world.arrays | self.arrays)
@@ -114,15 +78,9 @@ class Searcher:
         return self.arrays["answer"].numpy()
 
 
-def _starts(counts: Any) -> np.ndarray:
-    """Where each part begins when parts of these lengths stand one behind the other."""
-    return np.cumsum([0, *counts])[:-1]
-
-
 @cache
 def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
-    sight = LineOfSight(episodes)
-    planner = ViewPlanner(sight, pitch)
+    planner = ViewPlanner(LineOfSight(episodes), pitch)
 
     @kernel
     def prepare(world: WorldArrays, search: SearcherArrays):
@@ -140,15 +98,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                 can = ti.cast(search.moves[row[PLACE] + i * row[LINES] + j], ti.i32)
                 if can >> (8 + heading % 2) & 1:
                     cell = ti.Vector([i, j, heading])
-                    far = sight.distances(world, house, corner, cell)
-                    window = sight.window(far, corner, corner, cell)
-                    for k in range(row[SAMPLED]):
-                        at = 2 * (row[SPOT] + search.samples[row[SAMPLE] + k])
-                        i_, j_ = search.spots[at], search.spots[at + 1]
-                        # Nested: Taichi's ``and`` computes both sides.
-                        if window[0] <= i_ <= window[1] and window[2] <= j_ <= window[3]:  # noqa: SIM102
-                            if sight.meets(far, corner, cell, sight.spot(corner, i_, j_)):
-                                search.shown[(8 * view + heading) * words + k // ti.static(WORD)] |= bit(k)
+                    planner.show(world, search, house, corner, cell, 8 * view + heading, words)
 
     @kernel
     def act(world: WorldArrays, search: SearcherArrays, answer: Longs):

@@ -6,10 +6,9 @@ from there would show. Its cost is the length of a shortest path there, and a fe
 
 from typing import NamedTuple
 
-from sim.backends.backend import TARGET
 from sim.baselines.coverage import WORD, LineOfSight, bit
+from sim.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior, Rows
 from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
-from sim.world.episodes import loaded
 
 REPLAN = 48
 """Steps until it plans again: what it saw on its path may have made another one better."""
@@ -17,16 +16,8 @@ REPLAN = 48
 VIEWPOINT_COST = 4.0
 """Steps added to a path's length when viewpoints are compared."""
 
-Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)
-SPOT, SPOTS, SAMPLE, SAMPLED, VIEW, PLACE, COLUMNS, LINES = range(8)
-"""Of a house: its first spot and their number, its samples, its first view; its lattice's first place,
-columns and rows."""
-
-EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
-"""Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
-
-Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
-Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
+PLACE, COLUMNS, LINES = range(VIEW + 1, VIEW + 4)
+"""Of a house: its lattice's first place, columns and rows."""
 
 
 class SearcherArrays(NamedTuple):
@@ -60,92 +51,13 @@ class SearcherArrays(NamedTuple):
 
 
 @ti.data_oriented
-class ViewPlanner:
+class ViewPlanner(Posterior):
     """What one environment's searcher does, as functions of the arrays."""
 
     def __init__(self, sight: LineOfSight, pitch: int) -> None:
         """Plan for bodies that see so; viewpoints are ``pitch`` steps apart."""
-        self.pitch = pitch
-        self.sight, self.episodes, self.headings = sight, sight.episodes, sight.episodes.body.headings
-
-    @ti.func
-    def first_left(self, search: ti.template(), e):
-        """Where an environment's words of ``left`` begin."""
-        return e * (search.left.shape[0] // search.notes.shape[0])
-
-    @ti.func
-    def corner(self, search: ti.template(), house):
-        """The origin of a house's lattice, metres."""
-        return ti.Vector([search.origins[2 * house], search.origins[2 * house + 1]])
-
-    @ti.func
-    def restart(self, search: ti.template(), e, state, near):
-        """A new target: it may be anywhere but too near to the last one, where none is sampled."""
-        row, first, some = search.rows[state.house], self.first_left(search, e), 0
-        corner = self.corner(search, state.house)
-        self.fill(search, row, first)
-        for k in range(row[SPOTS]):
-            at = 2 * (row[SPOT] + k)
-            spot = self.sight.spot(corner, search.spots[at], search.spots[at + 1])
-            if ti.abs(spot - near).max() < ti.static(self.episodes.apart):  # never where near is NaN
-                search.left[first + k // ti.static(WORD)] ^= bit(k)
-            else:
-                some = 1
-        if not some:
-            self.fill(search, row, first)
-
-    @ti.func
-    def fill(self, search: ti.template(), row, first):
-        """The target may be anywhere; ``first``: see ``first_left``."""
-        for word in range(first, first + search.left.shape[0] // search.notes.shape[0]):
-            search.left[word] = 0
-        for k in range(row[SPOTS]):
-            search.left[first + k // ti.static(WORD)] |= bit(k)
-
-    @ti.func
-    def watched(self, world: ti.template(), search: ti.template(), e):
-        """Look from where the body is, after a pick-up for another target; an environment's notes."""
-        state, note = loaded(world, e), search.notes[e]
-        if note[EPISODE] != state.episode or note[FOUND] != state.found:
-            near = ti.Vector([ti.math.nan, ti.math.nan])
-            if note[EPISODE] == state.episode:
-                near = search.last[e]
-            self.restart(search, e, state, near)
-            note = ti.Vector([state.episode, state.found, 0, 0, 0])
-            search.last[e] = state.target
-        if not note[KNOWN]:
-            known = self.look(world, search, e, state)
-            if known:
-                note[KNOWN], note[LENGTH] = 1, 0
-        return note
-
-    @ti.func
-    def look(self, world: ti.template(), search: ti.template(), e, state):
-        """Whether a ray meets the target; if not, strike out the spots where one would have."""
-        distance, kinds = self.sight.backend.see(
-            world.numbers, world.indices, state.house, state.origin, state.cell, state.target, 0
-        )
-        known = 0
-        for r in range(ti.static(self.sight.config.rays)):
-            known |= ti.cast(kinds[r] == ti.static(TARGET), ti.i32)
-        if not known:
-            row, left = search.rows[state.house], self.first_left(search, e)
-            corner = self.corner(search, state.house)
-            window = self.sight.window(distance, corner, state.origin, state.cell)
-            for word in range((row[SPOTS] + ti.static(WORD - 1)) // ti.static(WORD)):
-                first = row[SPOT] + word * ti.static(WORD)
-                end = ti.min(first + ti.static(WORD), row[SPOT] + row[SPOTS])
-                # Spots are in the order of their i: most words are outside the window as a whole.
-                if search.left[left + word] != 0 and search.spots[2 * first] <= window[1]:  # noqa: SIM102
-                    if search.spots[2 * (end - 1)] >= window[0]:
-                        for k in range(first, end):
-                            i, j = search.spots[2 * k], search.spots[2 * k + 1]
-                            mask = bit(k - row[SPOT])
-                            if search.left[left + word] & mask and window[2] <= j <= window[3]:
-                                spot = self.sight.spot(corner, i, j)
-                                if self.sight.meets(distance, state.origin, state.cell, spot):
-                                    search.left[left + word] ^= mask
-        return known
+        super().__init__(sight)
+        self.pitch, self.headings = pitch, sight.episodes.body.headings
 
     @ti.func
     def plan(self, world: ti.template(), search: ti.template(), e, slot, slots, state, known):
@@ -193,43 +105,11 @@ class ViewPlanner:
         return length
 
     @ti.func
-    def sample(self, search: ti.template(), row, e, slot, words):
-        """Note which samples are left; what they weigh together."""
-        left, total = self.first_left(search, e), ti.f32(0.0)
-        for word in range(words):
-            search.sampled[slot * words + word] = 0
-        for k in range(row[SAMPLED]):
-            spot = search.samples[row[SAMPLE] + k]
-            if search.left[left + spot // ti.static(WORD)] & bit(spot):
-                search.sampled[slot * words + k // ti.static(WORD)] |= bit(k)
-                total += search.weights[e * words + k // ti.static(WORD)]
-        return total
-
-    @ti.func
     def shown(self, search: ti.template(), row, e, slot, words, cell):
         """The weight of the samples that are left and that a view shows."""
-        across, gain = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch), ti.f32(0.0)
+        across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
         view = cell[0] // ti.static(self.pitch) * across + cell[1] // ti.static(self.pitch)
-        view = (row[VIEW] + 8 * view + cell[2]) * words
-        for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
-            both = search.shown[view + word] & search.sampled[slot * words + word]
-            gain += search.weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
-        return gain
-
-    @ti.func
-    def turned(self, world: ti.template(), search: ti.template(), base, weight, state, cell):
-        """The weight of the samples that are left and that a look from a cell would show."""
-        row, corner = search.rows[state.house], self.corner(search, state.house)
-        distance = self.sight.distances(world, state.house, state.origin, cell)
-        window, gain = self.sight.window(distance, corner, state.origin, cell), ti.f32(0.0)
-        for k in range(row[SAMPLED]):
-            at = 2 * (row[SPOT] + search.samples[row[SAMPLE] + k])
-            i, j = search.spots[at], search.spots[at + 1]
-            inside = window[0] <= i <= window[1] and window[2] <= j <= window[3]
-            if inside and search.sampled[base + k // ti.static(WORD)] & bit(k):
-                met = self.sight.meets(distance, state.origin, cell, self.sight.spot(corner, i, j))
-                gain += search.weights[weight + k // ti.static(WORD)] * ti.cast(met, ti.f32)
-        return gain
+        return self.weighed(search, row, e, slot, words, row[VIEW] + 8 * view + cell[2])
 
     @ti.func
     def source(self, search: ti.template(), row, base, state):

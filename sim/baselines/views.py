@@ -13,7 +13,8 @@ import numpy as np
 
 from sim.actions import HEADINGS
 from sim.baselines.coverage import LineOfSight
-from sim.baselines.searcher import AT_ONCE, Searcher
+from sim.baselines.posterior import AT_ONCE
+from sim.baselines.searcher import Searcher
 from sim.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from sim.environment.vector import HouseVectorEnv
 from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti

@@ -60,7 +60,8 @@ class Evaluate:
     backend: str = "continuous"
     """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class. free: for
     agents that drive (train --preset pqn-free), beside a body that drives at random, a pursuit of what rays
-    show, one that knows the way, and a bound on what any can do."""
+    show, the explorer, a searcher that knows the house, one that knows the way, and a bound on what any can
+    do."""
 
     world: Literal["default", "long", "noisy", "paper"] = "default"
     """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:

@@ -9,7 +9,7 @@ from agent.algorithms.search.windows import PLACES, SCALE
 from agent.planner import Planner
 from agent.planner.frame import AXES, quarters
 from sim import HouseVectorEnv
-from sim.baselines.view_planner import KNOWN
+from sim.baselines.posterior import KNOWN
 from sim.baselines.views import ViewValues
 
 

@@ -60,6 +60,7 @@ def test_it_learns_and_is_measured_beside_baselines_that_drive(learnt):
     counts = {name: runs[0].targets.sum() for name, runs in result.policies.items()}
     assert counts["random drive"] < counts["pursuit"] < counts["true path"] < counts["bound"]
     assert counts["random drive"] < counts["mine"] < counts["true path"]
+    assert counts["pursuit"] < counts["searcher"] <= counts["true path"]
     for name, [scores] in result.policies.items():
         assert (scores.targets <= result.policies["bound"][0].targets).all()
         assert (scores.first >= result.shortest).all()

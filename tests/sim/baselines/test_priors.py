@@ -7,7 +7,8 @@ import pytest
 
 from sim import HouseVectorEnv
 from sim.baselines.coverage import WORD, origins_of
-from sim.baselines.searcher import KNOWN, Searcher
+from sim.baselines.posterior import KNOWN
+from sim.baselines.searcher import Searcher
 from tests import sample_houses
 
 HOUSES = [sample_houses.random_house(seed) for seed in range(6)]

@@ -7,7 +7,8 @@ import pytest
 
 from sim import DEFAULT, HouseVectorEnv, Oracle
 from sim.baselines.coverage import WORD, Coverage
-from sim.baselines.searcher import DONE, KNOWN, Searcher
+from sim.baselines.posterior import DONE, KNOWN
+from sim.baselines.searcher import Searcher
 from tests import sample_houses
 
 HOUSE = sample_houses.random_house(3)
