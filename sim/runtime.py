@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sim.huge_pages import ask_for_huge_pages
 from sim.tracing import KEEPS_KERNELS, compiler, core, impl, kernel, ti
 
 if TYPE_CHECKING:
@@ -239,6 +240,8 @@ class Array:
             self.ndarray = ti.ndarray(_element(dtype, width), allotted)
         self.on_gpu = on_gpu()  # asked once: a step copies several arrays
         self._view: np.ndarray | None = None
+        if not self.on_gpu:
+            ask_for_huge_pages(self.view())
 
     @classmethod
     def of(cls, values: np.ndarray) -> "Array":

@@ -8,6 +8,7 @@ bisection, and then along what it touches.
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import shapely
@@ -250,15 +251,14 @@ def _moved(solids: Solids, place: np.ndarray, way: np.ndarray, radius: float, at
 def main() -> None:
     """Print what differs."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=100_000, help="rays; a move for each 40 of them")
+    parser.add_argument("--cases", type=int, default=100_000, help="rays in all; a move for each 40 of them")
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    bank = houses(40, given.seed)
-    each = max(1, given.cases // 40 // 2 // len(bank))
-    for at_contact in ("slide", "stop"):
-        for sideways in (0.0, 3.0):
-            found = compare(bank, each, at_contact, given.seed, sideways)
-            print(at_contact, f"sideways up to {sideways:g} m/s", found)
+    bank, kinds = houses(40, given.seed), list(product(("slide", "stop"), (0.0, 3.0)))
+    each = -(-given.cases // 40 // len(kinds) // len(bank))
+    for k, (at_contact, sideways) in enumerate(kinds):
+        found = compare(bank, each, at_contact, given.seed + k, sideways)
+        print(at_contact, f"sideways up to {sideways:g} m/s", found, flush=True)
 
 
 if __name__ == "__main__":
