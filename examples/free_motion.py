@@ -1,14 +1,13 @@
-"""Continuous control: SAC or PPO of Stable-Baselines3 drives a body by its speeds, in the backend free.
+"""Continuous control: PPO of Stable-Baselines3 drives a body by its speeds, in the backend free.
 
-./run python examples/free_motion.py houses.jsonl --algorithm ppo --steps 3000000
+./run python examples/free_motion.py houses.jsonl --steps 3000000
 """
 
 from dataclasses import dataclass
-from typing import Any, Literal
 
 import tyro
 from driving import Driving
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import PPO
 
 from sim.adapters.stable_baselines import StableBaselinesVecEnv
 
@@ -17,45 +16,24 @@ from sim.adapters.stable_baselines import StableBaselinesVecEnv
 class Example(Driving):
     """Train an agent and measure it beside two baselines."""
 
-    algorithm: Literal["ppo", "sac"] = "ppo"
-    """How it learns."""
-
     def run(self) -> dict[str, float]:
         """Learn from all the steps, then play; targets an episode of each."""
         envs = StableBaselinesVecEnv(self.to_learn_in())
-        policy = {"net_arch": [128, 128]}
-        if self.algorithm == "sac":
-            model: Any = SAC(
-                "MlpPolicy",
-                envs,
-                learning_rate=1e-3,
-                buffer_size=300_000,
-                batch_size=512,
-                learning_starts=min(20_000, self.steps // 10),
-                gradient_steps=max(1, self.environments // 64),
-                gamma=0.98,
-                policy_kwargs=policy,
-                seed=self.seed,
-                device="cpu",
-            )
-        else:
-            model = PPO(
-                "MlpPolicy",
-                envs,
-                n_steps=max(2, min(64, self.steps // self.environments)),
-                batch_size=2048,
-                n_epochs=4,
-                learning_rate=1e-3,
-                gamma=0.98,
-                ent_coef=0.003,
-                policy_kwargs=policy,
-                seed=self.seed,
-                device="cpu",
-            )
-        model.learn(self.steps)
-        return self.score(
-            f"SB3 {self.algorithm.upper()}", lambda seen: model.predict(seen, deterministic=False)[0]
+        model = PPO(
+            "MlpPolicy",
+            envs,
+            n_steps=max(2, min(64, self.steps // self.environments)),
+            batch_size=2048,
+            n_epochs=4,
+            learning_rate=1e-3,
+            gamma=0.98,
+            ent_coef=0.003,
+            policy_kwargs={"net_arch": [128, 128]},
+            seed=self.seed,
+            device="cpu",
         )
+        model.learn(self.steps)
+        return self.score("SB3 PPO", lambda seen: model.predict(seen, deterministic=False)[0])
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from logic.spelling import unknown
-from sim.drive import FIVE, Drive
+from sim.drive import COMMANDS, Drive
 
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
@@ -296,8 +296,8 @@ LONG = replace(DEFAULT, steps=3000)
 DOORS = replace(DEFAULT, closed_doors=4, sees_kind=True)
 """All doors between rooms are closed at first, and rays tell a door from a wall."""
 
-DRIVE = replace(DEFAULT, drive=Drive(commands=FIVE))
-"""In the backend ``free``: left, right and forward, as agents of three actions know them, and two bows."""
+DRIVE = replace(DEFAULT, drive=Drive(commands=COMMANDS))
+"""In the backend ``free``: left, right and forward, as agents of three actions know them, and bows."""
 
 PRESETS = {
     "default": DEFAULT, "doors": DOORS, "drive": DRIVE, "long": LONG, "noisy": NOISY, "paper": PAPER,

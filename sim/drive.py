@@ -16,8 +16,12 @@ THREE = (0.0, TURN_SPEED), (0.0, -TURN_SPEED), (SPEED, 0.0)
 PARTS = (1 << 20) - 1
 """Of a greatest speed: where bodies drive sideways, speeds and what is told are whole numbers of them."""
 
-FIVE = (*THREE, (SPEED, TURN_SPEED / 2), (SPEED, -TURN_SPEED / 2))
-"""And forward in a bow, to the left and to the right."""
+COMMANDS = (
+    *THREE,
+    *((SPEED, turn) for most in (0.4, 1.0, 2.0, TURN_SPEED) for turn in (most, -most)),
+    *((speed, turn) for speed, most in ((SPEED / 2, TURN_SPEED), (0.0, 1.0)) for turn in (most, -most)),
+)
+"""And forward in bows, wide to narrow, in a narrow one at half speed, and slow turns: each to both sides."""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,8 @@ class PQNConfig(QLearningConfig):
         return {
             # More environments, and one pass over each rollout: half the time a step.
             "pqn": cls(num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
-            # The same of a body that drives, with as many random actions of each kind.
+            # The same of a body that drives, with as many random actions of each kind. From a command to what
+            # it brings it takes more steps.
             "pqn-free": cls(
                 world="drive",
                 avoidance="none",
@@ -68,8 +69,9 @@ class PQNConfig(QLearningConfig):
                 num_steps=16,
                 update_epochs=1,
                 learning_rate=1.5e-3,
-                forward=0.2,
-                steps=30_000_000,
+                q_lambda=0.9,
+                forward=0.07,
+                steps=6_000_000,
             ),
             "pqn-recurrent": cls(network="recurrent", half_lives=(), steps=4_500_000),
         }

@@ -29,7 +29,7 @@ from agent.runs.checkpoint import Checkpoint
 from agent.runs.runs import run
 from logic import HouseFileError, RequestError, save
 from sim.baselines import roadmap
-from sim.drive import FIVE, Drive
+from sim.drive import COMMANDS, Drive
 from tests.agent.evaluation.cases import short_episodes
 from tests.sample_houses import random_house
 from vitruvius.commands.evaluate import Evaluate
@@ -94,10 +94,10 @@ RECURRENT = partial(PQNConfig, network="recurrent")
 @pytest.mark.parametrize("config", [PQNConfig, DQNConfig, RECURRENT], ids=["pqn", "dqn", "recurrent"])
 def test_a_network_has_an_action_for_each_command(config):
     three = ('drive={"commands":[[0,3],[0,-3],[0.7,0]]}',)
-    for sim, count in ((), len(FIVE)), (three, 3):
+    for sim, count in ((), len(COMMANDS)), (three, 3):
         made = config(world="drive", avoidance="none", sim=sim)
         assert actions(made) == count
-        assert sensor(made).drive == Drive(commands=FIVE[:count])
+        assert sensor(made).drive == Drive(commands=COMMANDS[:count])
         envs = make_envs(HOUSES[:1], 50, preset=sensor(made), backend=made.backend)
         policy, seen = policy_of(network_of(made), made, envs), torch.as_tensor(envs.reset(seed=0)[0])
         assert isinstance(policy, QPolicy)

@@ -17,7 +17,7 @@ from agent.policies.driving import DrivingExplorer
 from logic import FreeWall, House, Room
 from sim import DEFAULT, HouseVectorEnv
 from sim.baselines.steering import steered
-from sim.drive import FIVE, Drive
+from sim.drive import COMMANDS, Drive
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from tests.sim.backends.free_study import Solids, with_slanted_walls
 
@@ -121,7 +121,7 @@ def test_it_drives_the_same_in_any_batch_and_again():
             first_ray=179.0,
             ray_spacing=2.0,
             sees_kind=True,
-            drive=Drive(commands=FIVE, at_contact="stop"),
+            drive=Drive(commands=COMMANDS, at_contact="stop"),
         ),
         replace(
             DEFAULT,
@@ -165,5 +165,5 @@ def test_what_is_told_turns_there_stops_there_and_keeps_the_limits():
     v, w = steered(drive, off, room).T
     np.testing.assert_allclose(v, [1.0, 0.2, 1.0, 0.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(w, [0.0, 0.0, 0.5, -3.0, 0.0], atol=1e-6)
-    chosen = steered(replace(drive, commands=FIVE), np.array([0.0, 3.0, -3.0, 0.5]))
-    assert chosen.tolist() == [2, 0, 1, 3]
+    chosen = steered(replace(drive, commands=COMMANDS), np.array([0.0, 3.0, -3.0, 0.5]))
+    assert chosen.tolist() == [2, 0, 1, 9]
