@@ -4,9 +4,12 @@ Of the names that both compilers have: ``ti``, ``core`` and ``impl`` are its mod
 ``LOCK`` the file in its folder of kernels that a process holds while it writes there, ``Compiled`` a kernel.
 """
 
+import inspect
 import os
+import textwrap
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
+from types import SimpleNamespace
 from typing import Any
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
@@ -43,6 +46,10 @@ def _once(describe: Callable[[Any, Any], str]) -> Any:
 
 
 ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
+# Taichi wraps each line of a function, and looks for its file, each time that it is inlined: a fifth of tracing.
+kernel_impl.textwrap = SimpleNamespace(fill=cache(textwrap.fill), dedent=cache(textwrap.dedent))
+_file_of = cache(inspect.getsourcefile)
+kernel_impl.getsourcefile = lambda function: _file_of(function.__code__)
 # Taichi formats the whole stack for each array that it makes, should that fail: longer than to make it.
 _ndarray.get_traceback = matrix.get_traceback = lambda: ""
 

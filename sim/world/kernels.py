@@ -48,6 +48,14 @@ class Kernels(NamedTuple):
 
 
 @cache
+def _backend(program: Any, make: type[Backend], config: Config, lanes: int) -> Backend:
+    """The backend of a configuration, one for all that is compiled for it: kernels of its own, as those that
+    survey houses, are then compiled once for all modes.
+    """
+    return make(config, lanes)
+
+
+@cache
 def kernels(
     program: Any,
     config: Config,
@@ -62,7 +70,7 @@ def kernels(
     thread alone, as to wake others takes longer than to step a few environments.
     """
     lanes = 1 if by_ray else config.rays
-    backend = make(config, lanes)
+    backend = _backend(program, make, config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
     # To set an argument takes time at each launch.
     Arrays = WorldArrays if episodes.knows_distance or config.extras or config.latency else PlainArrays
