@@ -46,7 +46,8 @@ def _once(describe: Callable[[Any, Any], str]) -> Any:
 
 
 ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
-# Taichi wraps each line of a function, and looks for its file, each time that it is inlined: a fifth of tracing.
+# Taichi wraps each line of a function, and looks for its file, each time that it inlines it: a fifth of
+# tracing.
 kernel_impl.textwrap = SimpleNamespace(fill=cache(textwrap.fill), dedent=cache(textwrap.dedent))
 _file_of = cache(inspect.getsourcefile)
 kernel_impl.getsourcefile = lambda function: _file_of(function.__code__)

@@ -14,7 +14,7 @@ from logic.language.asp.integers import overflowing
 from logic.language.asp.stages import misplaced
 from logic.language.asp.statements import Statement, error_at, place, read
 from logic.language.asp.stratification import unstratified
-from logic.language.asp.vocabulary import Words, core_words, misspelt_predicates, stages, words
+from logic.language.asp.vocabulary import Use, Words, core_words, misspelt_predicates, opened, stages, words
 
 
 class StatedRules:
@@ -61,16 +61,17 @@ class StatedRules:
         """Predicates that are not known; the topology's name alone, as it says which others there are."""
         found = list(misspelt_predicates(self.words))
         named = [mistake for mistake in found if "topology/1" in mistake.explains]
-        star = core_words()
-        stated = self.words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
-        shared = [
-            use for each in stated & core_words(PLANS).opened.keys() for use in self.words.derived[each]
-        ]
-        if shared and not named and self.grammar.topology_name == STAR.stem:
+        if not named and self.grammar.topology_name == STAR.stem and (shared := self._of_plans_alone()):
             first = min(shared, key=lambda use: use.node.location.begin)
             why = f"{first.node.name} is for rooms that share walls: name a topology, as in topology(ring)."
             named = [Mistake(error_at(first.node, why), frozenset({"topology/1"}))]
         return named or found
+
+    def _of_plans_alone(self) -> list[Use]:
+        """What a grammar for rooms around a main room states that is for rooms that share walls alone."""
+        star = core_words()
+        stated = self.words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
+        return [use for each in stated & opened(PLANS) for use in self.words.derived[each]] if stated else []
 
     def gone(self, strange: Sequence[Mistake], *needed: tuple[str, int]) -> list[Mistake]:
         """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""

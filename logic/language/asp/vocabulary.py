@@ -74,8 +74,21 @@ def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
 @cache
 def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
     """The words of the core with these files of a topology, and what is read where a rule names it."""
+    return words(_core(topology))
+
+
+def _core(topology: tuple[Path, ...]) -> list[Statement]:
     named = [ADJACENT] if set(PLANS) <= set(topology) and ADJACENT not in topology else []
-    return words(read([CORE, *topology, *named]))
+    return read([CORE, *topology, *named])
+
+
+@cache
+def opened(topology: tuple[Path, ...]) -> set[Signature]:
+    """What a grammar may state with these files of a topology: ``core_words(topology).opened``, in a tenth of
+    its time.
+    """
+    nodes = [statement.node for statement in _core(topology)]
+    return {(node.name, node.arity) for node in nodes if node.ast_type == ASTType.Defined}
 
 
 def stages(core: Words) -> tuple[str, ...]:
