@@ -45,7 +45,18 @@ FOLDERS = {
         *("workers", "dataset", "drawing", "exports", "browser"),
     ),
     "sim": (
-        *("cache", "actions", "drive", "config", "compiler", "tracing", "runtime", "geometry", "film"),
+        *(
+            "cache",
+            "actions",
+            "drive",
+            "config",
+            "compiler",
+            "tracing",
+            "huge_pages",
+            "runtime",
+            "geometry",
+            "film",
+        ),
         *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
     ),
     "agent": (
