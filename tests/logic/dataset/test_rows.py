@@ -17,7 +17,7 @@ from tests.logic.workers import in_process
 SIZES = {"family": 4, "home": 6, "apartments": 8}
 
 
-@pytest.fixture(params=SIZES)
+@pytest.fixture(scope="module", params=SIZES)
 def house(request: pytest.FixtureRequest) -> House:
     return next(in_process.generate(SIZES[request.param], grammar=request.param))
 
@@ -43,9 +43,15 @@ def test_the_hash_is_of_the_house_and_not_of_where_it_comes_from(house: House) -
     assert house_sha256(structs.replace(house, rooms=(moved, *others))) != house_sha256(house)
 
 
+@pytest.fixture(scope="module")
+def made() -> list[House]:
+    return [*in_process.generate(3, count=3), *in_process.generate(5, grammar="home", count=3)]
+
+
 @pytest.mark.parametrize("files", ["parquet", "jsonl"])
-def test_rows_are_read_as_they_were_written_and_written_in_the_same_bytes(files, tmp_path: Path) -> None:
-    made = [*in_process.generate(3, count=3), *in_process.generate(5, grammar="home", count=3)]
+def test_rows_are_read_as_they_were_written_and_written_in_the_same_bytes(
+    files, made: list[House], tmp_path: Path
+) -> None:
     rows = [house_row(house) for house in made]
     rows.append(limit_row(source("home", "0", {"rooms": 5, "types": {}}, 0, 3), "house 3 reached its limit"))
     paths = [tmp_path / f"{name}.{files}" for name in ("one", "other")]

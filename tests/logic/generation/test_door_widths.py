@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from logic import GrammarError, RequestError, Unsatisfiable, check, generate
+import logic
+from logic import GrammarError, RequestError, Unsatisfiable, check
 from logic.grammar import SHIPPED
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door
+from tests.logic.workers.in_process import generate
 
 WIDTHS = {
     frozenset(("bathroom", "corridor")): 0.7,
@@ -94,4 +96,4 @@ def test_stars_units_and_own_plans_refuse_it(tmp_path: Path) -> None:
         list(generate(rooms=15, grammar=grammar(tmp_path / "units", clause, "apartments")))
     [house] = generate(rooms=5, grammar="home")
     with pytest.raises(RequestError, match="no plan of your own has them yet: leave these clauses out"):
-        list(generate(plan=house, grammar=grammar(tmp_path / "own", clause)))
+        list(logic.generate(plan=house, grammar=grammar(tmp_path / "own", clause)))

@@ -22,6 +22,7 @@ from logic.house.parts import OUTSIDE, Door, Window
 from logic.house.promises import Promises, Thickness
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
+from tests.logic.workers import in_process
 from tests.thick import faces
 
 MASONRY = Path(__file__).parents[3] / "examples" / "masonry"
@@ -266,7 +267,7 @@ def test_other_topologies_and_units_have_such_walls(name: str, tmp_path: Path) -
     (tmp_path / "thick" / "walls.pl").write_text("wall_thickness(inner, 0.1). wall_thickness(outer, 0.4).\n")
     if name == "dissection":
         (tmp_path / "thick" / "void.lp").write_text("#program house.\nvoid(rooms).\n")
-    for house in generate(rooms=rooms, grammar=tmp_path / "thick", count=2):
+    for house in in_process.generate(rooms, grammar=tmp_path / "thick", count=2):
         assert check(house) == []
         least = min(
             shapely.box(*one.box).distance(shapely.box(*other.box))
@@ -293,8 +294,9 @@ def grammar(folder: Path, walls: str, base: str = "home") -> Path:
 
 
 def test_no_thickness_is_the_same_as_none_bit_for_bit(tmp_path: Path) -> None:
-    [one] = generate(rooms=6, grammar="home", seed=4)
-    [other] = generate(rooms=6, grammar=grammar(tmp_path / "none", "wall_thickness(inner, 0.0).\n"), seed=4)
+    [one] = in_process.generate(6, grammar="home", seed=4)
+    none = grammar(tmp_path / "none", "wall_thickness(inner, 0.0).\n")
+    [other] = in_process.generate(6, grammar=none, seed=4)
     assert structs.replace(one, provenance=None) == structs.replace(other, provenance=None)
     assert "wall_thickness" not in one.to_dict()
 
@@ -314,13 +316,17 @@ WRONG = {
 @pytest.mark.parametrize("walls", WRONG)
 def test_what_is_no_thickness_is_named_by_line_and_column(walls: str, tmp_path: Path) -> None:
     with pytest.raises(GrammarError) as error:
-        list(generate(rooms=4, grammar=grammar(tmp_path / "wrong", walls)))
+        list(in_process.generate(4, grammar=grammar(tmp_path / "wrong", walls)))
     assert f"walls.pl{WRONG[walls]}" in str(error.value).replace("error: ", "")
 
 
 def test_a_star_refuses_it(tmp_path: Path) -> None:
     with pytest.raises(GrammarError, match="nothing uses wall_thickness/2 in a star: state a topology/1"):
-        list(generate(rooms=4, grammar=grammar(tmp_path / "star", "wall_thickness(inner, 0.1).", "family")))
+        list(
+            in_process.generate(
+                4, grammar=grammar(tmp_path / "star", "wall_thickness(inner, 0.1).", "family")
+            )
+        )
 
 
 def test_promises_of_a_thickness_are_kept_or_said(houses: list[House]) -> None:
