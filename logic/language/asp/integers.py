@@ -19,6 +19,9 @@ LEAST, GREATEST = -(2**31), 2**31 - 1
 MOST_DIGITS = 40
 """More than any number of 32 bits has, in any base."""
 
+_ARITHMETIC = re.compile(r"[+*]|(?<!:)-")
+"""What stands in a statement whose numbers can leave the range, and in few others."""
+
 _LITERAL = re.compile(r"((?<![\w)])-\s*)?(?<![\w'])(0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
 """A sign that is no subtraction, and a number."""
 
@@ -42,7 +45,8 @@ def overflowing(statements: Iterable[Statement]) -> Iterator[GrammarError]:
         each.node.name: each.node.value for each in found if each.node.ast_type == ASTType.Definition
     }
     for statement in found:
-        yield from _overflowing(statement.node, constants)
+        if _ARITHMETIC.search(str(statement.node)):
+            yield from _overflowing(statement.node, constants)
 
 
 def _overflowing(node: Any, constants: Mapping[str, Any]) -> Iterator[GrammarError]:
