@@ -267,13 +267,13 @@ def test_actions_beyond_the_box_are_clipped_where_that_is_asked_for():
 
 def test_commands_are_a_discrete_choice_of_the_same_motions():
     ours, theirs = make(preset=DRIVE), make()
-    assert ours.single_action_space == gymnasium.spaces.Discrete(5)
+    assert ours.single_action_space == gymnasium.spaces.Discrete(15)
     ours.reset(seed=0), theirs.reset(seed=0)
     table = np.array(DRIVE.drive.commands, np.float32)
-    for chosen in np.random.default_rng(0).integers(5, size=(20, 32)):
+    for chosen in np.random.default_rng(0).integers(15, size=(20, 32)):
         np.testing.assert_array_equal(ours.step(chosen)[0], theirs.step(table[chosen])[0])
-    with pytest.raises(ValueError, match="actions go from 0 to 4, found 0 to 5"):
-        ours.step(np.arange(32) % 6)
+    with pytest.raises(ValueError, match="actions go from 0 to 14, found 0 to 15"):
+        ours.step(np.arange(32) % 16)
 
 
 @pytest.mark.parametrize(
