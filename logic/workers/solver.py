@@ -261,6 +261,11 @@ class Solver:
         """Whether the process still runs."""
         return self._process.poll() is None
 
+    @property
+    def is_free(self) -> bool:
+        """Whether it can be asked: it runs, has answered all, and was not told to end."""
+        return self.is_alive() and not self.unanswered and not self._interrupted
+
     def _died(self, late: str) -> VitruviusError:
         code = self._process.wait()
         if code == -signal.SIGXCPU:

@@ -176,7 +176,7 @@ class Pool:
         self._busy.discard(worker)
         if self._ended:
             worker.end()
-        elif worker.is_alive() and not worker.unanswered:
+        elif worker.is_free:
             self._free.put_nowait(worker)
         else:
             worker.end()

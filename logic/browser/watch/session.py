@@ -15,7 +15,7 @@ from logic.browser.watch.pool import Pool, Spares, Stale
 from logic.drawing.canvas import svg
 from logic.drawing.draw import plan
 from logic.drawing.palettes import style
-from logic.errors import Finding, GrammarError, RequestError, VitruviusError, to_record
+from logic.errors import Finding, GrammarError, LimitReached, RequestError, VitruviusError, to_record
 from logic.grammar import MOST_BYTES, reading_of
 from logic.house import looks
 from logic.house.house import House
@@ -119,7 +119,7 @@ class Session:
             finding = Finding("error", where, error.line or 1, error.column or 1, error.message)
             return {"findings": self._named([finding])}
         except VitruviusError as error:
-            return {"index": 0, "problem": self._named(to_record(error))}
+            return {"index": 0, "problem": self._problem(error)}
         if isinstance(said, Judged):
             return {"findings": self._named(said.findings)}
         return {"kinds": {"types": said.types, "most_rooms": said.most_rooms}}
@@ -163,7 +163,7 @@ class Session:
             house = House.from_dict(made.house)
             drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
-            return {"index": index, "problem": self._named(to_record(error))}
+            return {"index": index, "problem": self._problem(error)}
         types = {room.name: room.type for room in house.counted}
         drawn = svg([((0, 0), drawing)], PLAN, PLAN)
         return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
@@ -217,6 +217,13 @@ class Session:
         texts = [content.decode("utf-8", "replace").replace("\r\n", "\n") for content in contents.values()]
         named = zip(self._files.values(), texts, strict=True)
         return Rules(version, self._name, tuple({"name": name, "text": text} for name, text in named))
+
+    def _problem(self, error: VitruviusError) -> Any:
+        """Why there is no house, as the page reads it: limits of all kinds are ``LimitReached``."""
+        record = to_record(error)
+        if isinstance(error, LimitReached):
+            record["kind"] = LimitReached.__name__
+        return self._named(record)
 
     def _named(self, said: Any) -> Any:
         """What is said as JSON, with rule files in short: ``rooms.lp``, ``home/furniture.lp``."""

@@ -131,7 +131,7 @@ function receivePart({ kinds, findings, index, house, types, svg, problem }, req
   } else {
     if (problem.reasons) showProof(problem);
     else showAnswer("No house", element("p", {}, problem.message));
-    say("There is no such house.");
+    say(problem.reasons ? "There is no such house." : "No house was made.");
     return false;
   }
   return true;

@@ -1,0 +1,76 @@
+"""Which solver processes of a page's pool are asked again."""
+
+import asyncio
+import threading
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from logic.browser.watch import pool as pools
+from logic.browser.watch.pool import Pool
+from logic.browser.watch.session import Session
+from logic.errors import GrammarError, Killed, LimitReached, OutOfInferences, RequestError
+from logic.workers.solver import Solver
+
+
+class Ready(Solver):
+    """A process that has loaded its rules, and is slow to die."""
+
+    def __init__(self) -> None:
+        self._interrupted, self.unanswered = False, 0
+
+    def prepared(self) -> None:
+        """At once."""
+
+    def open(self, opening: Any) -> None:
+        """At once."""
+
+    def loaded(self, seconds: float = 0.0) -> Any:
+        """Without a remark."""
+
+    def is_alive(self) -> bool:
+        """Still."""
+        return True
+
+    def _kill(self) -> None:
+        """It takes longer than the next question."""
+
+    def end(self) -> None:
+        """Nothing runs."""
+
+
+def test_a_process_that_answers_as_it_is_told_to_end_is_asked_no_more(monkeypatch):
+    """Its answer came after the caller had gone, and past the time that it had: then it dies, and whoever
+    asked it next was told that there is no house.
+    """
+    monkeypatch.setattr(pools, "GRACE", 0.01)
+    spares: Any = SimpleNamespace(take=Ready)
+
+    async def again() -> tuple[Solver, list[Solver]]:
+        pool, answered, first = Pool(Path(), spares), threading.Event(), list[Solver]()
+
+        def slow(worker: Solver) -> None:
+            first.append(worker)
+            answered.wait(10)
+
+        await pool.verdict()
+        late = asyncio.ensure_future(pool.ask(slow))
+        while not first:
+            await asyncio.sleep(0.01)
+        late.cancel()
+        while not first[0]._interrupted:
+            await asyncio.sleep(0.01)
+        answered.set()
+        await asyncio.sleep(0.1)
+        asked = [await pool.ask(lambda worker: worker) for _ in range(3 * pools.SIZE)]
+        return first[0], asked
+
+    first, asked = asyncio.run(again())
+    assert first not in asked
+
+
+def test_limits_of_all_kinds_are_limits_on_the_page_and_nothing_else_is():
+    session: Any = SimpleNamespace(_named=lambda said: said)
+    errors = Killed(""), OutOfInferences(""), LimitReached(""), GrammarError(""), RequestError("")
+    kinds = [Session._problem(session, error)["kind"] for error in errors]
+    assert kinds == ["LimitReached"] * 3 + ["GrammarError", "RequestError"]
