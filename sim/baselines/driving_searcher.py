@@ -128,9 +128,7 @@ def _kernels(program: Any, episodes: Episodes, replan: int) -> tuple[Any, Any]:
         """Find the ways from every place of views of every house, and what a look from there shows."""
         words = search.sampled.shape[0] // ti.min(ti.static(AT_ONCE), search.notes.shape[0])
         for k in range(search.viewpoints.shape[0] // 2):
-            house, end = 0, search.rows.shape[0] - 1
-            while house < end and search.rows[house + 1][VIEW] <= HEADINGS * k:
-                house += 1
+            house = goals.house_of(search, HEADINGS * k)
             v = k - search.rows[house][VIEW] // HEADINGS
             if v < search.rows[house][PLACES]:
                 goals.join(world, search, house, v)

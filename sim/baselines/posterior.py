@@ -79,6 +79,14 @@ class Posterior:
         return ti.Vector([search.origins[2 * house], search.origins[2 * house + 1]])
 
     @ti.func
+    def house_of(self, search: ti.template(), view):
+        """The house that a view is of."""
+        house, end = 0, search.rows.shape[0] - 1
+        while house < end and search.rows[house + 1][VIEW] <= view:
+            house += 1
+        return house
+
+    @ti.func
     def restart(self, search: ti.template(), e, state, near):
         """A new target: it may be anywhere but too near to the last one, where none is sampled."""
         row, first, some = search.rows[state.house], self.first_left(search, e), 0

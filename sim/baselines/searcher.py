@@ -87,9 +87,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
         """Look from every view of every house at its samples."""
         words = search.sampled.shape[0] // ti.min(ti.static(AT_ONCE), search.notes.shape[0])
         for view in range(search.shown.shape[0] // (8 * words)):
-            house, end = 0, search.rows.shape[0] - 1
-            while house < end and search.rows[house + 1][VIEW] <= 8 * view:
-                house += 1
+            house = planner.house_of(search, 8 * view)
             row, corner = search.rows[house], planner.corner(search, house)
             across = (row[LINES] + ti.static(pitch - 1)) // ti.static(pitch)
             here = view - row[VIEW] // 8
