@@ -6,6 +6,7 @@ import re
 import shlex
 from collections.abc import Callable, Iterable
 from functools import wraps
+from html import escape
 from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -81,3 +82,11 @@ def printable(text: str, keep: str = "") -> str:
         letter if letter.isprintable() or letter in keep else letter.encode("unicode_escape").decode()
         for letter in text
     )
+
+
+def markup(text: object) -> str:
+    """Return text as HTML and SVG show it: its tags, entities and quotes are none of the page's.
+
+    Every page and picture escapes the text of others by this function alone.
+    """
+    return escape(printable(str(text)))

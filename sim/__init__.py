@@ -13,6 +13,7 @@ _logic = find_spec("logic")
 if _logic and Path(_logic.origin or "").resolve().parent.parent != Path(__file__).resolve().parent.parent:
     raise ImportError(f"{_logic.origin}: hides the package logic of Vitruvius: give it another name")
 
+from sim.allowed import allow
 from sim.baselines.oracle import Oracle, shortest_path
 from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
@@ -35,6 +36,7 @@ __all__ = [
     "Reach",
     "Rooms",
     "Task",
+    "allow",
     "check_autoreset_modes",
     "check_vector_env",
     "shortest_path",

@@ -4,7 +4,7 @@ All policies meet the same starts and the same targets in the same order: house 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import islice
 
@@ -27,6 +27,7 @@ from logic.cluster import Cluster
 from logic.house.looks import looks_of
 from logic.spelling import keywords
 from sim import HouseVectorEnv
+from sim.allowed import allow, allowed
 from sim.baselines.bound import TimeBound
 from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
@@ -55,6 +56,8 @@ class EvaluationPart:
     baselines: Sequence[str]
     world: str
     episodes: int
+    allow: tuple[str, ...] = field(default_factory=allowed)
+    """Classes that text may name here: the process that plays may be another one."""
 
 
 @keywords(targets="modes", preset="agents")
@@ -126,6 +129,7 @@ def _as_task(part: EvaluationPart) -> Result:
 
 def played(part: EvaluationPart, report: Report = lambda done, words: None) -> Result:
     """What all policies do in a part of a bank."""
+    allow(*part.allow)
     agents, houses, mode, seed, world = part.agents, part.houses, part.mode, part.seed, part.world
     drives = part.backend == "free"
     known = DRIVERS if drives else BASELINES

@@ -7,7 +7,7 @@ house. So scores of external agents, of another library or another day, can be s
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 import msgspec
 import numpy as np
@@ -19,8 +19,13 @@ from agent.evaluation.result import DEFINITIONS, Result
 from logic import House
 from logic.errors import VitruviusError
 
-Figure = dict[str, float]
-"""A value with its interval: ``value``, ``low``, ``high``."""
+
+class Figure(TypedDict):
+    """A value with its interval."""
+
+    value: float
+    low: float
+    high: float
 
 
 class ScoreError(VitruviusError):

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table as RichTable
+from rich.text import Text
 
 from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
-from logic.spelling import numbered
+from logic.spelling import numbered, printable
 from sim.tasks.tasks import PAPER_TASKS
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
@@ -69,7 +70,7 @@ class Table:
     def terminal(self) -> RichTable:
         """For a terminal of 80 columns."""
         table = RichTable(
-            title=f"\n{self.title}",
+            title=Text(f"\n{self.title}"),
             title_justify="left",
             title_style="bold",
             box=SIMPLE_HEAD,
@@ -78,15 +79,22 @@ class Table:
             padding=(0, 1, 0, 0),
         )
         for place, heading in enumerate(self.headings):
-            table.add_column(heading, no_wrap=True, justify="right" if place else "left")
+            table.add_column(Text(heading), no_wrap=True, justify="right" if place else "left")
         for row in self.rows:
-            table.add_row(*row)
+            table.add_row(*map(Text, row))  # as it is: rich reads [red] as a colour otherwise
         return table
 
     def markdown(self) -> str:
         """As a Markdown table under its title."""
-        lines = (self.headings, ["---"] * len(self.headings), *self.rows)
-        return f"**{self.title}**\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines)
+        rows = [[*map(_in_cell, row)] for row in (self.headings, *self.rows)]
+        lines = (rows[0], ["---"] * len(self.headings), *rows[1:])
+        title = _in_cell(self.title)
+        return f"**{title}**\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _in_cell(text: str) -> str:
+    """Return text as a cell of a Markdown table, which no name of others ends or turns into HTML."""
+    return printable(text).replace("<", "&lt;").replace("|", "\\|")
 
 
 def tables(result: Result) -> list[Table]:

@@ -9,11 +9,12 @@ import torch
 
 from agent.avoidance import Free, Layer, PaperRule, Shield, air
 from agent.learning.config import TrainConfig
-from agent.learning.simulator import actions, simulator
+from agent.learning.simulator import actions, require_task, simulator
 from logic import House, HouseFileError, RequestError
 from logic.spelling import keywords
 from sim import HouseRotation, HouseVectorEnv
 from sim.config import Config
+from sim.environment.arguments import backend_class
 from sim.tasks.tasks import Targets, suited, task
 
 
@@ -27,16 +28,20 @@ def make_envs(
     backend: str = "continuous",
     device: str = "cpu",
 ) -> HouseVectorEnv:
-    """That many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
+    """Return that many environments over a bank of houses, as ``gymnasium.make_vec`` does, without wrappers.
+
+    ``targets`` and ``backend`` may come from a file: a ``module:Class`` in them must be allowed
+    (``sim.allow``).
 
     Raises ``HouseFileError`` where the body or a target has no place in one of the houses.
     """
     try:
+        backend_class(backend)
         envs = gymnasium.make_vec(
             "sim:Vitruvius/House-v0",
             num_envs=number,
             houses=houses,
-            targets=targets,
+            targets=task(targets),
             preset=preset,
             backend=backend,
             device=device,
@@ -77,6 +82,7 @@ def require_own_maps(config: TrainConfig, envs: HouseVectorEnv) -> None:
         raise RequestError(
             f"{name} that learnt maps of a body of {learnt:.3f} m cannot read those of one of {body:.3f} m"
         )
+    require_task(config.targets)
     if task(config.targets) != envs.world.task:
         raise RequestError(
             f"{name} plays no other task than the one that it has learnt: "

@@ -1,5 +1,6 @@
 """The simulator that an agent learns in, by its config. Without torch, so that a mistake is told at once."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, fields, replace
 
 import msgspec
@@ -8,6 +9,7 @@ from agent.learning.config import TrainConfig
 from logic import RequestError
 from logic.spelling import unknown
 from sim.actions import ACTIONS, FORWARD
+from sim.allowed import allow, class_names
 from sim.config import DEFAULT, PRESETS, SENSOR, Config
 from sim.tasks.tasks import task
 
@@ -85,8 +87,25 @@ def undisturbed(world: Config) -> Config:
 
 
 def require_task(targets: str) -> None:
-    """Raise ``RequestError`` where there is no such task."""
+    """Raise ``RequestError`` where there is no such task, or where it names a class that nobody allowed."""
     try:
         task(targets)
     except ValueError as error:
         raise RequestError(str(error)) from None
+
+
+def require_asked_task(targets: str) -> None:
+    """Allow the class of a task that the command line states.
+
+    Raises ``RequestError`` where there is no such task.
+    """
+    allow(*class_names(targets))
+    require_task(targets)
+
+
+def allow_named(names: Iterable[str]) -> None:
+    """Let files name the classes of ``--allow``. Raises ``RequestError`` for one that is no module:Class."""
+    try:
+        allow(*names)
+    except ValueError as error:
+        raise RequestError(f"--{error}") from None

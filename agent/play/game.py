@@ -10,7 +10,7 @@ from agent.learning.simulator import sensor
 from agent.play.results import PlayedGame, ResultsError, require_house
 from agent.policies.episodes import moments
 from agent.runs.checkpoint import Checkpoint
-from logic import House, RequestError
+from logic import House, HouseFileError, RequestError
 from logic.spelling import numbered
 from sim.actions import FORWARD, LEFT, RIGHT
 from sim.config import DEFAULT, Config
@@ -52,7 +52,10 @@ def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[S
     Raises ``ResultsError`` where it was played in another house, or does not come out as it says.
     """
     require_house(played, house, where)
-    game = Game(house, played.targets, played.seed)
+    try:
+        game = Game(house, played.targets, played.seed)
+    except HouseFileError as error:
+        raise ResultsError(f"{where}: {error}") from None
     scenes, actions = [game.scene], {letter: action for action, letter in LETTERS.items()}
     for letter in played.actions:
         game.act(actions[letter])

@@ -1,7 +1,6 @@
 """The section of episodes: a player for each trace, over the plan of its house."""
 
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 
 import msgspec
@@ -13,7 +12,7 @@ from logic.drawing.canvas import Drawing, svg
 from logic.drawing.labels import background
 from logic.drawing.plan import Frame, extent
 from logic.house.looks import looks_of
-from logic.spelling import numbered
+from logic.spelling import markup, numbered
 from sim.tasks.words import in_words
 
 SIZE = 640
@@ -42,7 +41,7 @@ def _player(path: Path, trace: Trace) -> str:
     content = msgspec.json.encode(trace).decode().replace("<", "\\u003c")
     return (
         f'<article class="episode" data-scale="{scale:.6f}" data-left="{frame.left:.4f}" '
-        f'data-top="{frame.top:.4f}" data-file="{escape(str(path))}">\n<h3>{escape(title)}</h3>\n'
+        f'data-top="{frame.top:.4f}" data-file="{markup(path)}">\n<h3>{markup(title)}</h3>\n'
         f'<div class="stage">{plan}</div>\n'
         f'<script type="application/json">{content}</script>\n</article>'
     )

@@ -1,6 +1,5 @@
 """The section of training runs: learning curves, how far each run came, and what was asked for."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,13 +24,33 @@ CURVES = (
 """Fields of ``Progress`` that are drawn: title and label, and whether the axis is logarithmic."""
 
 
+class HousesOfRun(msgspec.Struct, frozen=True):
+    """Number and hash of the houses that a run learns in."""
+
+    number: int | None = None
+    hash: str = "?"
+
+
+class AskedRun(msgspec.Struct, frozen=True):
+    """What ``config.json`` says of a run: see ``agent.runs.runs``."""
+
+    algorithm: str
+    preset: str = "–"
+    config: dict[str, Any] = {}
+    houses: HousesOfRun = HousesOfRun()
+    command: str = ""
+    python: str = ""
+    torch: str = ""
+    machine: str = ""
+
+
 @dataclass(frozen=True)
 class TrainingRun:
     """What there is of a run in its folder."""
 
     name: str
-    config: dict[str, Any]
-    """``config.json``; empty where it is not there."""
+    config: "AskedRun | None"
+    """What ``config.json`` says; None where there is no such file, or another program's."""
     history: list[Progress]
 
     @classmethod
@@ -39,9 +58,7 @@ class TrainingRun:
         """Read it: a kill may tear the last report, and leave a run without any."""
         here = Folder(folder)
         try:
-            config = json.loads(here.config.read_bytes()) if here.config.exists() else {}
-            if not isinstance(config, dict):
-                raise ValueError("it is no object")
+            config = _asked(here.config.read_bytes()) if here.config.exists() else None
         except ValueError as error:
             raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
         history = []
@@ -68,13 +85,19 @@ class TrainingRun:
         return "finished" if done >= 1 else f"stopped at {done:.0%}: vitruvius train --resume continues it"
 
 
+def _asked(content: bytes) -> AskedRun | None:
+    """Return what a ``config.json`` says of a run; None for another program's. Raises ``ValueError``."""
+    found = msgspec.json.decode(content, type=dict[str, Any])
+    return msgspec.convert(found, AskedRun) if "algorithm" in found else None
+
+
 def section(files: Sequence[Path], folder: Path) -> Section | None:
     """Of the folders of these ``config.json`` or ``metrics.jsonl`` files. Other programs have a file
     ``config.json`` too: theirs are passed over.
     """
     folders = sorted({path.parent for path in files})
     found = [TrainingRun.of(each, _name(each, folder)) for each in folders]
-    runs = [run for run in found if run.history or "algorithm" in run.config]
+    runs = [run for run in found if run.history or run.config]
     if not runs:
         return None
     shown = [run for run in runs if run.history]
@@ -87,12 +110,13 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
         last = run.history[-1] if run.history else None
         cells = [_cell(last, "steps", ",.0f"), _cell(last, "seconds", ",.0f"), _cell(last, "targets", ".1f")]
         speeds = [_cell(last, part, ",.0f") for part in ("simulator", "learner", "map")]
-        rows.append([run.name, run.config.get("preset", "–"), *cells, *speeds, run.state])
+        preset = run.config.preset if run.config else "–"
+        rows.append([run.name, preset, *cells, *speeds, run.state])
     headings = ("run", "agent", "steps", "seconds", "targets", "simulator", "learner", "map", "state")
     parts.append(
         table("Runs: steps a second of the simulator, the learner and the map alone", headings, rows)
     )
-    parts += [_config(run) for run in runs if run.config]
+    parts += [_config(run.name, run.config) for run in runs if run.config]
     return Section("learning", "How they learnt", "\n".join(parts))
 
 
@@ -102,7 +126,7 @@ def _name(run: Path, folder: Path) -> str:
 
 def _kind(run: TrainingRun) -> str:
     """What runs of one colour have in common."""
-    return str(run.config.get("preset", run.name))
+    return run.config.preset if run.config else run.name
 
 
 def _curve(
@@ -128,14 +152,15 @@ def _cell(last: Progress | None, field: str, form: str) -> Cell:
     return Cell("–") if value is None else Cell(format(value, form), order=value)
 
 
-def _config(run: TrainingRun) -> str:
-    """What was asked for, in which houses, with which versions."""
-    houses, command = run.config.get("houses", {}), run.config.get("command")
-    words = f"{houses.get('number', '?')} houses, hash {str(houses.get('hash', '?'))[:12]}. "
-    words += " ".join(
-        f"{name} {run.config[name]}." for name in ("python", "torch", "machine") if name in run.config
+def _config(name: str, asked: AskedRun) -> str:
+    """Return what was asked for, in which houses, with which versions."""
+    number = "?" if asked.houses.number is None else asked.houses.number
+    words = f"{number} houses, hash {asked.houses.hash[:12]}. " + " ".join(
+        f"{label} {value}."
+        for label, value in (("python", asked.python), ("torch", asked.torch), ("machine", asked.machine))
+        if value
     )
-    fields = [[name, str(value)] for name, value in run.config.get("config", {}).items()]
-    asked = f"<p>{inline(f'`{command}`')}</p>" if command else ""
-    shown = f"<p>{inline(words)}</p>{asked}{table('Configuration', ('field', 'value'), fields)}"
-    return details(f"Configuration of {run.name}", shown)
+    fields = [[key, str(value)] for key, value in asked.config.items()]
+    command = f"<p>{inline(f'`{asked.command}`')}</p>" if asked.command else ""
+    shown = f"<p>{inline(words)}</p>{command}{table('Configuration', ('field', 'value'), fields)}"
+    return details(f"Configuration of {name}", shown)

@@ -1,7 +1,6 @@
 """The section of what was measured: each policy's figures with their intervals, as plots and tables."""
 
 from collections.abc import Callable, Sequence
-from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +10,14 @@ from agent.evaluation import scores
 from agent.evaluation.drivers import NO_AGENTS
 from agent.evaluation.learnt_in import warnings
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
-from agent.evaluation.scores import ModeScores, PolicyScores, ScoredBank
+from agent.evaluation.scores import Figure, ModeScores, PolicyScores, ScoredBank
 from agent.evaluation.statistics import Estimate, interquartile_mean
 from agent.evaluation.tables import DRIVE_NOTE, LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
 from agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
 from logic import load
 from logic.house.looks import looks_of, spaced
-from logic.spelling import numbered
+from logic.spelling import markup, numbered
 from sim.tasks.words import in_words
 
 COLUMNS = {
@@ -52,8 +51,12 @@ def lead(files: Sequence[Path]) -> str:
 
 
 def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
-    """What the types of a bank are called, by its first house's looks, where it is here."""
-    beside = [folder / bank.file for folder in (path.parent, path.parent.parent)] if bank.file else []
+    """Return what the types of a bank are called, by its first house's looks, where it is here.
+
+    The bank's name comes from a file: it is looked for in the folder of the run and in the one above alone.
+    """
+    inside = bank.file and not Path(bank.file).is_absolute() and ".." not in Path(bank.file).parts
+    beside = [folder / bank.file for folder in (path.parent, path.parent.parent)] if inside else []
     file = next((each for each in beside if each.is_file()), None)
     if file is None and bank.file not in BANKS:
         return spaced
@@ -93,9 +96,10 @@ def section(files: Sequence[Path], folder: Path) -> Section:
         bank = file.bank
         notes[DRIVE_NOTE if file.backend == "free" else SCORE_NOTE] = None
         houses = f"{bank.houses} houses" + (f" of {bank.file}" if bank.file else "")
-        parts.append(f"<p>{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}.</p>")
+        words = f"{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}."
+        parts.append(f"<p>{markup(words)}</p>")
         told = warnings(file.learnt_in, bank.houses)
-        parts += [f"<p><strong>{escape(each)}.</strong></p>" for each in told]
+        parts += [f"<p><strong>{markup(each)}.</strong></p>" for each in told]
         named = _naming(path, bank)
         parts += [
             _mode(name, in_words(name, named), mode, file.definitions) for name, mode in file.targets.items()
@@ -116,7 +120,7 @@ def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) 
         for policy, found in figures.items()
         if "ratio" in found
     ]
-    parts = [f"<h3>{escape(capital(words))}</h3>", '<div class="figures-row">']
+    parts = [f"<h3>{markup(capital(words))}</h3>", '<div class="figures-row">']
     if ratios:
         mark = (HUMAN_RATIO, human_name(name)) if human else None
         parts.append(interval_plot(f"Ratio to the {best}, {words}", f"ratio to the {best}", ratios, mark))
@@ -156,8 +160,8 @@ def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dic
     return line_plot(f"Ratio by number of rooms, {words}", x, y, found)
 
 
-def estimate(figure: dict[str, float]) -> Estimate:
-    """A figure of a file."""
+def estimate(figure: Figure) -> Estimate:
+    """Return a figure of a file."""
     return Estimate(figure["value"], figure["low"], figure["high"])
 
 

@@ -6,7 +6,6 @@ import re
 import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import msgspec
 
 from logic.errors import VitruviusError
+from logic.spelling import markup
 
 
 class ReportError(VitruviusError):
@@ -59,11 +59,11 @@ def page(title: str, lead: str, sections: Sequence[Section]) -> bytes:
     return (
         Template(FOLDER.joinpath("page.html").read_text())
         .substitute(
-            title=escape(title),
-            lead=f'<p class="lead">{escape(lead)}</p>' if lead else "",
-            links="\n".join(f'<li><a href="#{each.name}">{escape(each.title)}</a></li>' for each in sections),
+            title=markup(title),
+            lead=f'<p class="lead">{markup(lead)}</p>' if lead else "",
+            links="\n".join(f'<li><a href="#{each.name}">{markup(each.title)}</a></li>' for each in sections),
             sections="\n".join(
-                f'<section id="{each.name}"><h2>{escape(each.title)}</h2>\n{each.html}\n</section>'
+                f'<section id="{each.name}"><h2>{markup(each.title)}</h2>\n{each.html}\n</section>'
                 for each in sections
             ),
             policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'",
@@ -76,7 +76,7 @@ def page(title: str, lead: str, sections: Sequence[Section]) -> bytes:
 
 def inline(text: str) -> str:
     """A paragraph with ``**bold**`` and code between backticks."""
-    html = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", escape(text, quote=False))
+    html = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", markup(text))
     return re.sub(r"`(.+?)`", r"<code>\1</code>", html)
 
 
@@ -86,24 +86,24 @@ def table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[Cell | 
     for row in rows:
         cells = [each if isinstance(each, Cell) else Cell(each) for each in row]
         lines.append("<tr>" + "".join(map(_cell, cells, [True] + [False] * len(cells))) + "</tr>")
-    head = "".join(f'<th scope="col"><button type="button">{escape(each)}</button></th>' for each in headings)
+    head = "".join(f'<th scope="col"><button type="button">{markup(each)}</button></th>' for each in headings)
     return (
-        f'<div class="wide"><table class="figures"><caption>{escape(caption)}</caption>'
+        f'<div class="wide"><table class="figures"><caption>{markup(caption)}</caption>'
         f"<thead><tr>{head}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
     )
 
 
 def _cell(cell: Cell, first: bool) -> str:
     order = f' data-order="{cell.order:.6g}"' if cell.order is not None else ""
-    below = f" <small>{escape(cell.below)}</small>" if cell.below else ""
-    content = f"{order}>{escape(cell.text)}{below}"
+    below = f" <small>{markup(cell.below)}</small>" if cell.below else ""
+    content = f"{order}>{markup(cell.text)}{below}"
     kind = ' class="words"' if any(map(str.isalpha, cell.text)) else ""
     return f'<th scope="row"{content}</th>' if first else f"<td{kind}{content}</td>"
 
 
 def details(summary: str, html: str) -> str:
     """What a reader opens to see."""
-    return f"<details><summary>{escape(summary)}</summary>\n{html}\n</details>"
+    return f"<details><summary>{markup(summary)}</summary>\n{html}\n</details>"
 
 
 def data(name: str, value: Any) -> str:

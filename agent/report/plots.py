@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from html import escape
 
 from agent.evaluation.statistics import Estimate
 from agent.report.page import details, table
+from logic.spelling import markup
 
 SLOTS = {
     "oracle": 1,
@@ -112,8 +112,8 @@ def line_plot(title: str, x: Axis, y: Axis, series: Sequence[DataSeries], note: 
     ]
     headings = ["line", x.label, y.label, *(["from", "to"] if any(each.low for each in series) else [])]
     return (
-        f"<figure><figcaption>{escape(title)}</figcaption>{picture}{_legend(series)}"
-        + (f"<p>{escape(note)}</p>" if note else "")
+        f"<figure><figcaption>{markup(title)}</figcaption>{picture}{_legend(series)}"
+        + (f"<p>{markup(note)}</p>" if note else "")
         + details("Numbers", table(title, headings, rows))
         + "</figure>"
     )
@@ -143,12 +143,12 @@ def interval_plot(
         low, value, high = (scale.at(v) for v in (each.low, each.value, each.high))
         parts.append(_text(left - 8, y + 4, name, "end", f"name c{slot}"))
         parts.append(
-            f'<g class="c{slot}"><title>{escape(name)}: {each.text()}</title>'
+            f'<g class="c{slot}"><title>{markup(name)}: {each.text()}</title>'
             f'<line class="interval" x1="{low:.1f}" x2="{max(high, low + 1):.1f}" y1="{y}" y2="{y}"/>'
             f"{_point(value, y, slot)}</g>"
         )
         parts.append(_text(value, y - 9, f"{each.value:.2f}", "middle", "small"))
-    return f"<figure><figcaption>{escape(title)}</figcaption>{_svg(title, height, ''.join(parts))}</figure>"
+    return f"<figure><figcaption>{markup(title)}</figcaption>{_svg(title, height, ''.join(parts))}</figure>"
 
 
 def some(count: int, most: int) -> range:
@@ -175,13 +175,13 @@ def _drawn(series: DataSeries, across: _Scale, up: _Scale) -> str:
         below = [(across.at(x), up.at(v)) for x, v in zip(series.x, series.low, strict=True)]
         parts.append(f'<polygon class="band" points="{_listed(above + below[::-1])}"/>')
     parts.append(
-        f'<polyline class="line" points="{_listed(points)}"><title>{escape(series.name)}</title></polyline>'
+        f'<polyline class="line" points="{_listed(points)}"><title>{markup(series.name)}</title></polyline>'
     )
     if series.marked:
         for k, (x, y) in enumerate(points):
             values = " ".join((number(series.y[k]), *_interval(series, k)))
             words = f"{series.name}, {number(series.x[k])}: {values}"
-            parts.append(f"<g><title>{escape(words)}</title>{_point(x, y, series.slot)}</g>")
+            parts.append(f"<g><title>{markup(words)}</title>{_point(x, y, series.slot)}</g>")
     return "".join(parts) + "</g>"
 
 
@@ -210,7 +210,7 @@ def _grid(x: Axis, y: Axis, across: _Scale, up: _Scale) -> str:
     parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, x.label, "middle"))
     middle = (TOP + HEIGHT - BOTTOM) / 2
     turned = f'text-anchor="middle" transform="rotate(-90 13 {middle})"'
-    parts.append(f'<text x="13" y="{middle}" {turned}>{escape(y.label)}</text>')
+    parts.append(f'<text x="13" y="{middle}" {turned}>{markup(y.label)}</text>')
     return "".join(parts)
 
 
@@ -221,21 +221,21 @@ def _tick_x(at: float, top: float, foot: float, words: str) -> str:
 
 def _text(x: float, y: float, words: str, anchor: str, kind: str = "") -> str:
     named = f' class="{kind}"' if kind else ""
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{named}>{escape(words)}</text>'
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{named}>{markup(words)}</text>'
 
 
 def _legend(series: Sequence[DataSeries]) -> str:
     names = dict.fromkeys((each.name, each.slot) for each in series)
     items = "".join(
         f'<li class="c{slot}"><svg width="26" height="12" aria-hidden="true">'
-        f'<line class="line" x1="1" x2="25" y1="6" y2="6"/>{_point(13, 6, slot)}</svg>{escape(name)}</li>'
+        f'<line class="line" x1="1" x2="25" y1="6" y2="6"/>{_point(13, 6, slot)}</svg>{markup(name)}</li>'
         for name, slot in names
     )
     return f'<ul class="legend">{items}</ul>' if len(names) > 1 else ""
 
 
 def _svg(title: str, height: float, content: str) -> str:
-    named = f'role="img" aria-label="{escape(title)}"'
+    named = f'role="img" aria-label="{markup(title)}"'
     return f'<svg class="plot" {named} viewBox="0 0 {WIDTH} {height}">{content}</svg>'
 
 

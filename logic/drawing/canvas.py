@@ -4,13 +4,12 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from html import escape
 from itertools import pairwise
 from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from logic.spelling import printable
+from logic.spelling import markup, printable
 
 Box = tuple[float, float, float, float]
 """(left, top, right, bottom), CSS pixels."""
@@ -167,7 +166,7 @@ def _element(shape: Shape) -> str:
     """The SVG element of a shape."""
     match shape:
         case Part(name, shapes):
-            return f'<g data-part="{escape(printable(name))}">{"".join(map(_element, shapes))}</g>'
+            return f'<g data-part="{markup(name)}">{"".join(map(_element, shapes))}</g>'
         case Block((left, top, right, bottom), fill, stroke, width, radius):
             size = f'width="{right - left:.1f}" height="{bottom - top:.1f}" rx="{radius:.1f}"'
             return f'<rect x="{left:.1f}" y="{top:.1f}" {size} {_paint(fill, stroke, width)}/>'
@@ -185,7 +184,7 @@ def _element(shape: Shape) -> str:
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
             place += ' pointer-events="none"'  # A click on a room's name is one on the room.
-            return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{escape(printable(text))}</text>"
+            return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{markup(text)}</text>"
 
 
 def _path(shape: Curve | Strokes) -> str:

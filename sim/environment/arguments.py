@@ -1,5 +1,6 @@
 """An environment's arguments, read and checked: its houses, its backend and its configuration."""
 
+import pkgutil
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,12 +10,13 @@ import numpy as np
 
 from logic import House, load
 from logic.spelling import unknown
+from sim.allowed import allow, class_names, imported, is_class_name
 from sim.backends.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.environment.observed import require_observed
 from sim.environment.rotation import HouseRotation
 from sim.geometry import check_lengths
-from sim.tasks.tasks import PAPER, AnyTask, Targets, named, task
+from sim.tasks.tasks import PAPER, AnyTask, Targets, task
 from sim.tasks.terms import terms_of
 
 Houses = str | Path | Sequence[House] | dict[str, Any] | HouseRotation
@@ -71,6 +73,7 @@ def read_arguments(
     """
     device = DEVICES.get(str(device), str(device))  # torch's too: torch.device("cuda:0")
     require("device", device, DEVICES)
+    allow(*class_names(targets), *class_names(backend))
     wanted = task(targets)
     if max_episode_steps is None:
         max_episode_steps = terms_of(wanted).steps or None
@@ -116,17 +119,15 @@ def house_list(houses: Houses) -> list[House]:
 
 
 def backend_class(name: str) -> type[Backend]:
-    """A backend of ours by name, or another as ``module:Class``; ``ValueError`` if there is none."""
+    """Return a backend of ours by name, or an allowed ``module:Class``; ``ValueError`` if there is none."""
     if not isinstance(name, str):
         raise ValueError(
             f"backend must be a name, one of {', '.join(BACKENDS)} or module:Class, not {name!r}"
         )
-    if name in BACKENDS:
-        name = BACKENDS[name]
-    elif ":" not in name:
+    if name not in BACKENDS and not is_class_name(name):
         raise ValueError(f"{unknown('backend', name, BACKENDS)}, or module:Class")
     try:
-        make = named(name)
+        make = pkgutil.resolve_name(BACKENDS[name]) if name in BACKENDS else imported(name)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"backend {name!r} cannot be had: {error}") from None
     if not isinstance(make, type):

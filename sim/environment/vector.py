@@ -10,6 +10,7 @@ from gymnasium.vector.utils import batch_space
 
 from logic import House
 from logic.spelling import keywords, unknown
+from sim.allowed import allow, class_names
 from sim.backends.backend import Backend
 from sim.config import Config
 from sim.environment.arguments import (
@@ -120,8 +121,8 @@ class HouseVectorEnv(VectorEnv):
     ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
     types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
     [1.0, 2.0, 0.0]}``, or another task, ``habit``, ``{"task": "object", "piece": "bed"}``, ``{"task":
-    "reach", "room": "hall"}``, or a ``.json`` file of one:
-    ``sim.tasks.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
+    "reach", "room": "hall"}``, or ``module:Class`` of your own: ``sim.tasks.tasks``.
+    The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
     ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.
     ``max_episode_steps``: in place of the preset's. ``gymnasium.make`` keeps it for a wrapper of its own,
@@ -224,6 +225,7 @@ class HouseVectorEnv(VectorEnv):
         """
         self._require_open()
         require_next_step(houses, self.autoreset_mode)
+        allow(*class_names(targets))
         self.world.load(house_list(houses), targets)
         self._pass(houses)
         self._ready = False

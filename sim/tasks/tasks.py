@@ -11,7 +11,6 @@ A new task is a class of a few lines, given to an environment as ``targets=``:
             return [max(house.rooms, key=lambda room: room.area).box]
 """
 
-import importlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -22,6 +21,7 @@ import numpy as np
 
 from logic import House
 from logic.spelling import unknown
+from sim.allowed import imported, is_class_name
 from sim.config import PIXEL
 from sim.geometry import Box
 from sim.tasks.furniture import Habit, Object, WeightedTask
@@ -183,13 +183,15 @@ Targets = str | dict[str, Any] | AnyTask
 
 
 def task(targets: Targets) -> AnyTask:
-    """The task that is meant: by a name of ``TARGETS`` or ``PAPER_TASKS``, as ``{"task": name or
-    "module:Class", **arguments}``, such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text
-    or in a ``.json`` file, as ``"module:Class"`` alone, or itself. ``{"rooms": ["bedroom", "study"]}`` is
-    short for the task ``rooms``, ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for ``points``.
+    """Return the task of a name, a JSON text, a dictionary, or a task itself.
 
-    All but the last go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if there is
-    no such task, or not with these arguments.
+    Names are those of ``TARGETS`` and ``PAPER_TASKS``; a dictionary is ``{"task": name, **arguments}``, such
+    as ``{"task": "reach", "room": "kitchen"}``. ``{"rooms": ["bedroom", "study"]}`` is short for the task
+    ``rooms``, ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for ``points``. A ``module:Class`` in
+    place of a name must be allowed (``sim.allow``): the text may come from a file.
+
+    All but tasks themselves go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if
+    there is no such task, or not with these arguments.
     """
     if isinstance(targets, str) and targets in TARGETS:
         return TARGETS[targets]
@@ -201,7 +203,7 @@ def task(targets: Targets) -> AnyTask:
         return given
     arguments = dict(given)
     name = arguments.pop("task", next((short for short in ("rooms", "points") if short in arguments), None))
-    if name not in [*TASKS, *TARGETS] and (not isinstance(name, str) or ":" not in name):
+    if name not in [*TASKS, *TARGETS] and not is_class_name(name):
         names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(
             f"targets: {unknown('task', name, names)}, module:Class, and"
@@ -212,20 +214,20 @@ def task(targets: Targets) -> AnyTask:
             arguments["terms"] = read_terms(arguments["terms"])
         if name in TARGETS and name not in TASKS:
             return replace(TARGETS[name], **arguments)
-        return (TASKS.get(name) or named(name))(**arguments)
+        return (TASKS.get(name) or imported(name))(**arguments)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
 
 
 def read_terms(given: Any) -> Terms:
-    """Terms as JSON says them: see ``task``. Raises ``ValueError`` for what are none."""
+    """Return terms as JSON states them: see ``task``. Raises ``ValueError`` for what are none."""
     if isinstance(given, Terms):
         return given
     given = {"class": given} if isinstance(given, str) else given
     if not isinstance(given, dict):
         raise ValueError(f'terms: {{"step": -0.01}} or "module:Class", not {given!r}')
     arguments: dict[str, Any] = {**given}
-    make = named(name) if isinstance(name := arguments.pop("class", None), str) else Terms
+    make = imported(name) if isinstance(name := arguments.pop("class", None), str) else Terms
     if not (isinstance(make, type) and issubclass(make, Terms)):
         raise ValueError(f"terms: {name} is no class of sim.tasks.terms.Terms")
     known = [each.name for each in fields(make)]
@@ -241,22 +243,18 @@ def suited(targets: Targets, houses: Sequence[House]) -> list[House]:
 
 
 def _read(text: str) -> dict[str, Any]:
-    """A task's name and arguments, of a JSON text, of the name of a ``.json`` file, or of a name alone."""
-    where = PAPER_TASKS.get(text, Path(text) if text.endswith(".json") else None)
-    if where is None and not text.startswith("{"):
-        return {"task": text}
+    """Return a task's name and arguments from a name or a JSON text."""
+    if text in PAPER_TASKS:
+        return _object(PAPER_TASKS[text].read_text(), text)
+    return _object(text, text) if text.startswith("{") else {"task": text}
+
+
+def _object(text: str, name: str) -> dict[str, Any]:
+    """Return the JSON object of a text. Raises ``ValueError`` with the text's name where it holds none."""
     try:
-        given = json.loads(where.read_text() if where else text)
-    except OSError as error:
-        raise ValueError(f"targets: {where} cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise ValueError(f"targets: {text} is no JSON: {error}") from None
+        given = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"targets: {name} is no JSON: {error}") from None
     if not isinstance(given, dict):
-        raise ValueError(f"targets: {text} holds no task, which is a JSON object")
+        raise ValueError(f"targets: {name} holds no task, which is a JSON object")
     return given
-
-
-def named(name: str) -> Any:
-    """What ``module:attribute`` names; ``ImportError`` or ``AttributeError`` where there is no such thing."""
-    module, _, attribute = name.partition(":")
-    return getattr(importlib.import_module(module), attribute)

@@ -6,25 +6,32 @@ from dataclasses import fields
 
 from logic.house.looks import spaced
 from logic.spelling import numbered
+from sim.allowed import class_names
 from sim.tasks.furniture import Habit, Object
 from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Rooms, Targets, task
 from sim.tasks.terms import Terms, terms_of
 
 
 def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
-    """A task as a phrase: "find a bed", "reach a kitchen", "targets in secondary rooms".
+    """Return a task as a phrase: "find a bed", "reach a kitchen", "targets in secondary rooms".
 
-    ``named`` gives the name of a type. What is no task, as in files of others, is its own name.
+    ``named`` gives the name of a type. Text that names a class, or no task, is its own name: nothing is
+    imported for a phrase.
     """
     if isinstance(targets, str) and targets in PAPER_TASKS:
         return f"{in_words(targets.removeprefix('paper-'))}, paper's"
+    given = _read(targets)
+    if isinstance(given, dict) and (names := [*class_names({"terms": given.get("terms")})]):
+        plain = {key: value for key, value in given.items() if key != "terms"}
+        return f"{in_words(plain, named)}, terms {spaced(names[0].rpartition(':')[2])}"
+    if any(class_names(given)):
+        return _own(given)
     try:
-        asked = task(targets)
+        asked = task(given)
     except ValueError:
-        given = _read(targets)
         return _own(given) if isinstance(given, dict) else str(given)
     words = _shipped(asked, named)
-    return words + _terms(asked) if words else _own(_read(targets))
+    return words + _terms(asked) if words else _own(given)
 
 
 def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
@@ -67,7 +74,7 @@ def _read(targets: Targets) -> Targets:
     """What a JSON text says; all else is itself."""
     try:
         given = json.loads(targets) if isinstance(targets, str) else targets
-    except ValueError:
+    except (ValueError, RecursionError):
         return targets
     return given if isinstance(given, dict) else targets
 

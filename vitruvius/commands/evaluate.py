@@ -79,6 +79,10 @@ class Evaluate:
     """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
     play the same episodes."""
 
+    allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Class of your own, module:Class, that an agent's or a game's task may name: its module is run.
+    No file may name another."""
+
     engine: Literal["ray"] | None = None
     """Play by Ray, on this machine or on a cluster (docs/scale.md): each place of the targets is a task, and
     each 256 houses of a larger bank. No figure changes."""
@@ -98,12 +102,14 @@ class Evaluate:
 
     def run(self) -> int:
         """Print the tables, or the JSON."""
-        from agent.learning.simulator import require_task
+        from agent.learning.simulator import allow_named, require_asked_task, require_task
+        from sim.allowed import is_class_name
 
         for path in self.agents:
             located(path)
+        allow_named([*self.allow, *filter(is_class_name, [self.backend])])
         for targets in self.targets:
-            require_task(targets)
+            require_asked_task(targets)
             banks.require_places(targets, self.houses)
         whole("--seed", self.seed, 0, MOST_SEED)
         drives = self.backend == "free"
@@ -136,6 +142,8 @@ class Evaluate:
             agents.setdefault(name, [checkpoint.load(name)])
         houses = banks.named(self.houses)
         modes = self.targets or tasks_of(agents)
+        for mode in modes:
+            require_task(mode)
         bank = ScoredBank(banks.bank_hash(houses), str(self.houses), len(houses))
         if self.out:
             require_report(self.out, self.replace)

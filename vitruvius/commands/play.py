@@ -40,6 +40,10 @@ class Play:
     """Where targets lie: main, secondary, mixed, or another task, as for evaluate; paper-main and so on in
     the paper's house."""
 
+    allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Class of your own, module:Class, that the agent's or a game's task may name: its module is run.
+    No file may name another."""
+
     seed: int = 0
     """House i is played with the start and the targets of seed + i, as evaluate plays it."""
 
@@ -63,7 +67,7 @@ class Play:
 
     def run(self) -> int:
         """Play the houses, or show games."""
-        from agent.learning.simulator import require_task
+        from agent.learning.simulator import allow_named, require_asked_task
         from agent.play.results import ENDINGS, load, require_games
         from logic.house.files import require_file
 
@@ -72,7 +76,8 @@ class Play:
         whole("--seed", self.seed, 0, MOST_SEED)
         if self.race:
             located(self.race)
-        require_task(self.targets)
+        allow_named(self.allow)
+        require_asked_task(self.targets)
         banks.require_places(self.targets, self.houses)
         require_file(self.out, ENDINGS)
         require_games(self.out)
@@ -92,6 +97,7 @@ class Play:
             window.close()
 
     def _play(self, window: "GameWindow", houses: list[House]) -> int:
+        """Play the houses."""
         from datetime import UTC, datetime
         from importlib.metadata import version
 

@@ -39,6 +39,10 @@ class Record:
     targets: str = "main"
     """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
 
+    allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Class of your own, module:Class, that the agent's task may name: its module is run.
+    No file may name another."""
+
     seed: int = 0
     """Seeds the start and the targets."""
 
@@ -67,11 +71,12 @@ class Record:
 
     def run(self) -> int:
         """Write the film."""
-        from agent.learning.simulator import require_task
+        from agent.learning.simulator import allow_named, require_asked_task
 
         whole("--seed", self.seed, 0, MOST_SEED)
         located(self.agent)
-        require_task(self.targets)
+        allow_named(self.allow)
+        require_asked_task(self.targets)
         banks.require_places(self.targets, self.houses)
         from agent.progress import progress
         from agent.recording import trace

@@ -65,6 +65,10 @@ class Train(Generic[Kind]):
     print_config: bool = False
     """Train nothing, but print all settings as TOML: for --config, which trains the same."""
 
+    allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Class of your own, module:Class, that the file of --config may name: its module is run.
+    No file may name another."""
+
     name: str | None = None
     """What to call the agent in tables; by default the preset's name."""
 
@@ -74,6 +78,11 @@ class Train(Generic[Kind]):
     @staticmethod
     def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
         """The command with the defaults of the preset and of the file of settings that the arguments name."""
+        # A class that the command line names is allowed, and none that a file of settings names.
+        if stated := [text for text in _given(arguments, "--targets") if ":" in text]:
+            from sim.allowed import allow, class_names
+
+            allow(*(name for text in stated for name in class_names(text)))
         asked: Any = next(iter(_given(arguments, "--preset")[-1:]), None)
         if asked is not None and asked not in PRESETS:
             raise RequestError(f"--preset {asked}: {unknown('preset', asked, PRESETS)}")
@@ -97,8 +106,9 @@ class Train(Generic[Kind]):
             beside = {"preset": self.preset, "name": self.name, "houses": houses}
             print(written(self.learning, options_of(self), **beside), end="")
             return 0
-        from agent.learning.simulator import require_task, simulator
+        from agent.learning.simulator import allow_named, require_task, simulator
 
+        allow_named(self.allow)
         simulator(self.learning)
         require_task(self.learning.targets)
         from agent.banks import require_training

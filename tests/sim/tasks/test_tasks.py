@@ -127,13 +127,12 @@ def test_targets_at_given_points_are_met_from_the_given_start(backend):
         assert (picked >= 3).all()
 
 
-def test_a_task_in_a_file_goes_through_the_spec_and_is_filmed(tmp_path):
-    (tmp_path / "mine.json").write_text(json.dumps(POINTS))
+def test_a_task_as_text_goes_through_the_spec_and_is_filmed(tmp_path):
     save([ONE], tmp_path / "house.jsonl")
     made: Any = gymnasium.make_vec(
         "sim:Vitruvius/House-v0",
         houses=str(tmp_path / "house.jsonl"),
-        targets=str(tmp_path / "mine.json"),
+        targets=json.dumps(POINTS),
         render_mode="rgb_array",
     )
     assert made.unwrapped.world.task == Points(POINTS["points"], POINTS["start"])
@@ -163,7 +162,7 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("targets", "message"),
     [
-        ("attic.json", "attic.json cannot be read"),
+        ("attic.json", "there is no task attic.json"),
         ("[1]", "there is no task"),
         ({"points": []}, r"points: a list of \[x, y\], not \[\]"),
         ({"points": [[1.0, float("nan")]]}, "points: a list"),

@@ -1,0 +1,61 @@
+"""Classes of a user's own that text may name as ``module:Class``: tasks, terms and backends.
+
+To name a class is to run its module. The text of a file (a checkpoint, settings, scores, a trace) therefore
+names no class, until the user of this process names the same class in Python or on the command line.
+"""
+
+import importlib
+import json
+from collections.abc import Iterator
+from typing import Any
+
+_ALLOWED: set[str] = set()
+"""Classes that this process may import by name."""
+
+
+def allow(*names: str) -> None:
+    """Let text name these classes, each ``module:Class``, in this process. Nothing is imported yet."""
+    for name in names:
+        if not is_class_name(name):
+            raise ValueError(f"allow: give module:Class, not {name!r}")
+    _ALLOWED.update(names)
+
+
+def allowed() -> tuple[str, ...]:
+    """Return the names that text may name, sorted."""
+    return tuple(sorted(_ALLOWED))
+
+
+def imported(name: str) -> Any:
+    """Return the object that an allowed ``module:Class`` names.
+
+    Raises ``ValueError`` for a name that nobody allowed, ``ImportError`` or ``AttributeError`` where there is
+    no such object.
+    """
+    if name not in _ALLOWED:
+        raise ValueError(
+            f"{name} is code, and no file may name code. If you trust it, add --allow {name}, or in Python "
+            f'call sim.allow("{name}")'
+        )
+    module, _, attribute = name.partition(":")
+    return getattr(importlib.import_module(module), attribute)
+
+
+def is_class_name(name: Any) -> bool:
+    """Return True for text of the form ``module:Class``."""
+    return isinstance(name, str) and ":" in name and not name.startswith("{")
+
+
+def class_names(targets: Any) -> Iterator[str]:
+    """Yield each ``module:Class`` that a task names, as a name, as JSON text or as a dictionary."""
+    if isinstance(targets, str) and targets.startswith("{"):
+        try:
+            targets = json.loads(targets)
+        except (ValueError, RecursionError):
+            return
+    if isinstance(targets, dict):
+        terms = targets.get("terms")
+        given = [targets.get("task"), terms.get("class") if isinstance(terms, dict) else terms]
+    else:
+        given = [targets]
+    yield from filter(is_class_name, given)
