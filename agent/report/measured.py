@@ -41,7 +41,11 @@ def lead(files: Sequence[Path]) -> str:
         file = scores.load(path)
         for name, mode in file.targets.items():
             figures = {policy: _figures(each) for policy, each in mode.policies.items()}
-            agents = {policy: each for policy, each in figures.items() if policy not in NO_AGENTS}
+            agents = {
+                policy: each
+                for policy, each in figures.items()
+                if policy not in NO_AGENTS and "targets" in each
+            }
             if agents:
                 words = in_words(name, _naming(path, file.bank))
                 said = _sentence(words, mode, agents, figures.get("oracle", {}), file.bank.houses)
@@ -166,10 +170,12 @@ def estimate(figure: Figure) -> Estimate:
 
 
 def _figures(policy: PolicyScores) -> dict[str, Estimate]:
-    """A policy's figures; of scores without any, as other programs write them, its targets."""
-    if policy.figures:
-        return {key: estimate(figure) for key, figure in policy.figures.items() if key in COLUMNS}
-    return {"targets": interquartile_mean(np.array([run.targets for run in policy.runs], float))}
+    """Return a policy's figures; its targets are worked out where another program does not state them."""
+    figures = {key: estimate(figure) for key, figure in policy.figures.items() if key in COLUMNS}
+    runs = [run.targets for run in policy.runs if run.targets]
+    if "targets" not in figures and runs and len({len(run) for run in runs}) == 1:
+        figures["targets"] = interquartile_mean(np.array(runs, float))
+    return figures
 
 
 def _label(name: str, policy: PolicyScores) -> str:
