@@ -1,6 +1,8 @@
 """The page of what is promised to those who use files of others."""
 
+import ast
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -37,3 +39,54 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
         f"{released.MOST_BYTES // mebi} MiB, {released.MOST_HEADER // mebi} MiB of header",
     ):
         assert words in PAGE
+
+
+MODULES = {
+    "marshal",
+    "np.load",
+    "numpy.load",
+    "pickle",
+    "runpy",
+    "shelve",
+    "subprocess",
+    "torch.load",
+    "yaml",
+}
+"""Modules and functions that run or make what a text says."""
+
+CALLS = {
+    *("__import__", "compile", "eval", "exec", "import_module", "resolve_name", "spec_from_file_location"),
+    *("execv", "execve", "execvp", "fork", "popen", "posix_spawn", "system"),
+}
+"""Functions, of any module, that do."""
+
+
+def calls(path: Path) -> Iterator[str]:
+    """Yield the calls of a file that make more of text than text."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Call):
+            full = ast.unparse(node.func)
+            module, _, name = full.rpartition(".")
+            is_method = name in ("compile", "eval") and module  # of a network, of a regular expression
+            if (name in CALLS and not is_method) or {module, full} & MODULES:
+                yield full
+
+
+def test_every_place_where_text_becomes_an_import_a_program_or_an_object_is_on_the_page():
+    table = PAGE.partition("text becomes | where")[2].partition("\n\n`tests")[0]
+    named = set(re.findall(r"`([a-z_/]+\.py)`", table))
+    packages = ("logic", "sim", "agent", "vitruvius")
+    paths = sorted(path for package in packages for path in (ROOT / package).rglob("*.py"))
+    found = {path.relative_to(ROOT).as_posix() for path in paths if any(calls(path))}
+    assert found == named - {"logic/spelling.py"}
+
+
+def test_no_script_of_a_page_makes_tags_of_text():
+    scripts = [*(ROOT / "agent/report").rglob("*.js"), *(ROOT / "logic/browser").rglob("*.js")]
+    scripts = [path for path in scripts if "node_modules" not in path.parts]
+    forbidden = (
+        r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|ContextualFragment|\beval\(|new Function"
+    )
+    assert [path.name for path in scripts if re.search(forbidden, path.read_text())] == []
+    parsers = {path.relative_to(ROOT).as_posix() for path in scripts if "DOMParser" in path.read_text()}
+    assert all(f"`{path}`" in PAGE for path in parsers)
