@@ -71,6 +71,10 @@ class Evaluate:
     episodes: int = 1
     """Episodes in each house."""
 
+    allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Class of your own, module:Class, that an agent's or a game's task may name: its module is run.
+    No file may name another."""
+
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
     """Scores of external agents in the same houses, seed and targets, to show in the tables: the
     evaluation.json of --out, or what an example's --out writes."""
@@ -78,10 +82,6 @@ class Evaluate:
     beside: Path | None = None
     """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
     play the same episodes."""
-
-    allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that an agent's or a game's task may name: its module is run.
-    No file may name another."""
 
     engine: Literal["ray"] | None = None
     """Play by Ray, on this machine or on a cluster (docs/scale.md): each place of the targets is a task, and
@@ -184,7 +184,7 @@ class Evaluate:
         if self.json:
             print_answer("evaluate", content)
         else:
-            Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
+            Console(markup=False).print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
         if self.out:
             page = [
                 f"# Evaluation\n\n{title}",
