@@ -20,6 +20,9 @@ ENDINGS = (".jsonl",)
 MOST_GAMES = 1 << 20
 """Lines that are read."""
 
+MAX_ACTIONS = 1 << 16
+"""Actions of a game: an episode of the default preset has 1500."""
+
 
 class ResultsError(VitruviusError):
     """A file of games is absent or none, or its game does not come out when its actions are made again."""
@@ -45,7 +48,7 @@ class PlayedGame(msgspec.Struct, frozen=True, kw_only=True):
     """What the player saw: the whole plan with the target, or what the robot's rays had reached."""
     seconds: Annotated[float, Meta(gt=0)]
     """For how long it could last."""
-    actions: Annotated[str, Meta(pattern="^[LRF]*$")]
+    actions: Annotated[str, Meta(pattern="^[LRF]*$", max_length=MAX_ACTIONS)]
     """Each step: a turn left, right, or a step forward."""
     score: Annotated[int, Meta(ge=0)]
     """Targets picked up."""
