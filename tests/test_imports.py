@@ -47,6 +47,7 @@ FOLDERS = {
     "sim": (
         *(
             "cache",
+            "allowed",
             "actions",
             "drive",
             "config",
@@ -188,6 +189,6 @@ def test_the_public_names_of_the_simulator_are_these() -> None:
     houses = ["HouseEnv", "HouseRotation", "HouseVectorEnv"]
     tasks = ["Points", "Reach", "Rooms", "Task"]
     classes = ["Collect", "Config", "FixedTask", *houses, "Oracle", *tasks]
-    functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
+    functions = ["allow", "check_autoreset_modes", "check_vector_env", "shortest_path"]
     assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
     assert all(hasattr(sim, name) for name in sim.__all__)
