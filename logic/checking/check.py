@@ -26,7 +26,10 @@ from logic.checking.room import (
     wrong_sizes,
 )
 from logic.checking.shared_walls import (
+    plan_corners,
+    plan_degrees,
     plan_doors,
+    plan_outline,
     plan_parts,
     plan_rooms,
     plan_sizes,
@@ -111,7 +114,10 @@ CHECKS = (
     Check("rooms", SHARED_WALLS, plan_rooms),
     Check("same size", SHARED_WALLS, plan_sizes),
     Check("area", EVERY, _area),
+    Check("outline", SHARED_WALLS, plan_outline),
     Check("doors", SHARED_WALLS, plan_doors),
+    Check("degrees", SHARED_WALLS, plan_degrees),
+    Check("corners", SHARED_WALLS, plan_corners),
     Check("parts", SHARED_WALLS, plan_parts),
     Check("units", SHARED_WALLS, plan_units),
     Check("windows", SHARED_WALLS, plan_windows),

@@ -3,7 +3,7 @@ how they stand together. All say what is wrong, without the room.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 from logic.checking.doors import near_doors
@@ -13,7 +13,7 @@ from logic.checking.walk import free_floor
 from logic.house.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
 from logic.house.house import House
 from logic.house.parts import Piece, Room
-from logic.house.promises import Promises, Sizes
+from logic.house.promises import Promises, Relation, Sizes
 
 
 def unfurnished(_: House, room: Room, promises: Promises) -> Iterator[str]:
@@ -77,15 +77,13 @@ def sizes_of_pieces(room: Room, promises: Promises, along_x: bool | None) -> Ite
     """Sizes of pieces out of their bounds; without a front it lies along x, along y, or (None) either way."""
     for piece, name in named_pieces(room):
         yield from _share_violations(room, piece, name, promises)
-        sizes = promises.piece_size.get(piece.type)
-        if sizes is None:
-            continue
+        bounds = promises.piece_size.get(piece.type), promises.piece_relations.get(piece.type, ())
         lies_along_x = piece.orientation in {"N", "S"} if piece.orientation else along_x
         sides = piece.width, piece.height
         length, depth = sides if lies_along_x else sides[::-1]
-        if lies_along_x is None and not list(out_of(name, depth, length, sizes)):
+        if lies_along_x is None and not list(out_of(name, depth, length, *bounds)):
             continue
-        yield from out_of(name, length, depth, sizes)
+        yield from out_of(name, length, depth, *bounds)
         if piece.type in promises.spans:
             wall = room.width if piece.orientation in {"N", "S"} else room.height
             least, most = promises.spans[piece.type]
@@ -108,11 +106,31 @@ def _share_violations(room: Room, piece: Piece, name: str, promises: Promises) -
             yield f"{name} is of {_beside(piece.area, least, most, 'm²')}"
 
 
-def out_of(name: str, length: float, depth: float, sizes: Sizes) -> Iterator[str]:
-    """Which of two lengths is out of its bounds."""
-    for value, least, most, what in ((length, *sizes[:2], "long"), (depth, *sizes[2:], "deep")):
-        if not least - TOLERANCE <= value <= most + TOLERANCE:
-            yield f"{name} is {_beside(value, least, most, f'm {what}')}"
+def out_of(
+    name: str, length: float, depth: float, sizes: Sizes | None, relations: Iterable[Relation] = ()
+) -> Iterator[str]:
+    """Yield which of two lengths is out of its bounds, and which of their relations does not hold."""
+    if sizes:
+        for value, least, most, what in ((length, *sizes[:2], "long"), (depth, *sizes[2:], "deep")):
+            if not least - TOLERANCE <= value <= most + TOLERANCE:
+                yield f"{name} is {_beside(value, least, most, f'm {what}')}"
+    for a, b, c in relations:
+        if a * length + b * depth > c + TOLERANCE * (abs(a) + abs(b)):
+            yield f"{name} is {length:.3f} m long and {depth:.3f} m deep (must be: {_in_words(a, b, c)})"
+
+
+def _in_words(a: float, b: float, c: float) -> str:
+    """Return a relation with positive factors alone, as in ``length + 0.33 <= depth``."""
+    terms = [(a, "length"), (b, "depth"), (-c, "")]
+    sides = [
+        " + ".join(
+            " ".join(filter(None, (number(abs(factor)) if abs(factor) != 1 or not name else "", name)))
+            for factor, name in terms
+            if sign * factor > 0
+        )
+        for sign in (1, -1)
+    ]
+    return " <= ".join(side or "0" for side in sides)
 
 
 def _beside(value: float, least: float, most: float, unit: str) -> str:

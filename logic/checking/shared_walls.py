@@ -70,12 +70,12 @@ def _area_violations(room: Room, promises: Promises) -> Iterator[str]:
 
 def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
     """A size out of its bounds, whichever of its sides is the width."""
-    if sizes := promises.room_size.get(room.type):
-        ways = [
-            list(out_of("it", *sides, sizes))
-            for sides in ((room.width, room.height), (room.height, room.width))
-        ]
-        yield from (f": {line}" for line in min(ways, key=len))
+    bounds = promises.room_size.get(room.type), promises.room_relations.get(room.type, ())
+    ways = [
+        list(out_of("it", *sides, *bounds))
+        for sides in ((room.width, room.height), (room.height, room.width))
+    ]
+    yield from (f": {line}" for line in min(ways, key=len))
 
 
 def gaps(house: House) -> Any:
@@ -128,6 +128,48 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             yield Fault(text, _joined(one) + _joined(other))
     if promises.entrance and not any(door.is_entrance for door in house.doors):
         yield Fault("house: has no door to the outside")
+
+
+def plan_corners(house: House, _: Promises) -> Iterator[Fault]:
+    """Yield doors and windows that reach past a corner of their rooms, into the wall across."""
+    rooms = {room.name: room for room in house.rooms}
+    windows = [
+        (window, (window.room,), f"{named(rooms[window.room])}: {_window(window)}")
+        for window in house.windows
+    ]
+    doors = [(door, _joined(door), f"{_between(house, door)}:") for door in house.doors]
+    for opening, names, its in (*doors, *windows):
+        k = _along(opening)
+        ends = [(rooms[name].box[k], rooms[name].box[k + 2]) for name in names]
+        juts = max(max(start - opening.box[k], opening.box[k + 2] - end) for start, end in ends)
+        # Beyond half of the wall it is on no wall of the room.
+        if TOLERANCE < juts <= house.half_wall + TOLERANCE:
+            yield Fault(f"{its} reaches {figure(juts)} m into the wall across", names)
+
+
+def plan_degrees(house: House, promises: Promises) -> Iterator[Fault]:
+    """Yield rooms with too many or too few doors to others."""
+    ends = {OUTSIDE, *(room.name for room in house.rooms if room.type in promises.public)}
+    for room in house.rooms:
+        if room.type in promises.degree:
+            least, most = promises.degree[room.type]
+            beyond = {name for door in house.doors_of(room.name) for name in door.between}
+            count = len(beyond - ends - {room.name})
+            if not least <= count <= most:
+                text = f"{named(room)}: has doors to {numbered(count, 'other room')} ({least} to {most})"
+                yield Fault(text, (room.name,))
+
+
+def plan_outline(house: House, promises: Promises) -> Iterator[Fault]:
+    """Yield a house, or units of it, of another size than promised."""
+    if promises.house_size:
+        for names in _units(house, promises) if promises.public else [{room.name for room in house.rooms}]:
+            west, north, east, south = zip(*(house.room(name).box for name in names), strict=True)
+            size = max(east) - min(west), max(south) - min(north)
+            first = house.room(min(names, key=lambda each: (len(each), each)))
+            its = f"{named(first)}: its unit" if promises.public else "house: it"
+            for said in out_of(its, *size, None, promises.house_size):
+                yield Fault(said, tuple(names) if promises.public else ())
 
 
 def plan_parts(house: House, promises: Promises) -> Iterator[Fault]:
@@ -207,7 +249,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
     rooms = {room.name: room for room in house.tiles}
     for index, window in enumerate(house.windows):
         room = rooms[window.room]
-        name = f"{named(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
+        name = f"{named(room)}: {_window(window)}"
         yield from _not_outer(house, window, room, name, promises.outdoor)
         for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
             if any(_meet(window, other) for other in openings):
@@ -310,6 +352,10 @@ def _before(window: Window, half: float) -> Box:
 def _joined(door: Door) -> tuple[str, ...]:
     """The names of the rooms that a door leads into."""
     return tuple(name for name in door.between if name != OUTSIDE)
+
+
+def _window(window: Window) -> str:
+    return f"its window at ({window.x:.2f}, {window.y:.2f})"
 
 
 def _between(house: House, door: Door) -> str:

@@ -105,9 +105,9 @@ def star_main_room(house: House, promises: Promises) -> Iterator[Fault]:
 def star_sizes(house: House, room: Room, promises: Promises) -> Iterator[str]:
     """Sizes out of their bounds, as seen from the door: of a room, and of its pieces."""
     along_x = side_of(house.star, house.star.rooms[house.counted.index(room)]) in {"north", "south"}
-    if room.type in promises.room_size:
-        width, depth = (room.width, room.height) if along_x else (room.height, room.width)
-        yield from out_of("the room", width, depth, promises.room_size[room.type])
+    width, depth = (room.width, room.height) if along_x else (room.height, room.width)
+    bounds = promises.room_size.get(room.type), promises.room_relations.get(room.type, ())
+    yield from out_of("the room", width, depth, *bounds)
     yield from sizes_of_pieces(room, promises, along_x)
 
 

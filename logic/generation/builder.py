@@ -13,7 +13,7 @@ from logic.generation.brief import BriefMaker
 from logic.generation.feasibility import Feasibility
 from logic.generation.given_plan import GivenPlanMaker
 from logic.generation.maker import Maker
-from logic.generation.promised import labelled, promised
+from logic.generation.promised import labelled, promised, with_openings
 from logic.generation.shared_walls import SharedWallsMaker
 from logic.generation.star import StarMaker
 from logic.generation.units import UnitsMaker
@@ -125,13 +125,12 @@ class Builder:
         program = maker.stated(request)
         key = maker if request.brief else program  # each house of a brief has a program of its own
         if key not in self._promises:
-            found = self.loaded.extremes, metres(self.placer, self.loaded.furniture)
+            pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})
+            found = self.loaded.extremes, metres(self.placer, self.loaded.furniture, pieces)
             self._promises[key] = promised(program, *found, self.grammar.shares_walls)
         stated = self._promises[key]
         if request.plan and any(door.opening for door in request.plan.doors):
-            stated = msgspec.structs.replace(
-                stated, openings={}
-            )  # drawn ones stay, between rooms of any types
+            stated = with_openings(stated, request.plan)
         labels = {room.label for room in request.brief.rooms if room.label} if request.brief else ()
         return labelled(stated, labels) if labels else stated
 

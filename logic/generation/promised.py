@@ -1,15 +1,16 @@
 """What houses of a grammar promise, as its facts and lengths state it: they take it with them."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Any
 
 import msgspec
 from clingo import Symbol
 
 from logic.house.parts import OUTSIDE
-from logic.house.promises import Promises, Sizes, Thickness
+from logic.house.promises import Promises, Relation, Sizes, Thickness
 from logic.layout.program import Program
+from logic.request.own_plan import OwnPlan
 
 
 def promised(
@@ -26,6 +27,7 @@ def promised(
         opens.setdefault(one, []).append(other)
     oblong = _required(program, "oblong")
     companions = [*_atoms(program, "beside", 4), *_atoms(program, "around", 4)]
+    public = _required(program, "public")
     return Promises(
         door_width=lengths["door_width"],
         door_widths=_widths(metres["doors"]),
@@ -35,16 +37,19 @@ def promised(
         front=lengths["passage"],
         room_gap=None if shares_walls else lengths["room_gap"],
         room_size={name: _sizes(sizes) for name, sizes in sorted(extremes["rooms"].items())},
+        room_relations={name: tuple(_relations(rows)) for name, rows in metres["rooms"]},
         room_area={name: (float(least), float(most)) for name, least, most in metres["areas"]},
         whole_area={name: (float(least), float(most)) for name, least, most in metres["wholes"]},
         house_area=(float(metres["total"][0]), float(metres["total"][1])) if metres["total"] else None,
+        house_size=tuple(_relations(metres["house"])) if shares_walls else (),
         same_size={name: name in oblong for name in _required(program, "same_size")} if shares_walls else {},
         wall_thickness=Thickness(*metres["walls"]) if metres["walls"] else None,
         opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
+        degree=_degrees(program, public) if shares_walls else {},
         openings={one: tuple(others) for one, others in sorted(_pairs(program, "opening").items())},
         parts={one: tuple(others) for one, others in sorted(_pairs(program, "part").items())},
         entrance=bool(opens.get(OUTSIDE)),
-        public=_required(program, "public"),
+        public=public,
         courts=len(_atoms(program, "void", 1)),
         lit=_required(program, "lit"),
         outdoor=_required(program, "outdoor") if shares_walls else (),
@@ -52,6 +57,7 @@ def promised(
         hides=_required(program, "hides"),
         empty=_named(_atoms(program, "empty", 1)),
         piece_size=_piece_sizes(extremes["pieces"]),
+        piece_relations={name: tuple(_relations(rows)) for name, rows in metres["pieces"]},
         counts=_counts(_atoms(program, "may", 4), sorted(extremes["rooms"])),
         companions=_counts(companions, ()),
         at_head=_named(_atoms(program, "at_head", 2)),
@@ -66,6 +72,36 @@ def labelled(promises: Promises, labels: Iterable[str]) -> Promises:
     empty = (*promises.empty, *sorted(labels))
     counts = promises.counts | {label: {} for label in sorted(labels)}
     return msgspec.structs.replace(promises, opens={}, empty=tuple(dict.fromkeys(empty)), counts=counts)
+
+
+def with_openings(promises: Promises, plan: OwnPlan) -> Promises:
+    """Return the promises of houses in a plan whose openings stay, between rooms of any types."""
+    every, openings = tuple(promises.counts), dict(promises.openings)
+    types = {room.name: (room.type,) if room.type else every for room in plan.rooms}
+    for one, other in (door.between for door in plan.doors if door.opening):
+        for each in types[one]:
+            openings[each] = tuple(dict.fromkeys((*openings.get(each, ()), *types[other])))
+    return msgspec.structs.replace(promises, openings=openings)
+
+
+def _degrees(program: Program, public: Container[str]) -> dict[str, tuple[int, int]]:
+    """Return how many doors rooms have whose number is stated, whatever else holds; rules count none of the
+    public rooms'.
+    """
+    stated = [tuple[Any, ...](map(_plain, fact.arguments)) for fact in sorted(program.facts("degree", 3))]
+    return {type_: (least, most) for type_, least, most in stated if type_ not in public}
+
+
+def _relations(rows: Iterable[tuple[list[tuple[int, float]], float, str]]) -> Iterator[Relation]:
+    """Yield what rows of ``rules/linear/linear.pl`` say of variables 0 and 1, their lesser factor 1."""
+    for pairs, constant, relation in rows:
+        unit = min(abs(factor) for _, factor in pairs)
+        a, b, c = (
+            round(each / unit, 9) + 0.0 for each in (*(dict(pairs).get(k, 0.0) for k in (0, 1)), -constant)
+        )
+        yield a, b, c
+        if relation == "=":
+            yield -a, -b, -c
 
 
 def _widths(doors: Iterable[tuple[str, str, float]]) -> dict[str, dict[str, float]]:

@@ -30,6 +30,9 @@ class Thickness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 Sizes = tuple[float, float, float, float]
 """Least and greatest width (or length), least and greatest depth, metres."""
 
+Relation = tuple[float, float, float]
+"""Numbers a, b, c: a times the width (or length) plus b times the depth is at most c, metres."""
+
 
 class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """What a grammar promises; left empty, it promises nothing more. Lengths in metres."""
@@ -54,12 +57,18 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """From four rooms on at most ``rooms // a_side + 1`` of them are on one side of the main room."""
     room_size: dict[str, Sizes] = {}
     """Of each room type; in a star its width runs along the wall with its door, elsewhere either way."""
+    room_relations: dict[str, tuple[Relation, ...]] = {}
+    """Of each room type: what its width and depth keep together; not on a grid."""
     room_area: dict[str, tuple[float, float]] = {}
     """Of each room type in other houses: least and greatest area, square metres."""
     whole_area: dict[str, tuple[float, float]] = {}
     """Of each room type, with the parts of such a room: least and greatest area, square metres."""
     house_area: tuple[float, float] | None = None
     """Of all rooms of a house together, with a star's main room: least and greatest area, square metres."""
+    house_size: tuple[Relation, ...] = ()
+    """Of the box around all rooms, or around those of each unit where there are units: what its width, from
+    west to east, and its depth keep.
+    """
     same_size: dict[str, bool] = {}
     """Room types whose rooms are equally large in other houses, or in a unit: whether some may lie across."""
     narrowest: dict[str, float] = {}
@@ -68,6 +77,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Metres: how thick walls are; None for any thickness."""
     opens: dict[str, tuple[str, ...]] = {}
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
+    degree: dict[str, tuple[int, int]] = {}
+    """Of each room type: least and greatest number of other rooms that doors join to it, without public ones.
+    """
     openings: dict[str, tuple[str, ...]] = {}
     """Between rooms of which types alone, the first and others, a door may be without a leaf."""
     parts: dict[str, tuple[str, ...]] = {}
@@ -92,6 +104,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Room types of a star that may have no furniture."""
     piece_size: dict[str, Sizes] = {}
     """Of each piece type: its length runs along its back."""
+    piece_relations: dict[str, tuple[Relation, ...]] = {}
+    """Of each piece type: what its length and depth keep together; not on a grid."""
     counts: dict[str, dict[str, tuple[int, int]]] = {}
     """For each room type there is, the pieces that it has: from the first to the second number of each."""
     companions: dict[str, dict[str, tuple[int, int]]] = {}

@@ -58,10 +58,11 @@ def disagreements(
     return _first_at_each_place(placer.ask("grammar_disagreements", topology, rooms, joints))
 
 
-def metres(placer: Placer, types: Iterable[str]) -> dict[str, Any]:
-    """``lengths`` by name (m), and ``areas`` of these room types, and of
-    ``wholes`` with their parts (square metres), as they are written."""
-    return placer.ask("grammar_metres", LENGTHS, list(types))
+def metres(placer: Placer, types: Iterable[str], pieces: Iterable[str] = ()) -> dict[str, Any]:
+    """Return what clauses state of these room types and pieces, in metres and square metres, as it is
+    written: see ``promised.pl``.
+    """
+    return placer.ask("grammar_metres", LENGTHS, list(types), list(pieces))
 
 
 def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:

@@ -1,23 +1,66 @@
-:- module(promised, [grammar_metres/3]).
+:- module(promised, [grammar_metres/4]).
 
 /** <module> What a grammar's clauses say of lengths and areas, as it is written: houses keep it, whatever their grid */
 
+:- use_module(library(apply)).
 :- use_module('../answers').
+:- use_module('../linear/linear').
 :- use_module(grammar_files).
 :- use_module(lengths).
+:- use_module(sizes).
 
-%!  grammar_metres(+Names, +Types, -Json) is det.
+%!  grammar_metres(+Names, +Types, +Pieces, -Json) is det.
 %
-%   Json gives [Name,Metres] of the lengths of these names, and [Type,Least,Most] of the areas of rooms of these types, square
-%   metres, of those that are stated, the same of `wholes` with their parts, the `total` area of the house, [Least,Most] or null, [Type,Metres] of the free squares, and
-%   the thickness of `walls`, [Inner,Outer] or null; of `doors` [Type,Other,Metres].
+%   Json gives [Name,Metres] of the lengths of these Names; [Type,Least,Most] of the `areas` of rooms of these Types, square metres, of
+%   those that are stated, and the same of `wholes` with their parts; the `total` area of the house, [Least,Most] or null; [Type,Metres] of
+%   the free squares; [Type,Other,Metres] of `doors`; the thickness of `walls`, [Inner,Outer] or null; and what two lengths keep
+%   together, as rows/2 of linear.pl with the first length as variable 0: of the width and the depth of the `house` all that is stated, and
+%   [Name,Rows] of those of `rooms` and of the length and the depth of Pieces.
 
-grammar_metres(Names, Types, Json) :-
+grammar_metres(Names, Types, Pieces, Json) :-
     findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),
-    findall([T,Least,Most], ( member(T, Types), once(grammar:room_area(T, Least, Most)), number(Least), number(Most) ), Areas),
-    findall([T,Least,Most], ( member(T, Types), clause(grammar:whole_area(_,_,_), _), once(grammar:whole_area(T, Least, Most)), number(Least), number(Most) ), Wholes),
-    ( clause(grammar:house_area(_,_), _), once(grammar:house_area(L, M)), number(L), number(M) -> Total = [L,M] ; Total = null ),
+    findall([T,Least,Most], ( member(T, Types), stated_area(room_area(T, Least, Most), Least, Most) ), Areas),
+    findall([T,Least,Most], ( member(T, Types), stated_area(whole_area(T, Least, Most), Least, Most) ), Wholes),
     findall([T,M], ( member(T, Types), once(turning_side(T, M)), number(M) ), Turning),
-    ( stated_length(inner_wall, Inner), stated_length(outer_wall, Outer), number(Inner), number(Outer), Inner > 0 -> Walls = [Inner,Outer] ; Walls = null ),
     findall([T,U,M], ( clause(grammar:door_width(T,U,M), true), ground(T-U-M), number(M) ), Doors),
-    as_json(_{lengths:Lengths, areas:Areas, wholes:Wholes, total:Total, turning:Turning, walls:Walls, doors:Doors}, Json).
+    findall([T,Rows], ( member(T, Types), both_rows(room_size(T, A, B), A, B, Rows) ), Rooms),
+    findall([P,Rows], ( member(P, Pieces), piece_rows(P, Rows) ), Sizes),
+    total_stated(Total),
+    walls_stated(Walls),
+    house_rows(House),
+    as_json(_{lengths:Lengths, areas:Areas, wholes:Wholes, total:Total, turning:Turning, walls:Walls, doors:Doors,
+              house:House, rooms:Rooms, pieces:Sizes}, Json).
+
+stated_area(Head, Least, Most) :- once(grammar:Head), number(Least), number(Most).
+
+%   total_stated(-Total), walls_stated(-Walls): null where nothing is stated. Each is a clause of its own: none of its variables is a
+%   template's above.
+
+total_stated([Least,Most]) :- stated_area(house_area(Least, Most), Least, Most), !.
+total_stated(null).
+
+walls_stated([Inner,Outer]) :- maplist(stated_length, [inner_wall,outer_wall], [Inner,Outer]), number(Inner), number(Outer), Inner > 0, !.
+walls_stated(null).
+
+house_rows(Rows) :- size_rows(house_size(W, D), W, D, Rows), !.
+house_rows([]).
+
+%   piece_rows(+Piece, -Rows) is semidet: of several clauses, which one holds depends on the wall.
+
+piece_rows(Piece, Rows) :-
+    findall(x, clause(grammar:piece_size(Piece,_,_,_), _), [_]),
+    given_walls(Piece, _-_, Walls),
+    both_rows(piece_size(Piece, L, D, Walls), L, D, Rows).
+
+%   both_rows(+Head, ?A, ?B, -Rows) is semidet: those of the rows that have both lengths; there are some.
+
+both_rows(Head, A, B, Rows) :- size_rows(Head, A, B, All), include(of_both, All, Rows), Rows = [_|_].
+
+of_both([[_,_],_,_]).
+
+%   size_rows(+Head, ?A, ?B, -Rows) is semidet: what the clause of this Head states of A and B.
+
+size_rows(Head, A, B, Rows) :-
+    sized(Head),
+    projected_system([V,W], [A,B], stated, System),
+    rows([(V =< V)-first,(W =< W)-second|System], [_,_|Rows]).

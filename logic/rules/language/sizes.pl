@@ -1,4 +1,4 @@
-:- module(sizes, [room_size_system/4, item_size_system/3, item_extent/4, size_system/4]).
+:- module(sizes, [room_size_system/4, item_size_system/3, item_extent/4, size_system/4, projected_system/4]).
 
 /** <module> The linear constraints that the clauses of sizes state, as data (linear.pl)
 
@@ -8,6 +8,7 @@ An item is item(Piece,Length,Depth,Walls): what has a size by piece_size/4, in a
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(library(yall)).
 :- use_module(grammar_files).
 :- use_module('../linear/grid').
 :- use_module(lengths).
@@ -61,17 +62,35 @@ clause_system(Type, Piece, Sizes, Constraints) :-
 
 size_system(Sizes, Solved, Reason, Constraints) :-
     copy_term(Solved, Plain, Goals),
-    equated(Sizes, Plain, Equations),
+    stated_system(Sizes, Plain, Goals, Reason, Constraints).
+
+%!  projected_system(?Sizes, +Solved, +Reason, -Constraints) is det.
+%
+%   The same without what the store states it by: Constraints are of these Sizes alone.
+
+projected_system(Sizes, Solved, Reason, Constraints) :-
+    term_variables(Solved, Unknown),
+    copy_term_nat(Solved-Unknown, Plain-Names),
+    dump(Unknown, Names, Goals),
+    maplist([Goal,{Goal}]>>true, Goals, Braced),
+    stated_system(Sizes, Plain, Braced, Reason, Constraints).
+
+stated_system(Sizes, Plain, Goals, Reason, Constraints) :-
+    equated(Sizes, Plain, [], Equations),
     phrase(residual(Goals), Residual),
     append(Equations, Residual, All),
     maplist(reasoned(Reason), All, Constraints).
 
 reasoned(Reason, Constraint, Constraint-[Reason]).
 
-equated([], [], []).
-equated([S|Ss], [P|Ps], Equations) :-
-    ( number(P) -> Equations = [S = P|Others] ; S = P, Equations = Others ),
-    equated(Ss, Ps, Others).
+%   equated(?Sizes, ?Plain, +Known, -Equations): an unknown becomes the first size that it is; a second one equals it.
+
+equated([], [], _, []).
+equated([S|Ss], [P|Ps], Known, Equations) :-
+    (   var(P), \+ ( member(K, Known), K == P )
+    ->  S = P, Equations = Others
+    ;   Equations = [S = P|Others] ),
+    equated(Ss, Ps, [P|Known], Others).
 
 residual([])             --> [].
 residual([{Goal}|Goals]) --> conjuncts(Goal), residual(Goals).

@@ -22,6 +22,7 @@ from tests.logic.house.handmade import (
     houses,
     moved,
     piece,
+    replace_sketch,
     sketches,
     turned,
     turned_house,
@@ -106,11 +107,11 @@ def room_on_a_room(house: House) -> tuple[House, list[str]]:
 
 
 def room_into_the_main_room(house: House) -> tuple[House, list[str]]:
-    x, y = [(0, 0.2), (-0.2, 0), (0, -0.2), (0.2, 0)][quarter(house, house.star.rooms[BEDROOM])]
+    x, y = [(0, 0.01), (-0.01, 0), (0, -0.01), (0.01, 0)][quarter(house, house.star.rooms[BEDROOM])]
     rooms = (moved(house.star.rooms[BEDROOM], x, y), *house.star.rooms[1:])
     return changed_star(house, rooms=rooms), [
         "R0 (bedroom): its door is not on a wall that it shares with the main room",
-        "R0 (bedroom) overlaps the main room by 0.20 m",
+        "R0 (bedroom) overlaps the main room by 0.01 m",
     ]
 
 
@@ -160,6 +161,14 @@ def piece_on_a_piece(house: House) -> tuple[House, list[str]]:
     twin = replace(toilet, width=toilet.width, type="sink")
     wrong = with_room(house, BATHROOM, children=(toilet, sink, shower, twin))
     return wrong, ["R1 (bathroom): toilet overlaps sink 2 by 0.50 m"]
+
+
+def piece_a_centimetre_on_a_piece(house: House) -> tuple[House, list[str]]:
+    sofa, cupboard = house.star.rooms[HALL].children
+    x, y = [(0, 0.01), (-0.01, 0), (0, -0.01), (0.01, 0)][quarter(house, house.star.rooms[HALL])]
+    twin = moved(replace(sofa, type="cupboard"), *(side * 79 for side in (x, y)))
+    wrong = with_room(house, HALL, children=(sofa, cupboard, twin))
+    return wrong, ["R3 (hall): sofa overlaps cupboard 2 by 0.01 m"]
 
 
 def child_on_its_parent(house: House) -> tuple[House, list[str]]:
@@ -220,6 +229,7 @@ MISTAKES: list[Callable[[House], tuple[House, list[str]]]] = [
     unsuited_piece,
     piece_through_the_wall,
     piece_on_a_piece,
+    piece_a_centimetre_on_a_piece,
     child_on_its_parent,
     bed_in_the_middle,
     front_to_the_wall,
@@ -316,6 +326,13 @@ def test_a_main_room_more_than_twice_the_least_area_is_a_violation(side: float, 
     assert check(house) == ([words] if too_large else [])
 
 
+def test_rooms_of_a_star_that_overlap_by_a_centimetre_are_found() -> None:
+    first, *_ = sketches()
+    for apart, words in ((3.6, []), (3.59, ["R0 (bedroom) overlaps R1 (bedroom) by 0.01 m"])):
+        house = built(7.2, 3.7, ((first, replace_sketch(first, apart)), (), (), ()))
+        assert check(house) == words
+
+
 def test_two_rooms_must_be_of_basic_types() -> None:
     bedroom, _, _, hall = sketches()
     words = ["house: has 1 rooms of the basic types (at least 2 of bedroom, bathroom, kitchen)"]
@@ -390,6 +407,25 @@ def test_a_bed_along_the_wall_has_its_bedside_at_its_head_where_that_is_promised
         "R0 (bedroom): its bed has 0 bedside (1 to 1)",
         "R0 (bedroom): bed has its head neither to a wall nor to another piece",
     ]
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_nothing_stands_at_the_foot_of_a_bed_along_the_wall_where_that_is_promised(quarters: int) -> None:
+    promises = Promises(turns=("bed",), free_foot=("bed",))
+    bed, away = piece("bed", 0.0, 0.0, 2.0, 1.0, front="E"), piece("wardrobe", 2.01, 0.0, 0.6, 0.6)
+    house = turned_house(plain((bed, away)), quarters)
+    assert check(house, promises) == []
+    at_foot = turned_house(plain((bed, moved(away, -0.01, 0.0))), quarters)
+    assert check(at_foot, promises) == ["R0 (bedroom): bed has something at its foot"]
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_the_front_of_a_piece_with_its_side_to_the_wall_is_kept_free_too(quarters: int) -> None:
+    beside_wall = piece("wardrobe", 0.5, 0.0, 0.6, 1.4, front="E")
+    for away, words in ((0.42, []), (0.41, ["R0 (bedroom): wardrobe has bed 0.41 m in front of it"])):
+        bed = piece("bed", 1.1 + away, 0.0, 1.5, 2.0, front="S")
+        found = check(turned_house(plain((beside_wall, bed)), quarters), WARDROBE)
+        assert [line.removesuffix(" (at least 0.42)") for line in found] == words
 
 
 def test_another_grammar_is_not_judged_by_the_family_s_rules() -> None:

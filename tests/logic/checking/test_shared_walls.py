@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from logic import Door, House, Piece, Window, check
 from logic.house.promises import Promises
 from tests.plans import PLANS, flat, random_plan
+from tests.thick import thickened
 
 HOME = Promises(
     door_width=0.8,
@@ -129,6 +130,108 @@ MISTAKES: dict[str, Callable[[], House]] = {
         "R0", 4.85, 3.6, 0.3, 1.2
     ),
 }
+
+
+def test_rooms_that_overlap_by_a_centimetre_are_found() -> None:
+    found = check(with_room("R3", x=5.69, width=4.51))
+    assert found == ["R2 (bathroom) overlaps R3 (bedroom) by 0.01 m"]
+
+
+def test_a_door_is_as_wide_as_a_passage_where_no_width_is_promised() -> None:
+    assert check(with_door(("R0", "R3"), width=0.42), Promises()) == []
+    assert check(with_door(("R0", "R3"), width=0.41), Promises()) == [
+        "door between R0 (corridor) and R3 (bedroom): is 0.410 m wide (at least 0.42)"
+    ]
+
+
+def test_the_number_of_other_rooms_that_a_room_has_doors_to_is_a_promise() -> None:
+    """The corridor has six; an entrance is none, nor are doors to public rooms."""
+    assert check(FLAT, Promises(degree={"corridor": (6, 6), "hall": (1, 1), "living": (2, 2)})) == []
+    assert check(FLAT, Promises(degree={"corridor": (1, 5)})) == [
+        "R0 (corridor): has doors to 6 other rooms (1 to 5)"
+    ]
+    public = Promises(degree={"living": (2, 2)}, public=("corridor",))
+    assert "R7 (living): has doors to 1 other room (2 to 2)" in check(FLAT, public)
+
+
+def test_what_the_sides_of_a_house_keep_together_is_a_promise() -> None:
+    """It is of 10.2 by 8.4 m."""
+    assert check(FLAT, Promises(house_size=((1.0, -1.0, 1.8), (0.0, 1.0, 8.4)))) == []
+    assert check(FLAT, Promises(house_size=((1.0, -1.0, 1.7), (0.0, 1.0, 8.3)))) == [
+        "house: it is 10.200 m long and 8.400 m deep (must be: length <= depth + 1.7)",
+        "house: it is 10.200 m long and 8.400 m deep (must be: depth <= 8.3)",
+    ]
+
+
+def test_what_the_sides_of_a_room_keep_together_holds_one_way_or_the_other() -> None:
+    """The hall is of 1.8 by 3.6 m."""
+    assert check(FLAT, Promises(room_relations={"hall": ((2.0, -1.0, 0.0), (-2.0, 1.0, 0.0))})) == []
+    assert check(FLAT, Promises(room_relations={"hall": ((-2.0, 1.0, 0.0), (2.0, -1.0, 0.0))})) == []
+    assert check(FLAT, Promises(room_relations={"hall": ((1.0, -1.0, 0.0), (-1.0, 1.0, 0.0))})) == [
+        "R4 (hall): it is 1.800 m long and 3.600 m deep (must be: depth <= length)"
+    ]
+
+
+def test_what_the_sides_of_a_piece_keep_together_is_a_promise() -> None:
+    """Beds are of 1.5 by 2.1 m, each with its back to the north wall."""
+    deeper = Promises(piece_relations={"bed": ((1.0, -1.0, -0.6),)})
+    assert check(FLAT, deeper) == []
+    rooms = tuple(replace(room, children=tuple(map(turned, room.children))) for room in FLAT.rooms)
+    words = "R1 (bedroom): bed is 2.100 m long and 1.500 m deep (must be: length + 0.6 <= depth)"
+    assert words in check(replace(FLAT, rooms=rooms), deeper)
+
+
+def turned(piece: Piece) -> Piece:
+    return replace(piece, orientation="E") if piece.type == "bed" else piece
+
+
+THICK = thickened(FLAT)
+"""Walls of 0.3 m between its rooms."""
+
+
+def test_a_door_reaches_as_far_as_the_wall_across_and_no_farther() -> None:
+    (door,) = (each for each in THICK.doors if each.between == ("R0", "R1"))
+    end = THICK.room("R1").box[2]
+    at_corner, past_it = (
+        replace(THICK, doors=tuple(replace(door, x=x) if each is door else each for each in THICK.doors))
+        for x in (end - door.width, end - door.width + 0.1)
+    )
+    assert check(at_corner) == check(THICK) == []
+    assert check(past_it) == [
+        "door between R0 (corridor) and R1 (bedroom): reaches 0.10 m into the wall across"
+    ]
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_window_and_an_entrance_reach_no_farther_than_the_wall_across(at_end: bool) -> None:
+    """The wall of 0.3 m is half a room's: what lies further on is on no wall of the room."""
+    for kind, name, words in (
+        ("windows", "R3", r"R3 \(bedroom\): its window at \(.*\) reaches 0.14 m into the wall across"),
+        ("doors", "R4", r"door between R4 \(hall\) and outside: reaches 0.14 m into the wall across"),
+    ):
+        room, openings = THICK.room(name), getattr(THICK, kind)
+        opening = openings[1] if kind == "windows" else openings[-1]
+        for by, found in ((0.0, False), (0.14, True)):
+            x = room.box[2] - opening.width + by if at_end else room.x - by
+            moved = tuple(replace(each, x=x) if each is opening else each for each in openings)
+            lines = check(replace(THICK, **{kind: moved}))
+            assert [bool(re.match(words, line)) for line in lines] == [True] * found
+
+
+@pytest.mark.parametrize(("start", "behind"), [(1.75, False), (1.95, True)])
+def test_an_opening_behind_another_room_s_outer_wall_is_found(start: float, behind: bool) -> None:
+    """Of two rooms side by side one reaches farther south: its outer wall begins at 2.8 m."""
+    room = {"type": "a", "x": 0, "y": 0, "width": 3, "height": 3}
+    rooms = [{**room, "name": "A"}, {**room, "name": "B", "x": 3.1, "height": 6}]
+    opening, door = {"x": start, "y": 3.05, "width": 1, "height": 0}, {"x": 3.05, "y": 1, "width": 0}
+    doors = [{**door, "height": 0.9, "between": ["A", "B"]}]
+    record = {"format": "vitruvius-2", "unit": "m", "wall_thickness": {"inner": 0.1, "outer": 0.3}}
+    for openings in (
+        {"doors": doors, "windows": [{**opening, "room": "A"}]},
+        {"doors": [*doors, {**opening, "between": ["A", "outside"]}]},
+    ):
+        found = check(House.from_dict({**record, "rooms": rooms, **openings}))
+        assert [line.endswith("is behind an outer wall of B (a)") for line in found] == [True] * behind
 
 
 @pytest.mark.parametrize("words", MISTAKES)

@@ -15,10 +15,12 @@ from msgspec.structs import replace
 from logic import House, RequestError, check, load, save
 from logic.checking.figures import figure, number, percent
 from logic.errors import HouseFileError
-from logic.grammar import SHIPPED
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
 from logic.house.parts import Piece, Room
-from logic.house.promises import PROMISES, Promises
+from logic.house.promises import PROMISES, Promises, Thickness
 from logic.house.promises import given as stated
+from logic.request.request import Request
 from logic.workers.standards import promises_of, standard
 from tests.logic.workers import in_process
 from tests.plans import flat
@@ -84,6 +86,59 @@ def test_what_the_rules_state_is_what_is_said_of_a_shipped_grammar_apart_from_th
         assert {*found[name]} == {*said[name]}, name
     assert found["door_width"] == said["door_width"]
     assert check(house) == check(house, house.provenance.promises) == []
+
+
+MORE_RULES = """
+type(bay; patio).  empty(bay; patio).  opens(living,(bay; patio)).  part(bay,living).  outdoor(patio).
+opening(living,kitchen).  same_size(bedroom).  at_head(bed,bedside).
+"""
+MORE_LENGTHS = """
+room_size(bay,   W, D) :- { W >= 1.5, W =< 3.2, D >= 1.5, D =< 3.2, W + D =< 6.0 }.
+room_size(patio, W, W) :- { W >= 2.0, W =< 4.0 }.
+whole_area(living, 22.0, 36.0).  house_area(60.0, 95.0).  turning(bathroom, 1.1).
+door_width(bathroom, corridor, 0.7).  wall_thickness(inner, 0.1).  wall_thickness(outer, 0.3).
+"""
+STATED = {
+    "whole_area": {"living": (22.0, 36.0)},
+    "house_area": (60.0, 95.0),
+    "turning": {"bathroom": 1.1},
+    "door_widths": {"bathroom": {"corridor": 0.7}},
+    "wall_thickness": Thickness(0.1, 0.3),
+    "degree": {"corridor": (3, 9), "hall": (1, 4), "kitchen": (1, 2)},
+    "parts": {"bay": ("living",)},
+    "openings": {"living": ("kitchen",)},
+    "outdoor": ("patio",),
+    "same_size": {"bedroom": False},
+    "at_head": ("bed",),
+    "door_clearance": 0.4,
+    "door_width": 0.7,
+}
+RELATIONS = {
+    "bay": {(1.0, 1.0, 6.0)},
+    "patio": {(-1.0, 1.0, 0.0), (1.0, -1.0, 0.0)},
+    "house": {(-2.2, 1.0, 0.0), (1.0, -2.2, 0.0)},
+    "toilet": {(1.0, -1.0, -0.33), (-1.0, 1.0, 0.33)},
+}
+"""Numbers a, b, c: a times the width plus b times the depth is at most c."""
+OF_OTHERS = {"room_gap", "public", "courts"}
+"""Promises of stars, of houses of units and of dissections."""
+BY_HAND = {"basic", "a_side", "narrowest", "free_foot", "spans", "shares", "tops", "meet"}
+"""Promises that no grammar states: they stand in ``promises.json``."""
+
+
+def test_all_that_a_grammar_states_together_is_promised(tmp_path: Path) -> None:
+    folder = copy("home", tmp_path)
+    (folder / "more.lp").write_text(MORE_RULES)
+    (folder / "more.pl").write_text(MORE_LENGTHS)
+    lengths = folder / "lengths.pl"
+    lengths.write_text(lengths.read_text().replace("passage(0.42)", "passage(0.4)"))
+    promised = stated(Builder(find(folder)).promises(Request(6)))
+    assert promised.keys() == set(Promises.__struct_fields__) - OF_OTHERS - BY_HAND
+    for name, value in STATED.items():
+        assert promised[name] == value, name
+    relations = promised["room_relations"] | promised["piece_relations"] | {"house": promised["house_size"]}
+    for name, rows in RELATIONS.items():
+        assert {*relations[name]} == rows, name
 
 
 @pytest.mark.parametrize("grammar", LENGTHS)

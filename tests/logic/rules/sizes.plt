@@ -19,6 +19,8 @@ test(a_room_has_the_range_of_its_clause) :-
     room_size_system(cell, W, D, System), posted(System), range(W, 3, 4), D =:= 3.0.
 test(sizes_that_depend_on_each_other_do_so_in_the_system) :-
     room_size_system(square, W, D, System), posted(System), {W = 3}, near(D, 3).
+test(two_sizes_that_are_one_unknown_are_equal_wherever_the_room_lies) :-
+    size_system([X2-X1,Y2-Y1], [A,A], why, System), X1 = 1.0, Y1 = 2.0, posted(System), {X2 = 3.5}, near(Y2, 4.5).
 test(every_constraint_names_its_clause) :-
     room_size_system(wide, _, _, System), System \== [],
     forall(member(_-Why, System), Why == [size(wide)]).
