@@ -12,11 +12,13 @@ from shapely.geometry.base import BaseGeometry
 from logic.errors import LimitReached
 from logic.generation.builder import Builder
 from logic.generation.furnish import Frame, GivenRoom, Unfurnishable, furnished
+from logic.generation.movable_doors import LooseRoom
 from logic.grammar import SHIPPED, find
 from logic.house.parts import Piece, Rect, pieces_of
 from logic.layout.program import Program
 from logic.layout.programs import GIVEN
 from logic.layout.terms import parts as terms_of
+from logic.request.request import Request
 
 NEAR = 1e-6
 PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8
@@ -151,6 +153,18 @@ def test_what_is_tall_stands_at_no_wall_with_a_window(builder: Builder) -> None:
     }
     assert at_window[False] > 0
     assert at_window[True] == 0
+
+
+@pytest.mark.parametrize("as_they_are", [True, False])
+def test_windows_in_all_walls_refute_what_is_tall_unless_they_may_be_anywhere(
+    builder: Builder, as_they_are: bool
+) -> None:
+    panes = [Rect(3.5, 2.0, 1.0, 0.0), Rect(3.5, 5.5, 1.0, 0.0), Rect(1.0, 4.0, 0.0, 1.0)]
+    room = GivenRoom("bedroom", ROOM, [SOUTH], [*panes, Rect(5.0, 4.0, 0.0, 1.0)])
+    wanted, rng = Request(1, furniture={"wardrobe": (1, 1)}), np.random.default_rng(0)
+    loose = LooseRoom(room, [None])
+    layout = loose.furniture(builder.programs, builder.placer, rng, wanted, windows=as_they_are)
+    assert (layout is None) == as_they_are
 
 
 def test_a_room_that_may_be_empty_is_never_impossible(builder: Builder) -> None:

@@ -1,13 +1,15 @@
 """What rules can say of furniture in a plan is so in its geometry, relation by relation."""
 
+import shutil
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from clingo import Symbol
+from clingo import Function, Number, Symbol
 
 from logic.generation.builder import Builder
 from logic.generation.furnish import Furnished
+from logic.grammar import SHIPPED
 from logic.house.boxes import BACK, Box
 from logic.house.parts import Piece, Room
 from logic.request.request import Request
@@ -61,8 +63,15 @@ def touch(one: Box, other: Box) -> bool:
 
 
 @pytest.fixture(scope="module")
-def rooms() -> list[Seen]:
-    made = builder("home")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Builder:
+    """Of ``home`` where wardrobes may stand with their side to the wall."""
+    folder = shutil.copytree(SHIPPED / "home", tmp_path_factory.mktemp("grammars") / "turns")
+    (folder / "turns.lp").write_text("turns(wardrobe,(front;left;back;right)).\n")
+    return builder(folder)
+
+
+@pytest.fixture(scope="module")
+def rooms(made: Builder) -> list[Seen]:
     found = []
     for index in range(3):
         house = made.house(Request(7), 2, index, INFERENCES)
@@ -75,6 +84,21 @@ def rooms() -> list[Seen]:
             found.append(Seen(made, how, house.rooms[number], models[-1]))
     assert len(found) > 10
     return found
+
+
+@pytest.mark.parametrize("piece", ["bed", "wardrobe"])
+@pytest.mark.parametrize(("back", "front"), [("near", "far"), ("far", "near")])
+def test_a_turned_piece_has_its_back_to_something_and_nothing_at_its_foot_or_front(
+    made: Builder, piece: str, back: str, front: str
+) -> None:
+    """Beds by home's own rules, wardrobes because they are used from their front."""
+
+    def stated(name: str, end: str) -> Symbol:
+        return Function(name, [Function(piece), Number(1), Function(end)])
+
+    program, turned = made.programs.furniture("bedroom"), stated("turned", back)
+    assert program.possible([turned, stated("touched", back)])
+    assert not program.possible([turned, stated("touched", front)])
 
 
 def test_windows_and_doors_are_in_the_walls_that_rules_say(rooms: list[Seen]) -> None:
