@@ -24,7 +24,7 @@ from logic.layout.program import Nogood
 from logic.layout.programs import Programs
 from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
-from logic.placement.given_plan import inner_span, openings, plan_faults
+from logic.placement.given_plan import inner_span, openings, plan_faults, within_walls
 from logic.placement.lengths import metres as lengths_of
 from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
 from logic.request.own_plan import OwnPlan
@@ -43,7 +43,7 @@ class GivenPlanMaker(SharedWallsMaker):
         """Find what the grammar forbids in the plan."""
         if loaded.has_area and loaded.outdoor:
             raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
-        self.plan = plan
+        self.plan = plan = within_walls(plan, loaded.placer.wall_thickness)
         if lengths_of(loaded.placer, loaded.furniture)["doors"]:
             why = "states door_width/3, widths by the types of both rooms: no plan of your own has them yet"
             raise RequestError(f"plan: the grammar {grammar.name} {why}: leave these clauses out")

@@ -1,17 +1,40 @@
 """What lengths forbid in a plan of the user's, and where its doors and windows are."""
 
 from collections.abc import Iterable, Sequence
+from typing import TypeVar
 
 import msgspec
 from clingo import Symbol, parse_term
 
 from logic.house.boxes import TOLERANCE, WALLS
-from logic.house.parts import OUTSIDE
+from logic.house.parts import OUTSIDE, Door, Window
 from logic.house.promises import Thickness
 from logic.placement.placer import Placer
 from logic.placement.plan import PlanDoor, PlanWindow
 from logic.placement.prolog import Term
 from logic.request.own_plan import OwnPlan, Wall
+
+Opening = TypeVar("Opening", Door, Window)
+
+
+def within_walls(plan: OwnPlan, thick: Thickness | None) -> OwnPlan:
+    """Return the plan with its doors and windows out of the walls across, which are so thick: moved along
+    their wall, and shortened where it has no room for them.
+    """
+
+    def fitted(opening: Opening, wall: Wall | None) -> Opening:
+        if wall is None:
+            return opening
+        (start, end), axis = inner_span(plan, wall, thick), 1 - WALLS.index(wall.side) % 2
+        length = min(opening.length, end - start)
+        at = min(max(opening.box[axis], start), end - length)
+        if max(abs(at - opening.box[axis]), opening.length - length) <= TOLERANCE or length <= TOLERANCE:
+            return opening
+        return msgspec.structs.replace(opening, **{"xy"[axis]: at, ("width", "height")[axis]: length})
+
+    doors = tuple(fitted(door, plan.wall_of(door)) for door in plan.doors)
+    windows = tuple(fitted(window, plan.wall_around(window)) for window in plan.windows)
+    return msgspec.structs.replace(plan, doors=doors, windows=windows) if thick else plan
 
 
 def plan_faults(

@@ -4,6 +4,7 @@
 
 :- use_module(library(apply)).
 :- use_module('../answers').
+:- use_module('../linear/grid').
 :- use_module('../linear/linear').
 :- use_module(grammar_files).
 :- use_module(lengths).
@@ -52,9 +53,10 @@ piece_rows(Piece, Rows) :-
     given_walls(Piece, _-_, Walls),
     both_rows(piece_size(Piece, L, D, Walls), L, D, Rows).
 
-%   both_rows(+Head, ?A, ?B, -Rows) is semidet: those of the rows that have both lengths; there are some.
+%   both_rows(+Head, ?A, ?B, -Rows) is semidet: those of the rows that have both lengths; there are some. On a grid each is rounded by
+%   itself.
 
-both_rows(Head, A, B, Rows) :- size_rows(Head, A, B, All), include(of_both, All, Rows), Rows = [_|_].
+both_rows(Head, A, B, Rows) :- \+ on_grid, size_rows(Head, A, B, All), include(of_both, All, Rows), Rows = [_|_].
 
 of_both([[_,_],_,_]).
 

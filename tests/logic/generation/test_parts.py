@@ -159,6 +159,24 @@ def test_a_plan_s_parts_are_kept(builder: Builder, houses: list[House]) -> None:
     ]
 
 
+def test_the_openings_of_a_plan_are_kept_beside_parts_and_no_other_door_lacks_a_leaf(
+    builder: Builder, houses: list[House]
+) -> None:
+    house = houses[0]
+    drawn, other, *_ = (door for door in house.doors if not door.opening and not door.is_entrance)
+    doors = [structs.replace(door, opening=door.opening or door is drawn) for door in house.doors]
+    plan = OwnPlan(house.rooms, tuple(doors), house.windows)
+    again = builder.house(Request(len(house.rooms), plan=plan), 1, 0, INFERENCES)
+    assert check(again) == []
+    assert next(door for door in again.doors if door.between == drawn.between).opening
+    types = [{again.room(name).type for name in door.between} for door in (drawn, other)]
+    assert types[0] != types[1]
+    leafless = [
+        structs.replace(door, opening=door.opening or door.between == other.between) for door in again.doors
+    ]
+    assert any("has no leaf" in line for line in check(structs.replace(again, doors=tuple(leafless))))
+
+
 def test_on_a_grid_the_area_is_kept_too(builder: Builder) -> None:
     house = Builder(builder.grammar, cell=0.3).house(Request(7), 0, 0, INFERENCES)
     assert check(house) == []

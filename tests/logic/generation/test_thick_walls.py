@@ -196,6 +196,23 @@ def test_a_plan_of_a_house_or_of_its_geojson_keeps_its_rooms(houses: list[House]
         assert np.ptp(offsets[:, 1::2]) < 1e-5
 
 
+def test_a_plan_s_door_that_reaches_into_the_wall_across_moves_out_of_it(
+    builder: Builder, houses: list[House]
+) -> None:
+    house = houses[4]
+    door = next(each for each in house.doors if OUTSIDE not in each.between)
+    axis = 1 - across(door)
+    end = min(house.room(name).box[axis + 2] for name in door.between)
+    past = structs.replace(door, **{"xy"[axis]: end - door.length + 0.05})
+    drawn = structs.replace(house, doors=tuple(past if each is door else each for each in house.doors))
+    assert any("reaches 0.05 m into the wall across" in line for line in check(drawn))
+    again = builder.house(Request(len(house.rooms), plan=read_plan(drawn)), 1, 0, INFERENCES)
+    assert check(again) == []
+    (kept,) = (each for each in again.doors if {*each.between} == {*door.between})
+    assert kept.length == pytest.approx(door.length)
+    assert kept.box[axis + 2] == pytest.approx(end, abs=1e-5)
+
+
 def test_geojson_in_another_unit_has_walls_in_that_unit(houses: list[House]) -> None:
     record = to_geojson(houses[4])
     plan = read_plan(record)

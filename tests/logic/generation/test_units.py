@@ -53,6 +53,21 @@ def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, roo
         assert House.from_dict(house.to_dict()) == house
 
 
+def test_the_size_of_a_house_is_that_of_each_flat(apartments: Builder) -> None:
+    """``house_size`` of their lengths: neither side is more than 2.2 times as long as the other."""
+    house = apartments.house(Request(16), 3, 0, INFERENCES)
+    boxes = [[house.room(name).box for name in unit] for unit in units(house)]
+    sizes = [
+        (max(b[2] for b in each) - min(b[0] for b in each), max(b[3] for b in each) - min(b[1] for b in each))
+        for each in boxes
+    ]
+    assert all(max(size) <= 2.2 * min(size) + 1e-6 for size in sizes)
+    shorter = min(width for width, _ in sizes) - 0.001
+    found = check(house, {"house_size": [[1.0, 0.0, shorter]]})
+    assert len(found) == len(sizes) > 1
+    assert all("its unit is" in line and "(must be: length <= " in line for line in found)
+
+
 def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
     apartments: Builder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
