@@ -77,7 +77,7 @@ def labelled(promises: Promises, labels: Iterable[str]) -> Promises:
 def with_openings(promises: Promises, plan: OwnPlan) -> Promises:
     """Return the promises of houses in a plan whose openings stay, between rooms of any types."""
     every, openings = tuple(promises.counts), dict(promises.openings)
-    types = {room.name: (room.type,) if room.type else every for room in plan.rooms}
+    types = {room.name: (room.type,) if room.type else every for room in plan.rooms} | {OUTSIDE: (OUTSIDE,)}
     for one, other in (door.between for door in plan.doors if door.opening):
         for each in types[one]:
             openings[each] = tuple(dict.fromkeys((*openings.get(each, ()), *types[other])))

@@ -28,7 +28,9 @@ OTHERS = "; ".join(f"{name}: {each.words}" for name, each in FORMATS.items()) + 
 
 @dataclass(frozen=True)
 class Check:
-    """Check houses by plain geometry, apart from the rules that made them. Houses count from 0."""
+    """Check houses by plain geometry, apart from the rules that made them. Houses count from 0. The check
+    judges what is promised, and no length of a window or rule of a grammar's own (docs/house-file.md).
+    """
 
     file: tyro.conf.Positional[Streamed]
     """House file, or - for the standard input."""

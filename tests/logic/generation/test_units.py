@@ -12,6 +12,7 @@ from logic.generation.builder import Builder
 from logic.generation.units import _units_of
 from logic.grammar import SHIPPED, find
 from logic.house.parts import OUTSIDE
+from logic.language.loaded import LoadedGrammar
 from logic.layout.programs import Programs
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
@@ -179,6 +180,14 @@ def test_a_wrong_statement_about_units_is_an_error_at_its_place(
 ) -> None:
     with pytest.raises(GrammarError, match=says):
         builder(changed(tmp_path, edit))
+
+
+def test_how_many_doors_a_public_room_has_is_said_to_be_no_rule(tmp_path: Path) -> None:
+    mine = changed(
+        tmp_path, ("rooms.lp", "degree(hall,2,4).", "degree(hall,2,4).  degree(commonCorridor,1,3).")
+    )
+    (warning,) = LoadedGrammar(find(mine)).warnings
+    assert "how many doors a public room has depends on its units" in warning.message
 
 
 def test_a_building_lies_on_no_grid_and_says_so() -> None:

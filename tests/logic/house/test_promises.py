@@ -186,6 +186,21 @@ def test_furniture_moved_nearer_to_a_door_than_its_grammar_promises_is_found(
     assert float(found[1]) < 0.4
 
 
+def test_a_piece_whose_sides_do_not_go_together_is_found_within_the_bounds_of_each(
+    shipped: dict[str, House],
+) -> None:
+    """A toilet is 0.36 to 0.4 m long and 0.33 m more deep."""
+    house = shipped["home"]
+    room = next(room for room in house.rooms if any(piece.type == "toilet" for piece in room.children))
+    toilet = next(piece for piece in room.children if piece.type == "toilet")
+    deep = "height" if toilet.orientation in {"N", "S"} else "width"
+    changed = getattr(toilet, deep) + (0.01 if getattr(toilet, deep) < 0.71 else -0.01)
+    pieces = tuple(replace(each, **{deep: changed}) if each is toilet else each for each in room.children)
+    rooms = tuple(replace(each, children=pieces) if each is room else each for each in house.rooms)
+    (found,) = (line for line in check(replace(house, rooms=rooms)) if "toilet is" in line)
+    assert "(must be: depth <= length + 0.33)" in found or "(must be: length + 0.33 <= depth)" in found
+
+
 def test_promises_survive_files_their_first_line_and_files_one_after_the_other(
     tmp_path: Path, shipped: dict[str, House]
 ) -> None:
