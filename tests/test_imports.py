@@ -21,6 +21,7 @@ FOLDERS = {
     "logic": (
         *(
             "encoding",
+            "opener",
             "errors",
             "spelling",
             "stopping",

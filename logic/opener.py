@@ -1,0 +1,189 @@
+"""The one way to files of others: regular files alone are read, and nothing is unpacked beyond a bound.
+
+A file that is refused raises ``OSError`` with ``strerror``, as an absent one does; content that is refused
+raises ``ValueError``. Both say why in one line, and the reader that asked puts the file's name before it.
+"""
+
+import errno
+import gzip
+import io
+import json
+import os
+import re
+import stat
+import sys
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any, BinaryIO, NoReturn
+
+import msgspec
+
+STANDARD = Path("-")
+"""The standard input where a file is read, the standard output where one is written."""
+
+PACKED = b"\x1f\x8b"
+"""How gzip's files begin."""
+
+MAX_DEPTH, MAX_DIGITS, MAX_VALUES = 64, 128, 1 << 22
+"""Of JSON: levels of lists and objects, digits of a number, and values."""
+
+MAX_MEMBERS = 1 << 10
+"""Files of an archive."""
+
+DAMAGED = (OSError, EOFError, zlib.error)
+"""What reading an open file raises: see ``reason``."""
+
+_STRING = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
+_LONG = re.compile(rb"\d{%d}" % (MAX_DIGITS + 1))
+_HUGE = re.compile(rb"[eE]\+?0*+\d{3}")
+_SURROGATE = re.compile(rb"\\u[dD][89a-fA-F]")
+_NO_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))
+_PLAIN_MEMBERS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""How members may be packed: other ways take as much memory as an archive asks."""
+
+
+def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO | gzip.GzipFile:
+    """Open a regular file of at most so many bytes, or the standard input, which may be a pipe; unpack it if
+    it is packed, whatever its name. ``most`` does not bound what the caller then unpacks: see ``content_of``.
+
+    Raises ``OSError`` for a folder, a pipe, a device and a socket, and never waits for one.
+    """
+    if Path(path) == STANDARD:
+        file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
+    else:
+        file = open(path, "rb", opener=_at_once)  # noqa: SIM115 - the caller closes it
+        try:
+            _require_bounded(os.fstat(file.fileno()), path, most)
+        except OSError:
+            file.close()
+            raise
+    packed = unpack and (Path(path).suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED))
+    if not packed:
+        return file
+    unpacked = gzip.GzipFile(fileobj=file)
+    unpacked.myfileobj = file  # pyright: ignore[reportAttributeAccessIssue] - closed with it
+    return unpacked
+
+
+def content_of(path: str | Path, most: int, *, unpack: bool = True) -> bytes:
+    """Return what a file or the standard input holds, unpacked, at most so many bytes.
+
+    Raises ``OSError``, for what is damaged too.
+    """
+    try:
+        with opened(path, most, unpack=unpack) as file:
+            content = file.read(most + 1)
+    except DAMAGED as error:
+        if isinstance(error, OSError) and error.errno:
+            raise
+        raise OSError(errno.EIO, f"damaged: {reason(error)}", str(path)) from None
+    if len(content) > most:
+        _too_large(path, most)
+    return content
+
+
+def require_file(path: str | Path, most: int) -> None:
+    """Raise ``OSError`` unless it is a regular file of at most so many bytes.
+
+    For libraries that open a file by its name.
+    """
+    _require_bounded(os.stat(path), path, most)
+
+
+def reason(error: Exception) -> str:
+    """Return in one line why a file cannot be read."""
+    words = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return words.splitlines()[0]
+
+
+def from_json(content: bytes, kind: Any = None) -> Any:
+    """Return the value of JSON, of a type if one is given, as msgspec reads it.
+
+    Raises ``ValueError``, in one line, for what is no JSON or beyond ``MAX_DEPTH``, ``MAX_DIGITS`` or
+    ``MAX_VALUES``.
+    """
+    # As json.loads does: what Windows writes may be UTF-16.
+    content = content.decode(json.detect_encoding(content)).encode()
+    _require_plain(content)
+    try:
+        if kind is not None:
+            return msgspec.json.decode(content, type=kind)
+        found = json.loads(content, parse_constant=_no_number)
+        if _SURROGATE.search(content):  # half a letter cannot be written again
+            json.dumps(found, ensure_ascii=False).encode()
+        return found
+    except UnicodeEncodeError:
+        raise ValueError("a text has half a letter of UTF-16") from None
+    except RecursionError:
+        raise ValueError(f"nested more than {MAX_DEPTH} deep") from None
+
+
+def archive_of(content: bytes, most: int) -> zipfile.ZipFile:
+    """Return a zip archive whose files together hold at most so many bytes, unpacked.
+
+    Raises ``ValueError`` for another archive. ``zipfile`` reads no more of a file than the archive states.
+    """
+    # Before its list is read, which takes more memory than the archive.
+    if content.count(b"PK\x01\x02") > MAX_MEMBERS:
+        raise ValueError(f"an archive of more than {MAX_MEMBERS:,} files")
+    try:
+        archive = zipfile.ZipFile(io.BytesIO(content))
+    except (zipfile.BadZipFile, NotImplementedError, OSError) as error:
+        raise ValueError(f"a damaged archive: {reason(error)}") from None
+    members = archive.infolist()
+    if sum(each.file_size for each in members) > most:
+        raise ValueError(f"an archive whose files hold more than {_size(most)} together")
+    if any(each.flag_bits & 1 or each.compress_type not in _PLAIN_MEMBERS for each in members):
+        raise ValueError("an archive that is encrypted or packed in an unusual way")
+    return archive
+
+
+def member_of(archive: zipfile.ZipFile, name: str) -> bytes:
+    """Return what a file of an archive holds. Raises ``ValueError`` where it is damaged."""
+    try:
+        return archive.read(name)
+    except (*DAMAGED, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
+        raise ValueError(f"{name} of the archive is damaged: {reason(error)}") from None
+
+
+def _at_once(name: str, flags: int) -> int:
+    """Open a file without waiting for the other end of a pipe, and without taking a terminal."""
+    return os.open(name, flags | os.O_NONBLOCK | os.O_NOCTTY)
+
+
+def _require_bounded(about: os.stat_result, path: str | Path, most: int) -> None:
+    if stat.S_ISDIR(about.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(about.st_mode):
+        raise OSError(errno.EINVAL, "it is a device or a pipe, and no file", str(path))
+    if about.st_size > most:
+        _too_large(path, most)
+
+
+def _too_large(path: str | Path, most: int) -> NoReturn:
+    raise OSError(errno.EFBIG, f"it holds more than {_size(most)}", str(path))
+
+
+def _size(most: int) -> str:
+    return f"{most >> 20} MiB" if most >> 20 else f"{most >> 10} KiB"
+
+
+def _require_plain(content: bytes) -> None:
+    """Raise ``ValueError`` for JSON that is too deep or too much, before anything is made of it."""
+    plain = _STRING.sub(b"", content)
+    brackets = plain.translate(None, _NO_BRACKETS)
+    if plain.count(b",") + len(brackets) / 2 > MAX_VALUES:
+        raise ValueError(f"more than {MAX_VALUES:,} values")
+    if _LONG.search(plain) or _HUGE.search(plain):
+        raise ValueError(f"a number of more than {MAX_DIGITS} digits, or of 1e100 or more")
+    for _ in range(MAX_DEPTH):
+        brackets = brackets.replace(b"[]", b"").replace(b"{}", b"")
+    # Brackets without their partners are no JSON, which its reader says, by line and column.
+    is_deep = b"[]" in brackets or b"{}" in brackets
+    if is_deep or brackets.count(b"[") + brackets.count(b"{") > MAX_DEPTH:
+        raise ValueError(f"nested more than {MAX_DEPTH} deep")
+
+
+def _no_number(word: str) -> NoReturn:
+    raise ValueError(f"{word} is no number")
