@@ -14,7 +14,7 @@ import msgspec
 
 from logic import House, HouseFileError, Houses, HouseSet, HouseStream, RequestError, load
 from logic.dataset.splits import TEST, TRAINING
-from logic.house.files import STANDARD
+from logic.opener import STANDARD
 from logic.spelling import unknown
 
 

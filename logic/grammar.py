@@ -7,14 +7,15 @@ It may name a topology, how rooms lie together: a file of ``rules/topologies``, 
 import hashlib
 import os
 import re
-import stat
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from errno import EFBIG
 from pathlib import Path
 
 from logic.copies import Stated, original, stated_by, statements
 from logic.errors import GrammarError
 from logic.includes import Reading, name_in
+from logic.opener import content_of
 from logic.spelling import printable, unknown
 
 SHIPPED = Path(__file__).parent / "grammars"
@@ -259,17 +260,12 @@ def _topology(texts: Mapping[Path, str]) -> tuple[tuple[Path, ...], str]:
 def _content(file: Path, most: int) -> bytes:
     """What a rule file holds, of at most so many bytes."""
     try:
-        # Not to wait where it is a pipe: what is read is what was opened.
-        with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:
-            if not stat.S_ISREG(os.fstat(rules.fileno()).st_mode):
-                raise GrammarError("is a device or a pipe, and no file of rules", file)
-            content = rules.read(most + 1)
+        return content_of(file, most, unpack=False)
     except OSError as error:
+        if error.errno == EFBIG:
+            words = f"with this file the grammar holds more than {MOST_BYTES >> 20} MiB: it is not read"
+            raise GrammarError(words, file) from None
         raise GrammarError(f"cannot be read: {error.strerror}", file) from None
-    if len(content) > most:
-        size = f"{MOST_BYTES >> 20} MiB"
-        raise GrammarError(f"with this file the grammar holds more than {size}: it is not read", file)
-    return content
 
 
 def _hash(rules: Iterable[tuple[Path, bytes]]) -> str:

@@ -14,6 +14,7 @@ import stat
 import sys
 import zipfile
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
@@ -25,8 +26,8 @@ STANDARD = Path("-")
 PACKED = b"\x1f\x8b"
 """How gzip's files begin."""
 
-MAX_DEPTH, MAX_DIGITS, MAX_VALUES = 64, 128, 1 << 22
-"""Of JSON: levels of lists and objects, digits of a number, and values."""
+MAX_BYTES, MAX_DEPTH, MAX_DIGITS, MAX_VALUES = 1 << 26, 64, 128, 1 << 22
+"""Of JSON: bytes, levels of lists and objects, digits of a number, and values."""
 
 MAX_MEMBERS = 1 << 10
 """Files of an archive."""
@@ -52,12 +53,14 @@ def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO | gz
     if Path(path) == STANDARD:
         file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
     else:
-        file = open(path, "rb", opener=_at_once)  # noqa: SIM115 - the caller closes it
+        # To wait for no other end of a pipe, and to take no terminal; confinement forbids ``open`` its calls.
+        number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
         try:
-            _require_bounded(os.fstat(file.fileno()), path, most)
+            _require_bounded(os.fstat(number), path, most)
         except OSError:
-            file.close()
+            os.close(number)
             raise
+        file = os.fdopen(number, "rb")
     packed = unpack and (Path(path).suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED))
     if not packed:
         return file
@@ -97,19 +100,21 @@ def reason(error: Exception) -> str:
     return words.splitlines()[0]
 
 
-def from_json(content: bytes, kind: Any = None) -> Any:
-    """Return the value of JSON, of a type if one is given, as msgspec reads it.
+def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any] | None = None) -> Any:
+    """Return the value of JSON, of a type if one is given, as msgspec reads it; ``pairs`` makes objects.
 
     Raises ``ValueError``, in one line, for what is no JSON or beyond ``MAX_DEPTH``, ``MAX_DIGITS`` or
     ``MAX_VALUES``.
     """
-    # As json.loads does: what Windows writes may be UTF-16.
-    content = content.decode(json.detect_encoding(content)).encode()
+    if len(content) > MAX_BYTES:
+        raise ValueError(f"more than {_size(MAX_BYTES)} of JSON")
+    if (encoding := json.detect_encoding(content)) != "utf-8":  # what Windows writes
+        content = content.decode(encoding).encode()
     _require_plain(content)
     try:
         if kind is not None:
             return msgspec.json.decode(content, type=kind)
-        found = json.loads(content, parse_constant=_no_number)
+        found = json.loads(content, parse_constant=_no_number, object_pairs_hook=pairs)
         if _SURROGATE.search(content):  # half a letter cannot be written again
             json.dumps(found, ensure_ascii=False).encode()
         return found
@@ -145,11 +150,6 @@ def member_of(archive: zipfile.ZipFile, name: str) -> bytes:
         return archive.read(name)
     except (*DAMAGED, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
         raise ValueError(f"{name} of the archive is damaged: {reason(error)}") from None
-
-
-def _at_once(name: str, flags: int) -> int:
-    """Open a file without waiting for the other end of a pipe, and without taking a terminal."""
-    return os.open(name, flags | os.O_NONBLOCK | os.O_NOCTTY)
 
 
 def _require_bounded(about: os.stat_result, path: str | Path, most: int) -> None:

@@ -16,7 +16,7 @@ import msgspec
 from agent.algorithms.table import PRESETS
 from agent.learning.config import TrainConfig
 from logic.errors import VitruviusError
-from logic.house.files import opened
+from logic.opener import content_of
 from logic.spelling import unknown
 from vitruvius.options import Option, options_of
 
@@ -103,11 +103,7 @@ def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, st
 def _text(path: Path) -> str:
     """The file's content. Raises ``SettingsError``."""
     try:
-        with opened(path) as file:
-            content = file.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise SettingsError(f"{path}: more than {MOST_BYTES >> 20} MiB: no file of settings has")
-        return content.decode()
+        return content_of(path, MOST_BYTES).decode()
     except OSError as error:
         raise SettingsError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:

@@ -12,8 +12,9 @@ import numpy as np
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.judge import JudgedLine, faults, lines, plan_of
 from logic.errors import HouseFileError
-from logic.house.files import opened
+from logic.house.files import MOST_BYTES
 from logic.house.house import House
+from logic.opener import opened
 from logic.spelling import unknown
 
 
@@ -34,7 +35,7 @@ class Answer(msgspec.Struct, frozen=True, omit_defaults=True):
 def read_answers(path: Path) -> list[Answer]:
     """Answers as JSON Lines. Raises ``HouseFileError`` with the line that is none."""
     found = []
-    with opened(path) as file:
+    with opened(path, MOST_BYTES) as file:
         for number, line in enumerate(file, start=1):
             try:
                 found.append(msgspec.json.decode(line, type=Answer))

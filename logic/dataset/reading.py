@@ -12,11 +12,11 @@ from logic.dataset.rows import Row, house_of
 from logic.dataset.sets import MANIFEST, SET, Held, Set, read_manifest, read_set
 from logic.dataset.splits import SPLITS
 from logic.errors import HouseFileError, RequestError
-from logic.house.files import MOST_LINE
 from logic.house.files import load as load_file
 from logic.house.gallery import Houses
 from logic.house.house import House
-from logic.readers.world import read_world
+from logic.opener import content_of
+from logic.readers.world import MOST_BYTES, read_world
 from logic.spelling import unknown
 
 WORLDS = (".json", ".geojson")
@@ -124,8 +124,13 @@ def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequ
     path = Path(path)
     if file is None and (path / SET).is_file():
         return HouseSet(path)
-    might_be = (
-        file is None and path.suffix.lower() in WORLDS and path.is_file() and path.stat().st_size <= MOST_LINE
-    )
-    world = read_world(path.read_bytes(), path) if might_be else None
+    world = _world(path) if file is None and path.suffix.lower() in WORLDS else None
     return Houses([world]) if world else load_file(path, file, **options)
+
+
+def _world(path: Path) -> House | None:
+    """Return the house that a file's plan is; None for another file, and for one that cannot be read."""
+    try:
+        return read_world(content_of(path, MOST_BYTES), path)
+    except OSError:
+        return None

@@ -13,8 +13,9 @@ from logic.dataset.rows import HOUSE, Row, house_sha256
 from logic.dataset.sets import SET, Set, read_set
 from logic.errors import GrammarError, HouseFileError, LimitReached
 from logic.grammar import Grammar, find
-from logic.house.files import STANDARD, opened
+from logic.house.files import MOST_BYTES
 from logic.house.house import House
+from logic.opener import STANDARD, opened
 from logic.workers.series import HouseSeries
 
 INFERENCES, SECONDS = 100_000_000, 60.0
@@ -37,7 +38,7 @@ def rows_of(path: Path) -> tuple[Iterator[Row], Set | None]:
     of = read_set(path.parents[1]) if len(path.parents) > 1 else None
     if path.suffix.removeprefix(".") == FILES[0]:
         return read(path), of
-    return _lines(opened(path)), of
+    return _lines(opened(path, MOST_BYTES)), of
 
 
 def _lines(file: BinaryIO | GzipFile) -> Iterator[Row]:

@@ -2,13 +2,10 @@
 
 import codecs
 import gzip
-import io
 import json
 import os
 import secrets
 import stat
-import sys
-import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -22,6 +19,7 @@ from logic.grammar import shipped
 from logic.house.gallery import Houses
 from logic.house.house import House
 from logic.house.ros_map import DESCRIPTIONS, PICTURES, read_map
+from logic.opener import DAMAGED, from_json, opened, reason
 from logic.spelling import closest, quoted
 
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
@@ -32,12 +30,6 @@ FILES = (
     *(".safetensors", ".svg", ".txt"),
 )
 """How names end that are no folder's."""
-
-STANDARD = Path("-")
-"""The standard input where a file is read, the standard output where one is written."""
-
-PACKED = b"\x1f\x8b"
-"""How gzip's files begin."""
 
 MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 """What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
@@ -59,33 +51,18 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
     try:
         if path.suffix in DESCRIPTIONS and not path.is_dir():
             return Houses([House.of_map(read_map(path))])
-        with file or opened(path) as content:
+        with file or opened(path, MOST_BYTES) as content:
             houses = Houses(_houses(content, path, whole_pixels))
     except FileNotFoundError:
         raise HouseFileError(f"{path}: {_absent(path)}") from None
     except IsADirectoryError:
         raise HouseFileError(f"{path}: {_folder(path)}") from None
-    except (OSError, EOFError, zlib.error) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise HouseFileError(f"{path}: cannot be read: {reason}") from None
+    except DAMAGED as error:
+        raise HouseFileError(f"{path}: cannot be read: {reason(error)}") from None
     if not houses:
         made = f"vitruvius generate --rooms 4 --out {quoted(path)}"
         raise HouseFileError(f"{path}: holds no house. Make some with: {made}")
     return houses
-
-
-def opened(path: Path) -> BinaryIO | gzip.GzipFile:
-    """A file, or the standard input, unpacked if it is packed, whatever its name."""
-    if path == STANDARD:
-        file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
-    else:
-        file = path.open("rb")
-    packed = path.suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED)
-    if not packed:
-        return file
-    unpacked = gzip.GzipFile(fileobj=file)
-    unpacked.myfileobj = file  # pyright: ignore[reportAttributeAccessIssue] - closed with it
-    return unpacked
 
 
 def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
@@ -101,7 +78,7 @@ def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> I
             raise HouseFileError(f"{path}: holds more than {most}: split it")
         if len(line) > MOST_LINE:
             raise HouseFileError(f"{path}:{number}: a house of more than {MOST_LINE >> 20} MiB")
-        if line.strip() and not _ends(line):
+        if line.strip() and stopped_by(line) is None:
             yield _parsed(line, f"{path}:{number}", whole_pixels)
 
 
@@ -232,9 +209,20 @@ def _absent(path: Path) -> str:
     )
 
 
-def _ends(line: bytes) -> bool:
-    """Whether this is the line that says why a series ended early."""
-    return line.startswith(b'{"stopped":')
+class _End(msgspec.Struct, forbid_unknown_fields=True):
+    """The line that says why a series ended early."""
+
+    stopped: str
+
+
+def stopped_by(line: bytes) -> str | None:
+    """Return why a series of houses ended early, where a line says it: see ``save``; else None."""
+    if not line.startswith(b'{"stopped":'):
+        return None
+    try:
+        return from_json(line, _End).stopped
+    except ValueError:
+        return None
 
 
 def _holds_one(path: Path) -> bool:
@@ -251,13 +239,13 @@ def _require_once(pairs: list[tuple[str, Any]]) -> None:
 
 def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
     try:
-        record: dict[str, Any] = msgspec.json.decode(line)
+        record: dict[str, Any] = from_json(line, Any)
         json.loads(line, object_pairs_hook=_require_once)
         if whole_pixels:
             record = json.loads(line, parse_float=lambda text: float(int(float(text))))
             if "unit" in record:
                 raise ValueError(f"its lengths are in {record['unit']}, so there are no pixels to cut")
         return House.from_dict(record)
-    except (msgspec.DecodeError, ValueError, OverflowError, RecursionError) as error:
+    except (ValueError, OverflowError) as error:
         hint = " (the file is cut short)" if "truncated" in str(error) else ""
         raise HouseFileError(f"{place}: not a house: {error}{hint}") from None

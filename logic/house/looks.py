@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import re
-import stat
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -20,6 +19,7 @@ from logic.errors import GrammarError
 from logic.grammar import SHIPPED, folder, shipped
 from logic.house.house import House
 from logic.house.parts import ORIGINAL
+from logic.opener import content_of, from_json
 from logic.spelling import closest
 
 NAME = "looks.json"
@@ -118,14 +118,14 @@ def read_looks(file: Path, under: Looks) -> tuple[Looks, list[GrammarError]]:
     """
     try:
         text = _text(file)
-        data = json.loads(text, object_pairs_hook=_Pairs)
+        data = from_json(text.encode(), pairs=_Pairs)
         faults = list(_faults(data, under))
     except GrammarError as error:
         return Looks(), [error]
     except json.JSONDecodeError as error:
         return Looks(), [GrammarError(f"not JSON: {error.msg}", file, error.lineno, error.colno)]
-    except RecursionError:
-        return Looks(), [GrammarError("is nested too deeply to be read", file)]
+    except ValueError as error:
+        return Looks(), [GrammarError(str(error), file)]
     if faults:
         at = _places(text)
         return Looks(), [GrammarError(why, file, *at.get(where, (1, 1))) for where, why in faults]
@@ -140,12 +140,7 @@ def read_looks(file: Path, under: Looks) -> tuple[Looks, list[GrammarError]]:
 def _text(file: Path) -> str:
     """The text of a file of looks. Raises ``GrammarError`` where it is not to be read."""
     try:
-        if not stat.S_ISREG(file.stat().st_mode):
-            raise GrammarError("is a device or a pipe, and no file of looks", file)
-        with file.open("rb") as opened:
-            content = opened.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise GrammarError(f"holds more than {MOST_BYTES >> 20} MiB: it is not read", file)
+        content = content_of(file, MOST_BYTES, unpack=False)
     except OSError as error:
         raise GrammarError(f"cannot be read: {error.strerror}", file) from None
     if wrong := illegible(content):

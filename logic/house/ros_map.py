@@ -7,8 +7,8 @@ map below ``free_thresh``; what is neither free nor occupied is unknown, and sol
 """
 
 import math
-import stat
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from reprlib import Repr
 from typing import Any, NamedTuple, NoReturn
@@ -19,6 +19,7 @@ from PIL import Image
 
 from logic.errors import HouseFileError
 from logic.house.occupancy import FREE, MOST_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid, too_many
+from logic.opener import content_of, opened
 from logic.spelling import unknown
 
 DESCRIPTIONS, PICTURES = (".yaml", ".yml"), (".pgm", ".png", ".bmp")
@@ -29,9 +30,11 @@ FORMATS = ("PNG", "PPM", "BMP")
 
 MODES = ("trinary", "scale", "raw")
 
+NEGATE = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
+
 SHORT = Repr()
 SHORT.maxlevel, SHORT.maxstring = 1, 60
-"""Writes what a file says in an error's line: YAML's aliases make lists longer than any memory."""
+"""Writes what a file says in an error's line."""
 
 BAND = 256
 """Rows that are read at once."""
@@ -77,21 +80,19 @@ def _described(path: Path) -> Description:
     def wrong(what: str) -> NoReturn:
         raise HouseFileError(f"{path}: no map of ROS: {what}")
 
-    with path.open("rb") as file:
-        content = file.read(MOST_TEXT + 1)
-    if len(content) > MOST_TEXT:
-        wrong(f"more than {MOST_TEXT >> 10} KiB")
+    content = content_of(path, MOST_TEXT, unpack=False)
     try:
-        found: Any = yaml.safe_load(content)
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError, ValueError) as error:
+        _require_plain(content)
+        found: Any = yaml.load(content, yaml.BaseLoader)  # texts, and lists of them
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
-        wrong(f"it is no YAML{f', in line {mark.line + 1}' if mark else ''}")
+        wrong(f"it is no YAML of plain values{f', in line {mark.line + 1}' if mark else ''}")
     if not isinstance(found, dict):
         wrong("it says nothing by name, as in image: map.png")
+    found = {name: _value(each) for name, each in found.items()}
 
     def numbers(name: str, value: Any) -> list[float]:
         try:
-            # YAML 1.1 takes 5e-2 for a word.
             given = [float(each) for each in (value if isinstance(value, list) else [value])]
         except (TypeError, ValueError, OverflowError):
             given = [math.nan]
@@ -119,13 +120,35 @@ def _described(path: Path) -> Description:
     )
     if others or rest:
         wrong("occupied_thresh and free_thresh must be a number each")
-    if found["negate"] not in (0, 1):
+    negate = NEGATE.get(str(found["negate"]).lower())
+    if negate is None:
         wrong(f"negate is {SHORT.repr(found['negate'])}: it must be 0 or 1")
     mode = found.get("mode", MODES[0])
     if mode not in MODES:
         wrong(unknown("mode", mode if isinstance(mode, str) else SHORT.repr(mode), MODES))
     image = path.parent / found["image"]
-    return Description(image, resolution, (origin[0], origin[1]), occupied, free, bool(found["negate"]), mode)
+    if not image.resolve().is_relative_to(path.parent.resolve()):
+        wrong(f"image is {SHORT.repr(found['image'])}: it must lie in the folder of this file")
+    return Description(image, resolution, (origin[0], origin[1]), occupied, free, negate, mode)
+
+
+def _require_plain(content: bytes) -> None:
+    """Raise ``YAMLError`` for a tag, an anchor, an alias, or a value that is no text and no list of texts."""
+    depth = 0
+    for event in yaml.parse(content, yaml.BaseLoader):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > 2 or getattr(event, "anchor", None) or getattr(event, "tag", None):
+            raise yaml.MarkedYAMLError(problem_mark=event.start_mark)
+
+
+def _value(text: Any) -> Any:
+    """Return the number that a text is, else the text: YAML 1.1 takes 5e-2 for a word."""
+    if isinstance(text, list):
+        return [*map(_value, text)]
+    for kind in (int, float):
+        with suppress(ValueError, TypeError):
+            return kind(text)
+    return text
 
 
 def _cells(said: Description, path: Path) -> np.ndarray:
@@ -165,12 +188,11 @@ def _pixels(image: Path, path: Path) -> np.ndarray:
         raise HouseFileError(f"{path}: its picture {image}: {what}")
 
     try:
-        about = image.stat()
-        if not stat.S_ISREG(about.st_mode):
-            wrong("is no file")
-        if about.st_size > MOST_PICTURE:
-            wrong(f"more than {MOST_PICTURE >> 20} MiB")
-        with warnings.catch_warnings(action="ignore"), Image.open(image, formats=FORMATS) as picture:
+        with (
+            warnings.catch_warnings(action="ignore"),
+            opened(image, MOST_PICTURE, unpack=False) as file,
+            Image.open(file, formats=FORMATS) as picture,
+        ):
             width, height = picture.size
             if width * height > MOST_CELLS:  # By its head alone: nothing is unpacked yet.
                 wrong(too_many(height, width))

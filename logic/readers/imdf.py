@@ -3,18 +3,17 @@
 A unit has a category and names by language; an opening is a line in a wall.
 """
 
-import io
-import json
-import zipfile
 from collections.abc import Iterable, Mapping
 from math import cos, radians, sin, sqrt
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 import shapely
 from shapely.geometry import shape
 
 from logic.errors import RequestError
+from logic.opener import archive_of, from_json, member_of
 from logic.readers.sketch import Passage, Sketch, Space, polygons
 
 FORMAT = "IMDF"
@@ -24,7 +23,7 @@ ZIP = b"PK\x03\x04"
 MEMBERS = ("unit.geojson", "opening.geojson")
 
 MOST_BYTES = 1 << 24
-"""What is read of a file of an archive, unpacked."""
+"""Of all files of an archive together, unpacked."""
 
 EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
 """Of WGS 84: the radius, metres, and the square of the first eccentricity."""
@@ -33,7 +32,7 @@ EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
 def is_imdf(content: bytes, record: Any) -> bool:
     """Whether a file is an archive of IMDF or a collection of its features."""
     if content.startswith(ZIP):
-        return bool(_members(content))
+        return any(name.endswith(MEMBERS[0]) for name in _archive(content).namelist())
     features = record.get("features") if isinstance(record, Mapping) else None
     return isinstance(features, list) and any(_kind(each) == "unit" for each in features)
 
@@ -98,26 +97,26 @@ def _properties(feature: Any) -> Mapping[str, Any]:
     return found if isinstance(found, Mapping) else {}
 
 
-def _members(content: bytes) -> list[str]:
-    try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            names = [each for each in archive.namelist() if each.rpartition("/")[2] in MEMBERS]
-    except zipfile.BadZipFile:
-        return []
-    return names if any(each.endswith(MEMBERS[0]) for each in names) else []
+def _is_member(name: str) -> bool:
+    return name.rpartition("/")[2] in MEMBERS
 
 
 def _unpacked(content: bytes) -> list[Any]:
+    """Return the features of all files of an archive. Raises ``RequestError`` for a file without any."""
     features = []
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        for name in _members(content):
-            with archive.open(name) as file:
-                text = file.read(MOST_BYTES + 1)
-            if len(text) > MOST_BYTES:
-                raise RequestError(f"plan: {name} of the archive is larger than {MOST_BYTES >> 20} MiB")
+    with _archive(content) as archive:
+        for name in filter(_is_member, archive.namelist()):
             try:
-                found = json.loads(text)["features"]
-            except (ValueError, KeyError, TypeError, RecursionError):
-                raise RequestError(f"plan: {name} of the archive is no collection of features") from None
+                found = from_json(member_of(archive, name))["features"]
+            except (ValueError, KeyError, TypeError) as error:
+                why = f": {error}" if isinstance(error, ValueError) else ""
+                raise RequestError(f"plan: {name} of the archive is no collection of features{why}") from None
             features += found if isinstance(found, list) else []
     return features
+
+
+def _archive(content: bytes) -> ZipFile:
+    try:
+        return archive_of(content, MOST_BYTES)
+    except ValueError as error:
+        raise RequestError(f"plan: {error}") from None

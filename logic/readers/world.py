@@ -22,10 +22,14 @@ from logic.errors import HouseFileError, PlanWarning, RequestError
 from logic.house.house import House
 from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
 from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
+from logic.opener import from_json
 from logic.readers.features import features, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline
 from logic.readers.sketch import FAR, polygons
 from logic.spelling import numbered
+
+MOST_BYTES = 1 << 24
+"""Of a file."""
 
 CELL = 0.1
 """Metres. A body must not fit between a wall and the cells behind it."""
@@ -48,8 +52,8 @@ def read_world(content: bytes, path: Path) -> House | None:
     for more cells or walls than a house may have.
     """
     try:
-        record = json.loads(content)
-    except (ValueError, RecursionError):
+        record = from_json(content)
+    except ValueError:
         return None
     try:
         if is_houseexpo(content, record):
@@ -153,7 +157,7 @@ def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
     if shut := sum(not inner.covers(door.centroid) for door in doors):
         join, are = ("joins", "is") if shut == 1 else ("join", "are")
         said = f"plan: {numbered(shut, 'door')} {join} no two polygons of floor, and {are} shut"
-        warnings.warn(said, PlanWarning, stacklevel=6)  # where ``logic.load`` is called
+        warnings.warn(said, PlanWarning, stacklevel=7)  # where ``logic.load`` is called
 
 
 def _walls(shape: Any, thickness: float) -> list[FreeWall]:

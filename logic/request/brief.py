@@ -14,9 +14,12 @@ import msgspec
 from msgspec import Meta
 
 from logic.errors import RequestError
-from logic.house.files import opened
 from logic.house.parts import OUTSIDE, Name
+from logic.opener import content_of, from_json
 from logic.spelling import unknown
+
+MOST_BYTES = 1 << 20
+"""Of a file, unpacked."""
 
 MOST_ROOMS = 24
 """Of a brief: the rules grow with the cube of the number of its rooms."""
@@ -129,11 +132,10 @@ def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
     """A brief, from its JSON form or a file of it. Raises ``RequestError`` for what cannot be meant."""
     if isinstance(source, str | Path):
         try:
-            with opened(Path(source)) as file:
-                source = msgspec.json.decode(file.read())
+            source = from_json(content_of(source, MOST_BYTES), Any)
         except OSError as error:
             raise RequestError(f"brief: {source} cannot be read: {error.strerror}") from None
-        except msgspec.DecodeError as error:
+        except ValueError as error:
             raise RequestError(f"brief: {source} is no JSON: {error}") from None
     try:
         brief = source if isinstance(source, Brief) else msgspec.convert(source, Brief)

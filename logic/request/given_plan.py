@@ -5,10 +5,9 @@ or leave gaps. Which rules it breaks is found later, as a proof (``logic.generat
 """
 
 import io
-import json
 import warnings
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from errno import EFBIG
 from itertools import chain, combinations
 from pathlib import Path
 from typing import Any
@@ -20,9 +19,10 @@ from logic.checking.figures import figure
 from logic.checking.shared_walls import gaps
 from logic.errors import HouseFileError, PlanWarning, RequestError
 from logic.house.boxes import TOLERANCE, Box, overlap
-from logic.house.files import STANDARD, load, opened
+from logic.house.files import load
 from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
+from logic.opener import STANDARD, content_of, from_json
 from logic.readers import sketch
 from logic.readers.features import is_geojson
 from logic.readers.lines import MOST_WALL
@@ -122,12 +122,15 @@ def _read(source: str | Path | House | Mapping[str, Any]) -> House | Sketch | Ma
 
 
 def _from_file(path: Path) -> House | Sketch | dict[str, Any]:
-    content = _content(path)
-    if len(content) > MOST_BYTES:
-        raise HouseFileError(f"{path}: more than {MOST_BYTES >> 20} MiB: a plan is of one house")
     try:
-        record = json.loads(content)
-    except (ValueError, RecursionError):
+        content = content_of(path, MOST_BYTES)
+    except OSError as error:
+        if error.errno == EFBIG:
+            raise HouseFileError(f"{path}: {error.strerror}: a plan is of one house") from None
+        content = b""  # ``load`` says why
+    try:
+        record = from_json(content)
+    except ValueError:
         record = None  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
     if found := sketch(content, record):
         return found
@@ -140,15 +143,6 @@ def _from_file(path: Path) -> House | Sketch | dict[str, Any]:
     if len(houses) > 1:
         raise RequestError(f"plan: {path} holds {len(houses)} houses: give a file of one")
     return houses[0]
-
-
-def _content(path: Path) -> bytes:
-    """What a file or the standard input holds; nothing where it cannot be read: ``load`` says why."""
-    try:
-        with opened(path) as file:
-            return file.read(MOST_BYTES + 1)
-    except (OSError, EOFError, zlib.error):
-        return b""
 
 
 def _require_rooms(rooms: Sequence[Room]) -> None:

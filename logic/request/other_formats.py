@@ -1,9 +1,10 @@
 """What a file is that is given as a plan and is none: known by how it begins, whatever its name."""
 
-import json
 import re
 from collections.abc import Mapping
 from typing import Any
+
+from logic.opener import from_json
 
 GEOJSON = "convert it to GeoJSON, a rectangle for each room"
 DRAW = "draw its rooms as rectangles in a GIS or CAD, and export GeoJSON"
@@ -53,8 +54,8 @@ def _xml(content: bytes) -> tuple[str, str] | None:
 
 def _json(content: bytes) -> tuple[str, str] | None:
     try:
-        record: Any = json.loads(content)
-    except (ValueError, RecursionError):
+        record: Any = from_json(content)
+    except ValueError:
         return None
     if not isinstance(record, Mapping):
         return None

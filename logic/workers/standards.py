@@ -5,14 +5,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from logic.checking.check import violations
 from logic.errors import HouseFileError, RequestError
 from logic.grammar import find, shipped
-from logic.house.files import opened
 from logic.house.house import House
 from logic.house.promises import PROMISES, Promises, read_promises
+from logic.opener import content_of, from_json
 from logic.spelling import unknown
 from logic.workers.messages import Open, Promise, Promised
 from logic.workers.solver import Solver
@@ -80,18 +78,17 @@ def standard(named: Standard) -> Callable[[House], Promises]:
 def _read(file: Path) -> dict[str, Any]:
     """Promises by name, as a JSON file states them."""
     try:
-        with opened(file) as content:
-            stated = msgspec.json.decode(content.read(MOST_BYTES), type=dict[str, Any])
+        stated = from_json(content_of(file, MOST_BYTES), dict[str, Any])
         read_promises(stated, Promises())
     except FileNotFoundError:
         other = unknown("grammar", file, shipped())
         raise HouseFileError(f"{file}: there is no such JSON file of promises, and {other}") from None
     except OSError as error:
         raise HouseFileError(f"{file}: cannot be read: {error.strerror}") from None
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise HouseFileError(f"{file}: no promises: {error}") from None
     except RequestError as error:
         raise HouseFileError(f"{file}: {error}") from None
+    except ValueError as error:
+        raise HouseFileError(f"{file}: no promises: {error}") from None
     return stated
 
 

@@ -104,7 +104,7 @@ def test_the_command_line_wins_over_the_file_and_the_file_over_the_preset(tmp_pa
             ":3: num_minibatches must not exceed num_envs x num_steps, not 9",
         ),
         (b"\xff\xfe", ": no TOML: it is no text in UTF-8"),
-        (b"#" * (1 << 21), ": more than 1 MiB"),
+        (b"#" * (1 << 21), ": cannot be read: it holds more than 1 MiB"),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named_by_its_line(text: str | bytes, says: str, tmp_path: Path) -> None:

@@ -146,7 +146,7 @@ class Generate:
     def run(self) -> int:
         """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
         from logic import generate
-        from logic.house.files import STANDARD
+        from logic.opener import STANDARD
 
         say_warnings()
         require_plan(self.plan, self.plan_unit, self.snap)
@@ -283,7 +283,7 @@ class Generate:
 
     def answer(self, seconds: float, made: int = 0, **found: Any) -> None:
         """Print what was made or counted as JSON."""
-        from logic.house.files import STANDARD
+        from logic.opener import STANDARD
         from vitruvius.answers.houses import Generated
 
         out = str(self.out) if self.out and self.out != STANDARD else None

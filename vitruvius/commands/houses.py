@@ -247,8 +247,9 @@ class Convert:
         """Read the houses and write them."""
         from logic import load, save
         from logic.exports import export
-        from logic.house.files import HOUSE_FILES, STANDARD, require_ending, require_folder
+        from logic.house.files import HOUSE_FILES, require_ending, require_folder
         from logic.house.replacing import require_same_houses, unless_other
+        from logic.opener import STANDARD
         from vitruvius.answers.houses import Written
 
         say_warnings()

@@ -1,8 +1,8 @@
 """What is in a file that ``recognise`` knows, as one of ``kinds``. Nothing of it runs."""
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from math import prod
 from os import SEEK_END
 from pathlib import Path
@@ -14,11 +14,12 @@ from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, bank_hash
 from agent.learning.config import TrainConfig, differences
 from agent.play.results import load as load_games
-from agent.runs.released import FORMAT, LEARNT_IN, MOST_HEADER, require_sizes
+from agent.runs.released import FORMAT, LEARNT_IN, MOST_BYTES, MOST_HEADER, require_sizes
 from logic import House, HouseSet, RequestError
 from logic.dataset.sets import files_of_shards, read_manifest, read_set
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
+from logic.opener import content_of, from_json, opened
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
@@ -38,20 +39,14 @@ from vitruvius.info.kinds import (
     Trace,
 )
 
-MOST_TEXT = 1 << 20
-"""What is read of a run's ``config.json``, and of the end of its reports."""
+MOST_TEXT, MOST_METRICS = 1 << 20, 1 << 28
+"""Bytes that are read of a run's ``config.json`` and of the end of its reports, and bytes of all reports."""
 
 
 class UnknownFileError(VitruviusError):
     """A file or folder is absent, or is nothing that we know."""
 
     exit_code = 5
-
-
-def stopped(content: bytes) -> str | None:
-    """Why a series of houses ended early: see ``logic.house.files.save``."""
-    last = content.rstrip().rpartition(b"\n")[2]
-    return json.loads(last)["stopped"] if last.startswith(b'{"stopped":') else None
 
 
 def _counted(words: Iterable[str]) -> dict[str, int]:
@@ -124,13 +119,13 @@ def read_agent(name: str, path: Path) -> Agent:
     """A checkpoint by its header alone."""
     try:
         require_sizes(path)
-        with path.open("rb") as file:
+        with opened(path, MOST_BYTES, unpack=False) as file:
             length = int.from_bytes(file.read(8), "little")
-            header = json.loads(file.read(min(length, MOST_HEADER)))
+            header = from_json(file.read(min(length, MOST_HEADER)))
         record, tensors = header.pop("__metadata__"), header
         tensors.pop(LEARNT_IN, None)
         shapes = [each["shape"] for each in tensors.values()]
-        config = json.loads(record.get("config", "{}"))
+        config = from_json(record.get("config", "{}").encode())
         return Agent(
             name=name,
             agent=record["name"],
@@ -144,15 +139,14 @@ def read_agent(name: str, path: Path) -> Agent:
             command=record["command"],
             config=config,
         )
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
+    except (OSError, KeyError, TypeError, ValueError, AttributeError):
         raise UnknownFileError(f"{name}: no checkpoint of ours. Make one with: vitruvius train") from None
 
 
 def read_run(name: str, path: Path) -> Run:
     """A folder of ``train``. Raises ``UnknownFileError`` for another ``config.json``."""
     try:
-        with (path / "config.json").open("rb") as file:
-            record = msgspec.json.decode(file.read(MOST_TEXT))
+        record = from_json(content_of(path / "config.json", MOST_TEXT), Any)
         config, houses = record["config"], record["houses"]
         last = _last_report(path / "metrics.jsonl")
         return Run(
@@ -170,7 +164,7 @@ def read_run(name: str, path: Path) -> Run:
             versions={key: record[key] for key in ("python", "torch")},
             files=sorted(each.name for each in path.iterdir() if not each.name.startswith(".")),
         )
-    except (OSError, KeyError, TypeError, ValueError, AttributeError, msgspec.DecodeError, RecursionError):
+    except (OSError, KeyError, TypeError, ValueError, AttributeError):
         raise UnknownFileError(
             f"{name}: its config.json is none of a run. Train one: vitruvius train --out {quoted(name)}"
         ) from None
@@ -180,14 +174,12 @@ def _last_report(path: Path) -> dict[str, Any]:
     """The last whole line of a run's reports; empty before the first."""
     if not path.is_file():
         return {}
-    with path.open("rb") as file:
+    with opened(path, MOST_METRICS, unpack=False) as file:
         file.seek(-min(path.stat().st_size, MOST_TEXT), SEEK_END)
-        lines = file.read().splitlines()
+        lines = file.read(MOST_TEXT).splitlines()
     for line in reversed(lines):
-        try:
-            return msgspec.json.decode(line, type=dict)
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-            continue  # a kill may tear the last line
+        with suppress(ValueError):  # a kill may tear the last line
+            return from_json(line, dict[str, Any])
     return {}
 
 

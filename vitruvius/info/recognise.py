@@ -1,16 +1,11 @@
 """What a path or a name is: by how a file begins. ``reading`` then says what is in it; nothing of it runs."""
 
-import shutil
-import sys
 import tempfile
-import zlib
 from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
-
-import msgspec
 
 from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, PAPER_HOUSE, benchmark_path
@@ -18,8 +13,10 @@ from agent.runs.released import located, released
 from logic import HouseFileError, RequestError, load
 from logic.dataset.sets import SET
 from logic.grammar import shipped
-from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
+from logic.house.files import HOUSE_FILES, stopped_by
+from logic.house.files import MOST_BYTES as MOST_HOUSES
 from logic.house.ros_map import DESCRIPTIONS
+from logic.opener import PACKED, STANDARD, content_of, from_json, opened
 from logic.readers import sketch
 from logic.readers.features import is_geojson
 from logic.readers.sketch import Sketch
@@ -39,7 +36,6 @@ from vitruvius.info.reading import (
     read_set_of_houses,
     read_settings,
     read_trace,
-    stopped,
 )
 
 MOST_BYTES = 1 << 28
@@ -56,7 +52,7 @@ def recognised(name: str) -> list[Kind]:
     """
     if Path(name) == STANDARD:
         with tempfile.NamedTemporaryFile() as copy:
-            shutil.copyfileobj(sys.stdin.buffer, copy)
+            copy.write(_content(name, STANDARD, unpack=False))
             copy.flush()
             return [_file(name, Path(copy.name))]
     path = Path(name)
@@ -108,9 +104,7 @@ def _folder(name: str, path: Path) -> Kind:
 def _file(name: str, path: Path) -> Kind:
     """By how it begins; by its name where that says more."""
     try:
-        if not path.is_file():
-            raise UnknownFileError(f"{name}: is a device or a pipe, and no file")
-        with path.open("rb") as file:
+        with opened(path, MOST_HOUSES, unpack=False) as file:
             start = file.read(16)
     except OSError as error:
         raise UnknownFileError(f"{name}: cannot be read: {error.strerror}") from None
@@ -129,7 +123,7 @@ def _file(name: str, path: Path) -> Kind:
         )
     if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] == b"{":
         return _json(name, path)
-    if plan := _sketch(name, _unpacked(path), None):
+    if plan := _sketch(name, _content(name, path), None):
         return read_plan(name, plan)
     raise _unknown(name)
 
@@ -144,15 +138,13 @@ def _sketch(name: str, content: bytes, record: Any) -> Sketch | None:
 
 def _json(name: str, path: Path) -> Kind:
     """A house file, or another of ours that is JSON, by the first line or by the whole."""
-    content = _unpacked(path).removeprefix(BOM_UTF8)
+    content = _content(name, path).removeprefix(BOM_UTF8)
     first, _, _ = content.partition(b"\n")
     record: Any = None
     for text in (first, content):
-        try:
-            record = msgspec.json.decode(text)
+        with suppress(ValueError):
+            record = from_json(text, Any)
             break
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-            continue
     if record is None and path.name.endswith(HOUSE_FILES):
         load(path)  # says where it is damaged
     if not isinstance(record, dict):
@@ -169,7 +161,7 @@ def _json(name: str, path: Path) -> Kind:
     if {"preset", "algorithm", "config"} <= record.keys():
         return read_run(str(path.parent), path.parent)
     if format_ in ("vitruvius-1", "vitruvius-2") or "roomNumber" in record:
-        return read_houses(name, load(path), stopped(content))
+        return read_houses(name, load(path), stopped_by(content.rstrip().rpartition(b"\n")[2]))
     raise _unknown(name)
 
 
@@ -191,12 +183,8 @@ def _unknown(name: str) -> UnknownFileError:
     )
 
 
-def _unpacked(path: Path) -> bytes:
+def _content(name: str, path: Path, *, unpack: bool = True) -> bytes:
     try:
-        with opened(path) as file:
-            content = file.read(MOST_BYTES + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        raise HouseFileError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if len(content) > MOST_BYTES:
-        raise UnknownFileError(f"{path}: more than {MOST_BYTES >> 20} MiB: split it")
-    return content
+        return content_of(path, MOST_BYTES, unpack=unpack)
+    except OSError as error:
+        raise HouseFileError(f"{name}: cannot be read: {error.strerror}") from None

@@ -264,8 +264,9 @@ WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "no image": ({"image": None}, b"", "it lacks image, as in image: map.png"),
     "absent picture": ({}, None, "there is no such file"),
     "empty image": ({"image": ""}, b"", "image is ''"),
-    "device": ({"image": "/dev/zero"}, b"", "is no file"),
-    "folder": ({"image": "."}, b"", "is no file"),
+    "device": ({"image": "/dev/zero"}, b"", "it must lie in the folder of this file"),
+    "folder": ({"image": "."}, b"", "Is a directory"),
+    "picture of another folder": ({"image": "../map.png"}, b"", "it must lie in the folder of this file"),
     "no picture": ({}, b"hello", "it is no PNG, PGM or BMP"),
     "cut short": ({}, free_picture()[:-30], "it is no PNG, PGM or BMP"),
     "a thousand million cells": ({}, bomb(40_000, 25_000), "at most 33,554,432|more than the 33,554,432"),
@@ -273,7 +274,7 @@ WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "more than a PNG can hold": ({}, bomb(2**31 - 1, 2**31 - 1), "33,554,432|no PNG"),
     "resolution 0": ({"resolution": 0}, b"", "resolution is 0"),
     "resolution in words": ({"resolution": "5 cm"}, b"", "resolution is '5 cm'"),
-    "resolution nan": ({"resolution": float("nan")}, b"", "resolution is nan"),
+    "resolution nan": ({"resolution": float("nan")}, b"", r"resolution is '\.nan'"),
     "origin of two": ({"origin": [0, 0]}, b"", "origin has 2 numbers"),
     "turned": ({"origin": [0, 0, 0.3]}, b"", "origin turns it by 0.3"),
     "no thresholds": ({"free_thresh": None}, b"", "it lacks free_thresh"),
@@ -287,7 +288,11 @@ WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "not text": ("\x00\x01", b"", "it is no YAML"),
     "deep": ("[" * 20_000, b"", "it is no YAML"),
     "long": ("# " + "a" * (1 << 17), b"", "more than 64 KiB"),
-    "aliases": (ALIASES, b"", "resolution is"),
+    "aliases": (ALIASES, b"", "it is no YAML of plain values, in line 1"),
+    "an alias": ("image: &a map.png\nmode: *a\n", b"", "it is no YAML of plain values, in line 1"),
+    "a tag": ("image: !!python/name:os.system x", b"", "it is no YAML of plain values, in line 1"),
+    "merge keys": ("<<: [{image: map.png}]", b"", "it is no YAML of plain values, in line 1"),
+    "a number of 400 digits": ({"resolution": 10**400}, b"", "resolution is 1000"),
 }  # fmt: skip
 
 
