@@ -43,7 +43,7 @@ ACCESS, OWN = SHARED_WALLS / "access.lp", SHARED_WALLS / "own.lp"
 DISSECTION, BRIEF = TOPOLOGIES / "dissection.lp", RULES / "brief" / "brief.lp"
 """What a house by a brief has in the place of its grammar's topology."""
 
-COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
+COMMENT = re.compile(r"%\*.*?(?:\*%|\Z)|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
 
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")

@@ -17,8 +17,10 @@ from logic.spelling import closest, printable
 EXAMPLES = {".lp": '#include "home/furniture.lp".', ".pl": ":- include('home/furniture.pl')."}
 
 LINES = {
-    ".lp": r'^[ \t]*(?:(#)include[ \t]*"([^"]*)"[ \t]*\.[ \t]*)?(?:%(?!\*)[^\n]*)?\r?$',
-    ".pl": r"^[ \t]*(?:(:)-[ \t]*include\([ \t]*['\"]([^'\"]*)['\"][ \t]*\)[ \t]*\.[ \t]*)?(?:%[^\n]*)?\r?$",
+    ".lp": re.compile(r'^[ \t]*(?:(#)include[ \t]*"([^"]*)"[ \t]*\.[ \t]*)?(?:%(?!\*)[^\n]*)?\r?$'),
+    ".pl": re.compile(
+        r"^[ \t]*(?:(:)-[ \t]*include\([ \t]*['\"]([^'\"]*)['\"][ \t]*\)[ \t]*\.[ \t]*)?(?:%[^\n]*)?\r?$"
+    ),
 }
 """A line above a file's rules: its first group is where an include begins, its second the path."""
 
@@ -46,7 +48,7 @@ class Include(NamedTuple):
 def includes(text: str, suffix: str) -> Iterator[Include]:
     """The includes of a file with this suffix."""
     for number, line in enumerate(text.split("\n"), start=1):
-        found = re.match(LINES[suffix], line)
+        found = LINES[suffix].match(line)
         if not found:
             return
         if found[1]:

@@ -36,7 +36,7 @@ DAMAGED = (OSError, EOFError, zlib.error)
 """What reading an open file raises: see ``reason``."""
 
 _STRING = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
-_LONG = re.compile(rb"\d{%d}" % (MAX_DIGITS + 1))
+_LONG = re.compile(rb"\d{129}")
 _HUGE = re.compile(rb"[eE]\+?0*+\d{3}")
 _SURROGATE = re.compile(rb"\\u[dD][89a-fA-F]")
 _NO_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))

@@ -100,7 +100,9 @@ EXTRAS = {
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
-NO_MEMORY = re.compile(r"out of memory|(failed|can't|[Cc]annot) (to )?(allocate|map)|allocation .*failed")
+NO_MEMORY = re.compile(
+    r"out of memory|(failed|can't|[Cc]annot) (to )?(allocate|map)|allocation .{0,99}failed"
+)
 """What the system, torch and Taichi say where they get none."""
 
 ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."

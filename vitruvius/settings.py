@@ -112,6 +112,6 @@ def _text(path: Path) -> str:
 
 def _line(text: str, key: str) -> int | None:
     """The line, from 1, on which a key of the file's top stands."""
-    pattern = re.compile(rf"""\s*\[*\s*["']?{re.escape(key)}["']?\s*(=|\.|\])""") if key else None
+    pattern = re.compile(rf"""["']?{re.escape(key)}["']?\s*(=|\.|\])""") if key else None
     lines = enumerate(text.splitlines(), start=1)
-    return next((number for number, line in lines if pattern and pattern.match(line)), None)
+    return next((number for number, line in lines if pattern and pattern.match(line.lstrip(" \t["))), None)

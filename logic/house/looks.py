@@ -265,7 +265,7 @@ def _places(text: str) -> dict[Where, tuple[int, int]]:
     found: dict[Where, tuple[int, int]] = {(): (1, 1)}
     stack: list[list[Any]] = []  # the container's bracket, and its key or index of now
     previous, line, start = "", 1, 0
-    for token in re.finditer(r'"(?:\\.|[^"\\])*"|[{}\[\]:,\n]|[^\s{}\[\]:,"]+', text):
+    for token in re.finditer(r'"(?:\\.|[^"\\])*+"?|[{}\[\]:,\n]|[^\s{}\[\]:,"]+', text):
         mark, place = token[0], (line, token.start() - start + 1)
         if mark == "\n":
             line, start = line + 1, token.end()

@@ -129,11 +129,11 @@ def remove_others(folder: Path, written: Iterable[Path]) -> int:
     houses; other names stay, and so do other formats.
     """
     kept = {path.name for path in written}
-    patterns = {re.sub(r"\d+", r"\\d+", re.escape(name)) for name in kept if re.search(r"-\d+\.", name)}
+    alike = {re.sub(r"\d+", "0", name) for name in kept if re.search(r"-\d+\.", name)}
     others = [
         path
         for path in folder.iterdir()
-        if path.is_file() and path.name not in kept and any(re.fullmatch(p, path.name) for p in patterns)
+        if path.is_file() and path.name not in kept and re.sub(r"\d+", "0", path.name) in alike
     ]
     for path in others:
         path.unlink()

@@ -1,6 +1,5 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
-import re
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from typing import Any
@@ -170,7 +169,7 @@ class LoadedGrammar:
                 text = f"{predicate}: {name} is no {kind}{f'. Did you mean {meant}?' if meant else ''}"
                 error = unknown(name, text, file, line, column)
                 # A name that no piece can have is no piece of another grammar's.
-                if known is not pieces or meant in lacking or not re.fullmatch(NAME, name):
+                if known is not pieces or meant in lacking or not NAME.fullmatch(name):
                     yield misspelt_name(error, name, meant)
                 else:
                     self._of_no_room.append(error)

@@ -4,7 +4,9 @@ import re
 from collections.abc import Iterator
 
 _BRACKETS = {"(": ")", "{": "}", "[": "]"}
-_RELATION = r"(=<|>=|=:=|<|>|=)"
+_RELATION = re.compile(r"(=<|>=|=:=|<|>|=)")
+_UNREAD = re.compile(r"%[^\n]*|/\*.*?\*/|'[^'\n]*'|\"[^\"\n]*\"|(/\*.*)", re.DOTALL)
+"""Comments and what is quoted; as a group what follows where a comment begins that does not end."""
 _OTHER_LANGUAGES = {
     "!=": "a size has one range: state its bounds",
     "&&": "write a comma",
@@ -25,8 +27,7 @@ def explained(text: str, line: int, column: int, what: str) -> tuple[int, int, s
 
 def _without_comments(text: str) -> str:
     """The text, as long as it was, with blanks for its comments and what it quotes."""
-    quotes = r"%[^\n]*|/\*.*?\*/|'[^'\n]*'|\"[^\"\n]*\""
-    return re.sub(quotes, lambda found: re.sub(r"[^\n]", " ", found[0]), text, flags=re.DOTALL)
+    return _UNREAD.sub(lambda found: found[1] or re.sub(r"[^\n]", " ", found[0]), text)
 
 
 def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
@@ -57,12 +58,14 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
         yield begin + found.start(), f"write {relation} for {found[0]}"
     if what == "operator_clash" and (chain := _chain(code, offset)):
         yield chain
-    if (number := re.search(r"\d+(\.\d+)?$", code[begin:offset])) and (word := re.match(r"[A-Za-z]+", rest)):
+    if (number := re.search(r"(?<!\d)\d++(\.\d++)?$", code[begin:offset])) and (
+        word := re.match(r"[A-Za-z]+", rest)
+    ):
         unit = "write *" if word[0][0].isupper() else "a number has no unit, and lengths are metres"
         yield begin + number.start(), f"{number[0]}{word[0]}: {unit}"
     if re.search(r"(^|[^\w.])\.$", read) and rest[:1].isdigit():
         yield end - 1, "a number begins with a digit: write 0 before the point"
-    if found := re.search(r"\d+\.$", read + "." if re.match(r"\.\s*[,})]", rest) else read):
+    if found := re.search(r"(?<!\d)\d++\.$", read + "." if re.match(r"\.\s*[,})]", rest) else read):
         yield begin + found.start(), f"a number ends with a digit: write {found[0]}0"
     if opened and re.match(r"\.(\s|$)", rest):
         yield opened[-1], f"{code[opened[-1]]} is not closed"
@@ -76,7 +79,8 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
     if rest[:1] == "(" and (name := re.search(r"\b[A-Z]\w*$", read)):
         yield begin + name.start(), f"a predicate begins in lower case: {name[0].lower()}"
     for word, hint in _OTHER_LANGUAGES.items():
-        if re.match(re.escape(word) + r"(?!\w)", rest) and not (word == "{" and opened):
+        is_there = rest.startswith(word) and not re.match(r"\w", rest[len(word) :])
+        if is_there and not (word == "{" and opened):
             yield offset, hint
     if opened and re.search(r"[\w)}]$", read) and re.match(r"[\w({]", rest):
         yield offset, "a comma or an operator is missing before it"
@@ -87,7 +91,7 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
 def _chain(code: str, offset: int) -> tuple[int, str] | None:
     """Two bounds in one, as in ``3 =< W =< 4``, around a place."""
     begin = max(code.rfind(each, 0, offset) for each in ",{(") + 1
-    parts = re.split(_RELATION, re.split(r"[,})]", code[begin:])[0])
+    parts = _RELATION.split(re.split(r"[,})]", code[begin:])[0])
     if len(parts) != 5:
         return None
     low, first, size, second, high = map(str.strip, parts)

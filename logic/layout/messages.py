@@ -12,9 +12,9 @@ _PLACED = re.compile(
     r" (?P<kind>\w+): (?P<text>.*)$",
     re.S,
 )
-_UNSAFE = re.compile(r":(?P<line>\d+):(?P<column>\d+)[-\d:]*: note: '(?P<name>.+)' is unsafe")
+_UNSAFE = re.compile(r":(?P<line>\d{1,9}):(?P<column>\d{1,9})[-\d:]{0,40}: note: '(?P<name>\S+)' is unsafe")
 
-_COMMENTS = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|(?P<open>%\*)|%[^\n]*', re.DOTALL)
+_COMMENTS = re.compile(r'"(?:\\.|[^"\\\n])*+"?|%\*.*?(?:\*%|(?P<open>\Z))|%[^\n]*', re.DOTALL)
 """Strings and comments, and where one begins that does not end."""
 
 REMARKS = {
@@ -25,15 +25,17 @@ REMARKS = {
 """What clingo remarks on, and what follows from it."""
 
 SYNTAX = {
-    r"^\s*(//|/\*|#(\s|$))": "a comment begins with %",
-    r"\\\+|(?<!\w)!(?!=)": "not is a word, as in not side(R,north)",
-    r"->|\bthen\b": "write the consequence first, head :- body, or what must not be, :- body",
-    r"(?<!#)\b(count|sum|min|max)\s*\{": "a # stands before the name, as in #count{ R : room(R,hall) }",
-    r"\{[^}:]*\|": "a condition follows a colon, as in #count{ R : room(R,hall) }",
-    r"\band\b|&": "and is a comma",
-    r"=<": "at most is <= in .lp files",
-    r"\d\.\d": "numbers are whole in .lp files: lengths belong in .pl files",
-    r"(?<![\w#])[A-Z]\w*\(": "predicates begin in lower case, variables in upper case",
+    re.compile(r"^\s*(//|/\*|#(\s|$))"): "a comment begins with %",
+    re.compile(r"\\\+|(?<!\w)!(?!=)"): "not is a word, as in not side(R,north)",
+    re.compile(r"->|\bthen\b"): "write the consequence first, head :- body, or what must not be, :- body",
+    re.compile(
+        r"(?<!#)\b(count|sum|min|max)\s*\{"
+    ): "a # stands before the name, as in #count{ R : room(R,hall) }",
+    re.compile(r"\{[^{}:|]*\|"): "a condition follows a colon, as in #count{ R : room(R,hall) }",
+    re.compile(r"\band\b|&"): "and is a comma",
+    re.compile(r"=<"): "at most is <= in .lp files",
+    re.compile(r"\d\.\d"): "numbers are whole in .lp files: lengths belong in .pl files",
+    re.compile(r"(?<![\w#])[A-Z]\w*\("): "predicates begin in lower case, variables in upper case",
 }
 """What a line with a syntax error may hold, and how it is written."""
 
@@ -70,7 +72,7 @@ def placed_error(remark: str) -> GrammarError:
     written = excerpt(file, (line, 1), (last, None))
     hints = [hint for start, hint in REMARKS.items() if text.startswith(start)]
     if text.startswith(("syntax error", "lexer error")):
-        hints = [hint for pattern, hint in SYNTAX.items() if re.search(pattern, written)]
+        hints = [hint for pattern, hint in SYNTAX.items() if pattern.search(written)]
     if text.startswith("syntax error"):
         end = "EOF" in text and "the last statement has no period at its end"
         hints = hints or [end or "is a comma missing before it, or a period after the statement above?"]
@@ -80,7 +82,7 @@ def placed_error(remark: str) -> GrammarError:
 def _unclosed(file: str) -> GrammarError:
     """A comment that goes on to the end of its file, where it begins."""
     text = Path(file).read_text("utf-8")
-    opened = next((each.start() for each in _COMMENTS.finditer(text) if each["open"]), 0)
+    opened = next((each.start() for each in _COMMENTS.finditer(text) if each["open"] is not None), 0)
     before = text[:opened].split("\n")
     why = "a comment begins here and does not end: *% ends it"
     return GrammarError(why, file, len(before), len(before[-1]) + 1)

@@ -23,8 +23,12 @@ FORMAT = "a plan of CubiCasa5K"
 PIXEL = 0.01
 """Metres to a pixel where no label says so: its models are drawn in centimetres."""
 
-METRES = re.compile(r"([\d.,]+)\s*m\s*[x×]\s*([\d.,]+)\s*m")
-FEET = re.compile(r"(\d+)'\s*(?:(\d+)\")?\s*[x×]\s*(\d+)'\s*(?:(\d+)\")?")
+METRES = re.compile(
+    r"(?<![\d.,])(\d{1,4}(?:[.,]\d{1,9})?)\s{0,9}m\s{0,9}[x×]\s{0,9}(\d{1,4}(?:[.,]\d{1,9})?)\s{0,9}m"
+)
+FEET = re.compile(
+    r"(?<!\d)(\d{1,4})'\s{0,9}(?:(\d{1,4})\")?\s{0,9}[x×]\s{0,9}(\d{1,4})'\s{0,9}(?:(\d{1,4})\")?"
+)
 
 FOOT = 0.3048
 

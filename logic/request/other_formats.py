@@ -10,20 +10,32 @@ GEOJSON = "convert it to GeoJSON, a rectangle for each room"
 DRAW = "draw its rooms as rectangles in a GIS or CAD, and export GeoJSON"
 
 BEGINNINGS = (
-    (rb"\x89PNG\r\n\x1a\n", "a PNG picture", DRAW),
-    (rb"\xff\xd8\xff", "a JPEG picture", DRAW),
-    (rb"GIF8[79]a", "a GIF picture", DRAW),
-    (rb"(II\*\0|MM\0\*)", "a TIFF picture", DRAW),
-    (rb"%PDF-", "a PDF", DRAW),
-    (rb"\0\0\x27\x0a", "a shapefile", GEOJSON),
-    (rb"SQLite format 3\0", "an SQLite file, such as a GeoPackage", GEOJSON),
-    (rb"AC10\d\d", "a DWG drawing", GEOJSON),
-    (rb"AutoCAD Binary DXF|\s*0\s*[\r\n]+\s*SECTION\b|\s*999[\r\n]", "a DXF drawing", GEOJSON),
-    (rb"\s*ISO-10303-21;", "a STEP model that is not IFC", GEOJSON),
-    (rb"glTF", "a glTF model", "give the house file that it was made of"),
-    (rb"PK\x03\x04", "a zip archive, such as KMZ or XLSX", "unpack it, and convert the plan to GeoJSON"),
-    (rb"\x89HDF\r\n", "an HDF5 file", GEOJSON),
-    (rb"\x80[\x02-\x05]", "a Python pickle, which may run anything", "write one plan of it as JSON"),
+    (re.compile(rb"\x89PNG\r\n\x1a\n"), "a PNG picture", DRAW),
+    (re.compile(rb"\xff\xd8\xff"), "a JPEG picture", DRAW),
+    (re.compile(rb"GIF8[79]a"), "a GIF picture", DRAW),
+    (re.compile(rb"(II\*\0|MM\0\*)"), "a TIFF picture", DRAW),
+    (re.compile(rb"%PDF-"), "a PDF", DRAW),
+    (re.compile(rb"\0\0\x27\x0a"), "a shapefile", GEOJSON),
+    (re.compile(rb"SQLite format 3\0"), "an SQLite file, such as a GeoPackage", GEOJSON),
+    (re.compile(rb"AC10\d\d"), "a DWG drawing", GEOJSON),
+    (
+        re.compile(rb"AutoCAD Binary DXF|0[ \t]*+[\r\n]\s*+SECTION\b|999[\r\n]"),
+        "a DXF drawing",
+        GEOJSON,
+    ),
+    (re.compile(rb"ISO-10303-21;"), "a STEP model that is not IFC", GEOJSON),
+    (re.compile(rb"glTF"), "a glTF model", "give the house file that it was made of"),
+    (
+        re.compile(rb"PK\x03\x04"),
+        "a zip archive, such as KMZ or XLSX",
+        "unpack it, and convert the plan to GeoJSON",
+    ),
+    (re.compile(rb"\x89HDF\r\n"), "an HDF5 file", GEOJSON),
+    (
+        re.compile(rb"\x80[\x02-\x05]"),
+        "a Python pickle, which may run anything",
+        "write one plan of it as JSON",
+    ),
 )
 """Regular expressions of how files begin, what they are, and what to do."""
 
@@ -38,8 +50,8 @@ READ = "a plan is a house file of one house, GeoJSON, or of HouseExpo, ResPlan, 
 
 def named(content: bytes) -> str | None:
     """What a file's content is and what to do, if it is a known format that is no plan."""
-    content = content.removeprefix(b"\xef\xbb\xbf")
-    found = next(((what, do) for begins, what, do in BEGINNINGS if re.match(begins, content)), None)
+    content = content.removeprefix(b"\xef\xbb\xbf").lstrip()
+    found = next(((what, do) for begins, what, do in BEGINNINGS if begins.match(content)), None)
     found = found or _xml(content) or _json(content) or _table(content)
     return found and f"is {found[0]}, and {READ}: {found[1]}"
 

@@ -98,7 +98,7 @@ def bundle() -> dict[str, object]:
             "moved": MOVED,
             "noName": NO_NAME,
             "noPlan": NO_PLAN,
-            "syntax": list(SYNTAX.items()),
+            "syntax": [(each.pattern, hint) for each, hint in SYNTAX.items()],
             "taken": TAKEN,
             "unnamed": UNNAMED,
         },

@@ -51,7 +51,7 @@ OBJECTIONS = {
 }
 
 
-UNREAD = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|%[^\n]*', re.DOTALL)
+UNREAD = re.compile(r'"(?:\\.|[^"\\\n])*+"?|%\*.*?(?:\*%|\Z)|%[^\n]*', re.DOTALL)
 """Strings and comments of clingo's language."""
 
 

@@ -19,7 +19,7 @@ from logic.layout.program import Program
 MOST_NAMED = 3
 """Of how many names each has an error of its own, where one thing is wrong with all."""
 
-NAME = "[a-z][A-Za-z0-9_]*"
+NAME = re.compile("[a-z][A-Za-z0-9_]*")
 """Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
 
 NO_NAME = {
@@ -129,7 +129,7 @@ class Facts:
         ):
             for fact in sorted(facts):
                 name = str(fact.arguments[place])
-                if not re.fullmatch(NAME, name):
+                if not NAME.fullmatch(name):
                     yield Mistake(self.at(fact, f"{name}: {what}"), frozenset(re.findall(r"\w+", name)))
 
 

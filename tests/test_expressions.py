@@ -1,0 +1,167 @@
+"""Regular expressions end soon, whatever text a file of others has: each is found in the code and timed."""
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from re import _parser  # pyright: ignore[reportAttributeAccessIssue]
+from time import process_time
+from typing import Any, NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+FOLDERS = ("logic", "sim", "agent", "vitruvius")
+
+OURS = {"logic/language/reference.py", "logic/browser/playground/npm.py"}
+"""Modules that read nothing but what comes with the project."""
+
+CALLS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
+
+LENGTHS = ((1_000, 0.1), (20_000, 0.1), (200_000, 0.5))
+"""Characters, and seconds of processor time: a time that grows faster is noticed at the shorter ones."""
+
+
+class Expression(NamedTuple):
+    """A regular expression, how it is applied, its flags and where it stands."""
+
+    pattern: Any
+    call: str
+    flags: int
+    place: str
+
+
+def expressions() -> Iterator[Expression]:
+    """Every one in the code; one that is compiled, as its name is applied."""
+    for file, tree in trees().items():
+        named = {
+            id(node.value): node.targets[0].id
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+        }
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.Call):
+                continue
+            place, what = f"{file}:{node.lineno}", node.func
+            for word in node.keywords:
+                if word.arg == "pattern" and isinstance(word.value, ast.Constant):  # msgspec's ``Meta``
+                    yield Expression(word.value.value, "search", 0, place)
+            if not (isinstance(what, ast.Attribute) and ast.unparse(what.value) == "re"):
+                continue
+            if what.attr in CALLS:
+                yield Expression(text_of(node.args[0]), what.attr, flags_of(node), place)
+            elif what.attr == "compile":
+                for call in applied().get(named.get(id(node), ""), {"finditer"}):
+                    yield Expression(text_of(node.args[0]), call, flags_of(node), place)
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    files = (path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.py")))
+    texts = {str(path.relative_to(ROOT)): path.read_text() for path in files}
+    return {
+        file: ast.parse(text)
+        for file, text in texts.items()
+        if file not in OURS and ("import re\n" in text or "Meta" in text)
+    }
+
+
+@cache
+def applied() -> dict[str, set[str]]:
+    """By the name of a compiled expression, how it is applied."""
+    found: dict[str, set[str]] = {}
+    for node in (each for tree in trees().values() for each in ast.walk(tree)):
+        if isinstance(node, ast.Attribute) and node.attr in CALLS and isinstance(node.value, ast.Name):
+            found.setdefault(node.value.id, set()).add(node.attr)
+    return found
+
+
+def text_of(node: ast.expr) -> Any:
+    """Return the text of an expression, a letter for what is put into it; None where it is made elsewhere."""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(each.value if isinstance(each, ast.Constant) else "x" for each in node.values)  # pyright: ignore
+    return node.value if isinstance(node, ast.Constant) else None
+
+
+def flags_of(call: ast.Call) -> int:
+    names = {each.attr for each in ast.walk(call) if isinstance(each, ast.Attribute)}
+    return sum(int(getattr(re, name)) for name in names & {"DOTALL", "S", "MULTILINE", "M", "IGNORECASE"})
+
+
+def hostile(parsed: Any, before: str = "") -> Iterator[tuple[str, str]]:
+    """What leads to each part of an expression, and what is repeated there: the part, and all up to it."""
+    for item in parsed:
+        kind, value = str(item[0]), item[1]
+        inner = {"SUBPATTERN": lambda v: [v[3]], "ATOMIC_GROUP": lambda v: [v], "BRANCH": lambda v: v[1]}
+        parts = [value[2]] if kind.endswith("REPEAT") else inner.get(kind, lambda _: [])(value)
+        if kind.endswith("REPEAT"):
+            yield before, sample(value[2])
+        for part in parts:
+            yield from hostile(part, before)
+        before += sample([item])
+        yield "", before
+
+
+def sample(parsed: Any) -> str:
+    """Return a text that an expression matches, as short as may be."""
+    return "".join(_sample(str(kind), value) for kind, value in parsed)
+
+
+def _sample(kind: str, value: Any) -> str:
+    makes = {
+        "LITERAL": lambda: chr(value),
+        "NOT_LITERAL": lambda: "a" if value != ord("a") else "b",
+        "ANY": lambda: "a",
+        "IN": lambda: _letter(value),
+        "SUBPATTERN": lambda: sample(value[3]),
+        "BRANCH": lambda: sample(value[1][0]),
+        "ATOMIC_GROUP": lambda: sample(value),
+    }
+    if kind.endswith("REPEAT"):
+        return sample(value[2]) * value[0]
+    return makes.get(kind, str)()
+
+
+def _letter(choices: Any) -> str:
+    """A letter of a set, one that other expressions have too where there is one."""
+    tests = {
+        "LITERAL": lambda letter, value: ord(letter) == value,
+        "RANGE": lambda letter, value: value[0] <= ord(letter) <= value[1],
+        "CATEGORY": lambda letter, value: bool(re.match(CATEGORIES[str(value)], letter)),
+    }
+    own = [chr(value) for kind, value in choices if str(kind) == "LITERAL"]
+    negated = str(choices[0][0]) == "NEGATE"
+    for letter in [*" 0aA", *own, *map(chr, range(1, 256))]:
+        if any(tests[str(kind)](letter, value) for kind, value in choices if value is not None) != negated:
+            return letter
+    raise AssertionError(f"no letter of {choices}")
+
+
+CATEGORIES = {
+    f"CATEGORY_{no}{name}": rf"\{letter.upper() if no else letter}"
+    for name, letter in (("DIGIT", "d"), ("SPACE", "s"), ("WORD", "w"))
+    for no in ("", "NOT_")
+}
+
+
+@pytest.mark.parametrize("expression", expressions(), ids=lambda each: f"{each.place} {each.call}")
+def test_an_expression_takes_a_time_that_grows_as_its_text(expression: Expression) -> None:
+    """Of up to 200,000 characters that lead it on and then end otherwise."""
+    pattern, call, flags, place = expression
+    assert pattern is not None, f"{place}: write the expression where it is compiled, for this test"
+    compiled: Any = re.compile(pattern, flags)
+    texts = {(start, unit) for start, unit in hostile(_parser.parse(pattern, flags)) if unit}
+    # In lines, too: a part that may go on over their ends begins again in each.
+    lines = {("", unit + "\n") for _, unit in texts}
+    for start, unit in texts | lines:
+        for length, most in LENGTHS if start else LENGTHS[:-1]:
+            text: Any = start + unit * (length // len(unit)) + "\0"
+            text = text.encode("latin-1", "replace") if isinstance(pattern, bytes) else text
+            began = process_time()
+            found = getattr(compiled, call)(*[text[:0]] * (call == "sub"), text)
+            if call == "finditer":
+                list(found)
+            took = process_time() - began
+            assert took < most, f"{place}: {took:.2g} s, {length:,} characters: {start[:20]!r}, {unit[:20]!r}"
