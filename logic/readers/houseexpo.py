@@ -10,9 +10,13 @@ import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space, numbers
+from logic.house.parts import MOST_ROOMS
+from logic.readers.sketch import Passage, Sketch, Space, numbers, require_plain
 
 FORMAT = "a plan of HouseExpo"
+
+MAX_BOXES = 2 * MOST_ROOMS
+"""Of rooms: one may be listed under several types."""
 
 SAME = 0.05
 """Metres within which boxes of two types are one room."""
@@ -48,7 +52,12 @@ def outline(record: Any) -> Polygon:
     corners = [numbers(each, 2) for each in _list(record["verts"])]
     if len(corners) < 4 or None in corners:
         raise RequestError(f"plan: {FORMAT} has verts, a list of at least four corners of two numbers each")
-    return Polygon([each[:2] for each in corners if each])
+    found = Polygon([each[:2] for each in corners if each])
+    try:
+        require_plain([found])
+    except ValueError as error:
+        raise RequestError(f"plan: {FORMAT}: {error}") from None
+    return found
 
 
 def _boxes(categories: Any) -> list[tuple[Polygon, tuple[str, ...]]]:
@@ -56,6 +65,8 @@ def _boxes(categories: Any) -> list[tuple[Polygon, tuple[str, ...]]]:
     if not isinstance(categories, dict):
         raise RequestError(f"plan: {FORMAT} has room_category, an object of lists of boxes by type")
     found: list[tuple[Polygon, tuple[str, ...]]] = []
+    if sum(len(_list(boxes)) for boxes in categories.values()) > MAX_BOXES:
+        raise RequestError(f"plan: {FORMAT} with more than {MAX_BOXES:,} boxes of rooms")
     for word, boxes in categories.items():
         for each in _list(boxes):
             if (box := numbers(each, 4)) is None or box[0] >= box[2] or box[1] >= box[3]:

@@ -16,10 +16,10 @@ from shapely import Geometry, Polygon, affinity
 
 from logic.errors import RequestError
 from logic.house.boxes import Box
-from logic.house.parts import LONGEST_NAME, MOST_ROOMS, OUTSIDE, Room
+from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS, OUTSIDE, Room
 from logic.readers.corners import boxes, moved, squared
 from logic.readers.lines import common_lines
-from logic.readers.sketch import Sketch, Space
+from logic.readers.sketch import Sketch, Space, require_plain
 from logic.readers.types import OUTSIDE as NO_ROOM
 from logic.readers.types import meant
 from logic.readers.units import metres_to
@@ -79,6 +79,12 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
         notes.append(
             f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
         )
+    if (openings := len(sketch.passages) + len(sketch.windows)) > MOST_OPENINGS:
+        raise RequestError(f"plan: {openings:,} doors and windows: at most {MOST_OPENINGS:,} are read")
+    try:
+        require_plain([*(each.shape for each in sketch.spaces), *(each.shape for each in sketch.passages)])
+    except ValueError as error:
+        raise RequestError(f"plan: {sketch.format}: {error}") from None
     metres = metres_to(unit) if unit else sketch.unit
     _require_sizes([each.shape for each in spaces], metres, sketch.format, unit)
     turn = _turn([affinity.scale(each.shape, metres, metres, origin=(0, 0)) for each in spaces])

@@ -1,6 +1,6 @@
 """What readers make of a file of another program: rooms as polygons, doors and windows, in its units."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +9,14 @@ from shapely import Geometry, Polygon
 
 FAR = 1e8
 """In units of a file: as far from the origin as coordinates of maps are."""
+
+
+MAX_CORNERS, MAX_MEETINGS, MAX_CROSSINGS = 1 << 16, 20, 1 << 14
+"""Corners of all polygons of a file, how often each of their sides meets another one, in the mean, and how
+often sides cross each other, each counted for both."""
+
+SIDES = 256
+"""Sides that are asked at once for others that they meet."""
 
 
 class Space(NamedTuple):
@@ -51,10 +59,28 @@ def numbers(value: Any, least: int) -> list[float] | None:
     return [float(each) for each in value]
 
 
-def polygons(shape: Geometry) -> Iterator[Polygon]:
-    """The polygons of a geometry, made valid. Raises ``ValueError`` for numbers that are too large."""
-    if not np.all(np.abs(shapely.get_coordinates(shape)) < FAR):
+def require_plain(shapes: Sequence[Geometry]) -> None:
+    """Raise ``ValueError`` for numbers that are too large, for more than ``MAX_CORNERS``, and for sides that
+    cross each other so often that what is made of the shapes grows with the square of their number.
+    """
+    corners, shape = shapely.get_coordinates(shapes, return_index=True)
+    if not np.all(np.abs(corners) < FAR):
         raise ValueError("numbers are too large")
+    if len(corners) > MAX_CORNERS:
+        raise ValueError(f"it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
+    sides = shapely.linestrings(np.stack([corners[:-1], corners[1:]], 1)[shape[:-1] == shape[1:]])
+    tree = shapely.STRtree(sides)
+    for predicate, most in (("intersects", MAX_MEETINGS * (len(sides) + SIDES)), ("crosses", MAX_CROSSINGS)):
+        found = 0
+        for first in range(0, len(sides), SIDES):
+            found += tree.query(sides[first : first + SIDES], predicate).shape[1]
+            if found > most:
+                raise ValueError("its outlines cross each other too often: draw them again")
+
+
+def polygons(shape: Geometry) -> Iterator[Polygon]:
+    """The polygons of a geometry, made valid. Raises ``ValueError`` as ``require_plain`` does."""
+    require_plain([shape])
     yield from _polygons(shapely.make_valid(shape))
 
 

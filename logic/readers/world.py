@@ -25,7 +25,7 @@ from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
 from logic.opener import from_json
 from logic.readers.features import features, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline
-from logic.readers.sketch import FAR, polygons
+from logic.readers.sketch import FAR, polygons, require_plain
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
@@ -33,6 +33,9 @@ MOST_BYTES = 1 << 24
 
 CELL = 0.1
 """Metres. A body must not fit between a wall and the cells behind it."""
+
+BLOCK, PARTS, MAX_ASKED = 64, 4, 1 << 21
+"""Cells along a side of a block, the blocks along it that one is parted into, and how many are asked for."""
 
 SAME = 1e-3
 """Metres within which lines are one: files are written to a millimetre."""
@@ -77,6 +80,7 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
             continue
         if kind == "door":
             between = properties.get("between")
+            require_plain([shape])
             leads_out = isinstance(between, list) and OUTSIDE in between
             (entrances if leads_out else doors).append(
                 shape.buffer(deep, cap_style="flat") if deep and dimensions == 1 else shape
@@ -104,9 +108,11 @@ def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
         shape = shapely.force_2d(shapely.from_geojson(json.dumps(geometry)))
     except (GEOSException, ValueError) as error:
         raise ValueError(f"{where}: {str(error)[:80]}") from None
+    properties = feature.get("properties")
     if not (np.abs(shapely.get_coordinates(shape)) < FAR).all():
         raise ValueError(f"{where}: numbers are too large")
-    properties = feature.get("properties")
+    if shapely.get_dimensions(shape) > 1:
+        require_plain([shape])
     shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
     southward = shapely.transform(shape, lambda corners: corners * (1, -1))
     return southward, properties if isinstance(properties, Mapping) else {}
@@ -123,19 +129,21 @@ def _house(
 
     Warns (``PlanWarning``) of doors that stay shut; entrances do where no floor is outside.
     """
+    require_plain([*shapes, *solids, *doors, *entrances])
     solid = shapely.union_all([part for each in solids for part in polygons(each)])
     floor = [part for shape in shapes for each in polygons(shape) for part in polygons(each - solid)]
     if not floor:
         raise ValueError("it has no polygon that is floor")
-    opened = [door for door in (*doors, *entrances) if sum(each.distance(door) <= SAME for each in floor) > 1]
+    all_doors = [*doors, *entrances]
+    beside = shapely.STRtree(floor).query(np.array(all_doors, object), "dwithin", SAME)[0]
+    opened = [all_doors[k] for k in np.flatnonzero(np.bincount(beside) > 1)]
     ways = shapely.union_all([door.buffer(SAME) for door in opened])
     jambs = [polygon.boundary for door in opened if door.area for polygon in polygons(door)]
     all_floor = shapely.union_all(floor)
     _warn_of_shut({*doors} - {*opened}, all_floor)
-    lines = [
-        shapely.union_all([each.boundary for each in floor]) - ways,
-        shapely.union_all(jambs) - all_floor.buffer(SAME),
-    ]
+    lines = [shapely.union_all([each.boundary for each in floor]) - ways]
+    if jambs:
+        lines.append(shapely.union_all(jambs) - all_floor.buffer(SAME))
     inside = all_floor | ways
     west, north, east, south = inside.bounds
     x, y = (west + east) / 2, (north + south) / 2
@@ -153,7 +161,7 @@ def _house(
 
 def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
     """Say how many doors are in no gap that is opened. One in the midst of floor has no wall to open."""
-    inner = floor.buffer(-SAME)
+    inner = floor.buffer(-SAME) if doors else floor
     if shut := sum(not inner.covers(door.centroid) for door in doors):
         join, are = ("joins", "is") if shut == 1 else ("join", "are")
         said = f"plan: {numbered(shut, 'door')} {join} no two polygons of floor, and {are} shut"
@@ -178,10 +186,36 @@ def _outside(inside: Any, x: float, y: float) -> OccupancyGrid:
     if columns * rows > MOST_CELLS:
         raise ValueError(f"in cells of {CELL:g} m {too_many(rows, columns)}")
     corner = -columns * CELL / 2, -rows * CELL / 2
-    shapely.prepare(inside)
-    free = np.zeros((rows, columns), bool)
-    left = x + corner[0] + CELL * np.arange(columns)
-    for row in range(rows):
-        top = y + corner[1] + CELL * row
-        free[row] = shapely.intersects(inside, shapely.box(left, top, left + CELL, top + CELL))
-    return OccupancyGrid.of(np.where(free, FREE, UNKNOWN), CELL, corner)
+    left, top = x + corner[0] + CELL * np.arange(columns), y + corner[1] + CELL * np.arange(rows)
+    return OccupancyGrid.of(np.where(_free(inside, left, top), FREE, UNKNOWN), CELL, corner)
+
+
+def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
+    """Return which cells (H, W) bool floor is in, by where they begin: block by block, and those that an
+    outline crosses by smaller ones.
+    """
+    edges = shapely.boundary(inside)
+    shapely.prepare([inside, edges])
+    free = np.zeros((len(top), len(left)), bool)
+    waiting = [(BLOCK, *(each.ravel() for each in np.mgrid[: len(top) : BLOCK, : len(left) : BLOCK]))]
+    asked = 0
+    while waiting:
+        size, row, column = waiting.pop()
+        if len(row) > BLOCK**2:
+            waiting.append((size, row[BLOCK**2 :], column[BLOCK**2 :]))
+            row, column = row[: BLOCK**2], column[: BLOCK**2]
+        if (asked := asked + len(row)) > MAX_ASKED:
+            raise ValueError(f"its outlines cross more than a million cells of {CELL:g} m: keep less of it")
+        south, east = np.minimum(row + size, len(top)), np.minimum(column + size, len(left))
+        boxes = shapely.box(left[column], top[row], left[east - 1] + CELL, top[south - 1] + CELL)
+        is_crossed = shapely.intersects(edges, boxes) if size > 1 else np.zeros(len(boxes), bool)
+        is_free = ~is_crossed & shapely.intersects(inside, boxes)
+        for block in zip(row[is_free], south[is_free], column[is_free], east[is_free], strict=True):
+            free[block[0] : block[1], block[2] : block[3]] = True
+        if size > 1:
+            inner = np.arange(0, size, size // PARTS)
+            rows = (row[is_crossed][:, None, None] + inner[:, None] + 0 * inner).ravel()
+            columns = (column[is_crossed][:, None, None] + 0 * inner[:, None] + inner).ravel()
+            there = (rows < len(top)) & (columns < len(left))
+            waiting.append((size // PARTS, rows[there], columns[there]))
+    return free
