@@ -44,6 +44,9 @@ FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS, MOST_WALLS = 1000.0, 1024, 256
 """What is read of a file: metres from the origin, rooms of a house, pieces of a room, doors or windows, walls
 that stand by themselves."""
 
+MOST_FURNITURE = 8192
+"""Pieces in all rooms of a house together."""
+
 # What the published schema says beside the types; the reader says it in words (``records.py``).
 Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
 Length = Annotated[float, Meta(extra_json_schema={"minimum": 0, "maximum": 2 * FARTHEST})]

@@ -18,6 +18,7 @@ from logic.house.parts import (
     FORMAT,
     MAIN,
     MAP,
+    MOST_FURNITURE,
     MOST_OPENINGS,
     MOST_PIECES,
     MOST_ROOMS,
@@ -91,8 +92,8 @@ def schema() -> dict[str, Any]:
     """The JSON Schema of the format ``vitruvius-2``.
 
     What it cannot say, the reader asks for beside it: names that are each one room's, doors and windows that
-    are segments and of rooms that there are, rooms and pieces with an area, in each room at most 256 pieces,
-    and of a map equally many cells in each row, one free cell and no doors.
+    are segments and of rooms that there are, rooms and pieces with an area, in each room at most 256 pieces
+    and 8,192 together, and of a map equally many cells in each row, one free cell and no doors.
     """
     found = json.loads(json.dumps(msgspec.json.schema(Record)))
     found["$defs"]["House"] = found["$defs"].pop("Record") | {"title": "House"}
@@ -159,7 +160,11 @@ def _require_sizes(house: Record, in_star: bool) -> None:
             raise msgspec.ValidationError(f"walls[{index}] lies beyond {FARTHEST:g} m or is not a number")
         if wall.thickness < 0 or (wall.x1, wall.y1) == (wall.x2, wall.y2):
             raise msgspec.ValidationError(f"walls[{index}] must have a length, and a thickness of at least 0")
+    furniture = 0
     for room in house.rooms:
+        furniture += len(room.pieces)
+        if furniture > MOST_FURNITURE:
+            raise msgspec.ValidationError(f"rooms: more than {MOST_FURNITURE:,} pieces together")
         require(room, "floor" if in_star and room.name == house.hub else room.name)
         if len(room.pieces) > MOST_PIECES:
             raise msgspec.ValidationError(
