@@ -113,6 +113,15 @@ def shipped() -> list[str]:
     return sorted(path.name for path in SHIPPED.iterdir() if path.is_dir())
 
 
+def find_shipped(name: str) -> Grammar:
+    """Find a shipped grammar by the name that a file states. Raises ``GrammarError`` for another name: what a
+    file states is no path.
+    """
+    if name not in shipped():
+        raise GrammarError(unknown("grammar", name, shipped()))
+    return find(name)
+
+
 def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 

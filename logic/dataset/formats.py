@@ -5,12 +5,15 @@ import secrets
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from gzip import GzipFile
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, get_args
 
 import msgspec
 
+from logic.dataset.parquet import MAX_FILE_BYTES, groups
 from logic.dataset.rows import SIDES, Row
+from logic.opener import opened
 
 Files = Literal["parquet", "jsonl"]
 
@@ -20,6 +23,9 @@ GROUP = 256
 """Rows that are held at once: of a row group in Parquet."""
 
 COMPRESSION = "zstd"
+
+MAX_ROW_BYTES = 1 << 23
+"""Of a row in JSON Lines."""
 
 
 @cache
@@ -104,22 +110,27 @@ def in_groups(rows: Iterable[Row]) -> Iterator[list[Row]]:
 
 
 def read(path: Path, first: int = 0) -> Iterator[Row]:
-    """The rows of a file from one on, a group at a time. Raises ``ValueError`` for what is no such file."""
-    if path.suffix == ".jsonl":
-        with path.open("rb") as file:
-            for number, line in enumerate(file):
-                if number >= first:
-                    yield msgspec.json.decode(line, type=Row)
-        return
-    import pyarrow as pa
-    from pyarrow.parquet import ParquetFile
+    """The rows of a file from one on, a group at a time.
 
-    try:
-        with ParquetFile(path) as file:
-            for group in range(file.num_row_groups):
-                held = file.metadata.row_group(group).num_rows
-                if first < held:
-                    yield from file.read_row_group(group).to_pylist()[max(first, 0) :]
-                first -= held
-    except pa.ArrowException as error:
-        raise ValueError(str(error).partition("\n")[0]) from None
+    Raises ``OSError`` for what cannot be read, and ``ValueError`` for what is no such file or too large.
+    """
+    if path.suffix == ".jsonl":
+        with opened(path, MAX_FILE_BYTES, unpack=False) as file:
+            yield from lines(file, first)
+    else:
+        for rows in groups(path, first, schema()):
+            yield from rows
+
+
+def lines(file: BinaryIO | GzipFile, first: int = 0) -> Iterator[Row]:
+    """The rows of open JSON Lines, from one on. Raises ``ValueError`` for what is none."""
+    number = 0
+    while line := file.readline(MAX_ROW_BYTES + 1):
+        if len(line) > MAX_ROW_BYTES:
+            raise ValueError(f"a row of more than {MAX_ROW_BYTES >> 20} MiB")
+        if number >= first:
+            try:
+                yield msgspec.json.decode(line, type=Row)
+            except RecursionError:
+                raise ValueError("it is nested too deep") from None
+        number += 1

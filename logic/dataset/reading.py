@@ -7,20 +7,37 @@ from itertools import accumulate, islice
 from pathlib import Path
 from typing import Any, BinaryIO, SupportsIndex, overload
 
+import msgspec
+
 from logic.dataset.formats import GROUP, read
-from logic.dataset.rows import Row, house_of
-from logic.dataset.sets import MANIFEST, SET, Held, Set, read_manifest, read_set
+from logic.dataset.parquet import MAX_FILE_BYTES
+from logic.dataset.rows import Row, house_of, house_sha256
+from logic.dataset.sets import MANIFEST, SET, Held, Set, inside, read_manifest, read_set
 from logic.dataset.splits import SPLITS
 from logic.errors import HouseFileError, RequestError
 from logic.house.files import load as load_file
 from logic.house.gallery import Houses
 from logic.house.house import House
-from logic.opener import content_of
+from logic.opener import content_of, opened
 from logic.readers.world import MOST_BYTES, read_world
-from logic.spelling import unknown
+from logic.spelling import numbered, unknown
 
 WORLDS = (".json", ".geojson")
 """How the names of plans end that are read as houses to simulate."""
+
+
+class Counts(msgspec.Struct, frozen=True):
+    """Numbers of a set."""
+
+    shards: int
+    rows: int
+    houses: int
+    limits: int
+
+    def __str__(self) -> str:
+        """As in ``5 shards, 17 rows: 16 houses, 1 limit``."""
+        shards, rows = numbered(self.shards, "shard"), numbered(self.rows, "row")
+        return f"{shards}, {rows}: {numbered(self.houses, 'house')}, {numbered(self.limits, 'limit')}"
 
 
 class HouseSet(Sequence[House]):
@@ -40,6 +57,7 @@ class HouseSet(Sequence[House]):
         self._shards = [each for each in self._shards if each.split in (splits or SPLITS)]
         self._ends = list(accumulate(each.rows - len(each.limits) for each in self._shards))
         self._group: tuple[Held, int, list[Row]] | None = None
+        self._compared = set[str]()
 
     @property
     def splits(self) -> set[str]:
@@ -59,8 +77,25 @@ class HouseSet(Sequence[House]):
         """All houses, file after file."""
         for shard in self._shards:
             for row in self._rows(shard):
-                if row["house"] is not None:
+                if row.get("house") is not None:
                     yield self._house(row)
+
+    def verified(self) -> Iterator[House]:
+        """Yield all houses, compared with the SHA-256 of their rows; raises ``HouseFileError`` for others."""
+        for shard in self._shards:
+            for row in self._rows(shard):
+                if row.get("house") is not None:
+                    house = self._house(row)
+                    if house_sha256(house) != row["sha256"]:
+                        raise HouseFileError(
+                            f"{self.folder / shard.file}: {row['id']}: is another house than its SHA-256 says"
+                        )
+                    yield house
+
+    def counts(self) -> Counts:
+        """Return the numbers of what it holds."""
+        rows = sum(each.rows for each in self._shards)
+        return Counts(len(self._shards), rows, len(self), rows - len(self))
 
     @overload
     def __getitem__(self, index: SupportsIndex) -> House: ...
@@ -88,21 +123,64 @@ class HouseSet(Sequence[House]):
         group = self._group  # another thread may take another one meanwhile
         if group is None or group[:2] != (shard, first):
             self._group = group = shard, first, list(islice(self._rows(shard, first), GROUP))
+        if place - first >= len(group[2]):
+            raise HouseFileError(f"{self.folder / shard.file}: has fewer rows than {MANIFEST} says")
         return group[2][place - first]
 
     def _rows(self, shard: Held, first: int = 0) -> Iterator[Row]:
+        """The rows of a shard from one on. Its file is compared with the manifest before the first, its rows
+        after the last. Raises ``HouseFileError`` where they differ.
+        """
         path = self.folder / shard.file
         try:
-            yield from read(path, first)
+            self._compare(shard)
+            if first:
+                yield from read(path, first)
+            else:
+                yield from _as_stated(read(path), shard)
         except FileNotFoundError:
             raise HouseFileError(f"{path}: is gone: the set is made again by generate --shard") from None
+        except OSError as error:
+            raise HouseFileError(f"{path}: cannot be read: {error.strerror}") from None
         except ValueError as error:
             raise HouseFileError(f"{path}: is no shard of a set: {error}") from None
 
+    def _compare(self, shard: Held) -> None:
+        """Compare the file of a shard with the manifest, once. Raises ``ValueError`` where it differs."""
+        if shard.file in self._compared:
+            return
+        path = inside(self.folder, shard.file)
+        size = path.stat().st_size
+        with opened(path, MAX_FILE_BYTES, unpack=False) as file:
+            if size != shard.bytes:
+                raise ValueError(f"it has {size:,} bytes, in {MANIFEST} {shard.bytes:,}")
+            digest = hashlib.file_digest(file, "sha256")  # pyright: ignore[reportArgumentType]
+            if digest.hexdigest() != shard.sha256:
+                raise ValueError(f"its content is not that of {MANIFEST}: its SHA-256 differs")
+        self._compared.add(shard.file)
+
     def _house(self, row: Row) -> House:
-        house = house_of(row, self.of.versions, self.of.promises)
-        assert house is not None, "rows of limits are passed over"
+        try:
+            house = house_of(row, self.of.versions, self.of.promises)
+        except ValueError as error:
+            raise HouseFileError(f"{self.folder}: {row.get('id')}: is no row of a set: {error}") from None
+        if house is None:
+            raise HouseFileError(f"{self.folder}: {row['id']}: is a limit, and {MANIFEST} says a house")
         return house
+
+
+def _as_stated(rows: Iterator[Row], shard: Held) -> Iterator[Row]:
+    """Pass on the rows of a shard. Raises ``ValueError`` at the end where the manifest says others."""
+    number, limits, digest = 0, list[int](), hashlib.sha256()
+    for number, row in enumerate(rows, 1):
+        if row.get("house") is None:
+            limits.append(number - 1)
+        digest.update(f"{row.get('sha256') or ''}\n".encode())
+        yield row
+    if number != shard.rows:
+        raise ValueError(f"it has {number:,} rows, in {MANIFEST} {shard.rows:,}")
+    if (limits, digest.hexdigest()) != (shard.limits, shard.rows_sha256):
+        raise ValueError(f"its rows are not those of {MANIFEST}")
 
 
 def _opened(folder: Path) -> tuple[Set, list[Held]]:

@@ -1,21 +1,23 @@
 """Rows made again: the house that a row's columns and the rules give, beside the hash that the row has."""
 
 from collections.abc import Iterable, Iterator
-from gzip import GzipFile
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 
-from logic.dataset.formats import FILES, read
+from logic.dataset.formats import FILES, lines, read
+from logic.dataset.parquet import MAX_FILE_BYTES
 from logic.dataset.reading import HouseSet
-from logic.dataset.rows import HOUSE, Row, house_sha256
+from logic.dataset.rows import HOUSE, Columns, Row, columns_of, house_sha256
 from logic.dataset.sets import SET, Set, read_set
 from logic.errors import GrammarError, HouseFileError, LimitReached
-from logic.grammar import Grammar, find
-from logic.house.files import MOST_BYTES
+from logic.grammar import Grammar, find, find_shipped
 from logic.house.house import House
-from logic.opener import STANDARD, opened
+from logic.opener import DAMAGED, STANDARD, opened, reason
+from logic.request.given_plan import read_plan
+from logic.request.own_plan import OwnPlan
+from logic.request.request import require_series, whole
 from logic.workers.series import HouseSeries
 
 INFERENCES, SECONDS = 100_000_000, 60.0
@@ -25,7 +27,7 @@ INFERENCES, SECONDS = 100_000_000, 60.0
 class Again(NamedTuple):
     """A row, and what came of it: its house or limit; None where that is the row's, else in words why not."""
 
-    row: Row
+    row: Columns
     made: House | LimitReached
     differs: str | None
 
@@ -38,13 +40,12 @@ def rows_of(path: Path) -> tuple[Iterator[Row], Set | None]:
     of = read_set(path.parents[1]) if len(path.parents) > 1 else None
     if path.suffix.removeprefix(".") == FILES[0]:
         return read(path), of
-    return _lines(opened(path, MOST_BYTES)), of
+    return _lines(path), of
 
 
-def _lines(file: BinaryIO | GzipFile) -> Iterator[Row]:
-    with file:
-        for line in file:
-            yield msgspec.json.decode(line, type=Row)
+def _lines(path: Path) -> Iterator[Row]:
+    with opened(path, MAX_FILE_BYTES) as file:
+        yield from lines(file)
 
 
 def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = None) -> Iterator[Again]:
@@ -54,7 +55,7 @@ def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = No
     else the shipped ones that the row names. Raises ``HouseFileError`` for what is no row, ``GrammarError``
     where the rules are not those that made it, and what ``generate`` raises.
     """
-    wanted = set(places)
+    wanted = {whole("--row", place, 0) for place in places}
     kept: dict[tuple[str, str], HouseSeries] = {}
     number = -1
     try:
@@ -62,45 +63,50 @@ def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = No
         for number, row in enumerate(found):
             if wanted and number not in wanted:
                 continue
-            key = row["grammar_hash"], row["request"]
+            columns = columns_of(row)
+            key = columns.grammar_hash, columns.request
             if key not in kept:
-                rules = _rules(row, path, of, grammar)
+                require_series(columns.asked)
+                if "plan" in columns.asked:
+                    read_plan(msgspec.convert(columns.asked["plan"], OwnPlan))
+                rules = _rules(columns, path, of, grammar)
                 limits = (of.inferences, of.seconds) if of else (INFERENCES, SECONDS)
-                kept[key] = HouseSeries(rules, msgspec.json.decode(row["request"]), *limits)
-            index = int(row["index"])
-            [made] = kept[key].outcomes(int(row["seed"]), range(index, index + 1))
-            yield Again(row, made, _differs(row, made, of))
-    except OSError as error:
-        raise HouseFileError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (KeyError, TypeError, ValueError) as error:
+                kept[key] = HouseSeries(rules, columns.asked, *limits)
+            [made] = kept[key].outcomes(columns.seed, range(columns.index, columns.index + 1))
+            yield Again(columns, made, _differs(columns, made, of))
+    except DAMAGED as error:
+        raise HouseFileError(f"{path}: cannot be read: {reason(error)}") from None
+    except ValueError as error:
         raise HouseFileError(f"{path}: row {max(number, 0)}: is no row of a set: {error}") from None
-    if missing := [place for place in wanted if not 0 <= place <= number]:
+    if number < 0:
+        raise HouseFileError(f"{path}: holds no row of a set")
+    if missing := [place for place in wanted if place > number]:
         raise HouseFileError(f"{path}: has rows 0 to {number}, not {missing[0]}")
 
 
-def _rules(row: Row, path: Path, of: Set | None, grammar: str | None) -> Grammar:
-    if grammar is None and of is not None and of.grammar_hash == row["grammar_hash"]:
+def _rules(row: Columns, path: Path, of: Set | None, grammar: str | None) -> Grammar:
+    if grammar is None and of is not None and of.grammar_hash == row.grammar_hash:
         return of.rules(path if path.is_dir() else path.parents[1])
     where = "" if path != STANDARD and grammar else ": say by --grammar where its rules are"
     try:
-        rules = find(grammar or row["grammar"])
+        rules = find(grammar) if grammar else find_shipped(row.grammar)
     except GrammarError as error:
         raise GrammarError(f"{error}{where}") from None
-    if rules.hash != row["grammar_hash"]:
-        raise GrammarError(f"these are not the rules that made {row['id']}{where}", rules.directory)
+    if rules.hash != row.grammar_hash:
+        raise GrammarError(f"these are not the rules that made {row.id}{where}", rules.directory)
     return rules
 
 
-def _differs(row: Row, made: House | LimitReached, of: Set | None) -> str | None:
+def _differs(row: Columns, made: House | LimitReached, of: Set | None) -> str | None:
     """Why what was made is not the row's; None where it is."""
     if isinstance(made, LimitReached):
-        return f"{row['id']}: {made}" if row["verdict"] == HOUSE else None
+        return f"{row.id}: {made}" if row.verdict == HOUSE else None
     digest = house_sha256(made)
-    if digest == row["sha256"]:
+    if digest == row.sha256:
         return None
     assert made.provenance
     here = made.provenance.versions
     others = [f"{name} {old}, here {here.get(name)}" for name, old in (of.versions if of else {}).items()]
     others = [each for each in others if len(set(each.split(" ", 1)[1].split(", here "))) == 2]
     by = f": it was made by {', '.join(others)}" if others else ""
-    return f"{row['id']}: another house than the row's ({digest[:12]}, not {str(row['sha256'])[:12]}){by}"
+    return f"{row.id}: another house than the row's ({digest[:12]}, not {str(row.sha256)[:12]}){by}"

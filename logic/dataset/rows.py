@@ -9,7 +9,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 
@@ -17,6 +17,7 @@ from logic.dataset.splits import split_of
 from logic.house.house import House
 from logic.house.parts import Piece, Provenance
 from logic.house.promises import Promises
+from logic.opener import from_json
 
 HOUSE, LIMIT = "house", "limit"
 """Verdicts."""
@@ -25,6 +26,35 @@ SIDES = "x", "y", "width", "height"
 
 Row = dict[str, Any]
 """A row, by column."""
+
+
+class Columns(msgspec.Struct, frozen=True):
+    """The columns of a row that its house is read or made again from."""
+
+    id: str
+    seed: Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
+    index: Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
+    grammar: str
+    grammar_hash: str
+    request: str
+    verdict: Literal["house", "limit"]
+    sha256: str | None
+    house: dict[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` where the verdict is of another row."""
+        if (self.verdict == HOUSE) != (self.house is not None):
+            raise ValueError(f"its verdict is {self.verdict}, and it has {'a' if self.house else 'no'} house")
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """The request. Raises ``ValueError`` for what is no JSON."""
+        return from_json(self.request.encode(), dict[str, Any])
+
+
+def columns_of(row: Row) -> Columns:
+    """Return the columns of a row. Raises ``ValueError`` for what is no row."""
+    return msgspec.convert(row, Columns)
 
 
 def canonical(value: Any) -> str:
@@ -79,14 +109,17 @@ def limit_row(said: Row, why: str) -> Row:
 def house_of(row: Row, versions: dict[str, str], promises: Promises | None) -> House | None:
     """The house of a row, None where it ended in a limit; what made it, and what it promises, its set says.
 
-    Raises ``ValueError`` where the row holds none.
+    Raises ``ValueError`` for what is no row.
     """
-    if (nested := row["house"]) is None:
+    columns = columns_of(row)
+    if columns.house is None:
         return None
-    request = json.loads(row["request"])
-    named = row["grammar"], row["grammar_hash"]
-    made = Provenance(*named, request, row["seed"], row["index"], versions, promises)
-    return House.from_dict(_record(nested, made))
+    named = columns.grammar, columns.grammar_hash
+    made = Provenance(*named, columns.asked, columns.seed, columns.index, versions, promises)
+    try:
+        return House.from_dict(_record(columns.house, made))
+    except (AttributeError, KeyError, TypeError, OverflowError, RecursionError) as error:
+        raise ValueError(f"its house is wrong: {type(error).__name__}: {error}") from None
 
 
 def _nested(house: House) -> Row:
@@ -131,10 +164,10 @@ def _record(nested: Row, made: Provenance) -> Row:
     """The record ``vitruvius-2`` of a house's column."""
     children: dict[str | int, list[Row]] = {room["name"]: [] for room in nested["rooms"]}
     for place, piece in enumerate(nested["pieces"]):
-        children[place] = []
-        named = {"type": piece["type"], "orientation": piece["orientation"], **_in(piece)}
+        named, own = {"type": piece["type"], "orientation": piece["orientation"], **_in(piece)}, list[Row]()
         above = piece["room"] if piece["parent"] is None else piece["parent"]
-        children[above].append(named | {"children": children[place]})
+        children[above].append(named | {"children": own})
+        children[place] = own
     rooms = [
         {"name": room["name"], "type": room["type"], **_in(room), "children": children[room["name"]]}
         | ({"part_of": room["part_of"]} if room["part_of"] else {})

@@ -10,8 +10,10 @@
 """
 
 import hashlib
+import os
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeVar
 
@@ -24,7 +26,9 @@ from logic.errors import GrammarError, HouseFileError, RequestError
 from logic.grammar import Grammar, find, shipped
 from logic.house.files import write_whole
 from logic.house.promises import Promises
-from logic.request.request import request_at
+from logic.opener import content_of, from_json
+from logic.request.request import MOST, request_at, require_series, whole
+from logic.spelling import unknown
 from logic.workers.series import HouseSeries
 
 Kind = TypeVar("Kind")
@@ -40,6 +44,12 @@ SHARD = re.compile(rf"({'|'.join(SPLITS)})-\d{{5,}}-of-\d{{5,}}\.(parquet|jsonl)
 
 BESIDE = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 """The name of a file while it is written, and after a kill."""
+
+MAX_RECORD_BYTES = 1 << 26
+"""Of ``set.json`` and of the manifest."""
+
+MAX_SHARDS = 10**5
+"""Of a set."""
 
 RULES = (".lp", ".pl", ".json")
 """What is copied of a grammar's folder."""
@@ -81,6 +91,23 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     promises: Promises
     """What the houses keep, by plain geometry."""
 
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for what no set is of."""
+        require_series(self.request)
+        splits = [split for split in self.houses if split not in SPLITS]
+        if splits or not self.houses:
+            raise ValueError(unknown("split", splits[0], SPLITS) if splits else "it has no split")
+        whole("start", self.start, 0)
+        for split, number in self.houses.items():
+            whole(f"the houses of {split}", number, 1, MOST - self.start)
+        whole("shards", self.shards, len(self.houses), min(MAX_SHARDS, sum(self.houses.values())))
+        whole("seed", self.seed, 0, min(len(SPLITS[split]) for split in self.houses) - 1)
+        whole("inferences", self.inferences, 1)
+        if not 0 < self.seconds < 1e6:
+            raise ValueError(f"seconds must be above 0 and below a million, not {self.seconds!r}")
+        if self.grammar in ("", ".", "..") or set(self.grammar) & set("/\\\0"):
+            raise ValueError(f"{self.grammar!r} is no name of a grammar")
+
     def seed_of(self, split: str) -> int:
         """The seed of a split's houses."""
         return SPLITS[split][self.seed]
@@ -115,11 +142,11 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """See ``series``."""
         if self.grammar in shipped() and (own := find(self.grammar)).hash == self.grammar_hash:
             return own
-        own = find(folder / GRAMMAR / self.grammar)
+        own = find(inside(folder, f"{GRAMMAR}/{self.grammar}"))
         if own.hash != self.grammar_hash:
             raise GrammarError(
                 f"these are not the rules that made the set ({self.grammar_hash[:12]}), or this is another "
-                f"version of vitruvius than {self.versions['vitruvius']}",
+                f"version of vitruvius than {self.versions.get('vitruvius', 'the one that is not named')}",
                 own.directory,
             )
         return own
@@ -162,19 +189,44 @@ def read_set(folder: Path) -> Set | None:
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """The manifest of a set; None where the set is not whole. Raises ``HouseFileError`` for a wrong file."""
-    found = _read(folder / MANIFEST, Manifest)
-    if found and found.set_sha256 != hashlib.sha256((folder / SET).read_bytes()).hexdigest():
-        raise HouseFileError(f"{folder / MANIFEST}: is the manifest of another set than {SET} says")
+    """The manifest of a set; None where the set is not whole.
+
+    Raises ``HouseFileError`` for a wrong file, and for one that has other shards than ``set.json`` says.
+    """
+    of, found = read_set(folder), _read(folder / MANIFEST, Manifest)
+    if of is None or found is None:
+        return None
+    path = folder / MANIFEST
+    if found.set_sha256 != hashlib.sha256((folder / SET).read_bytes()).hexdigest():
+        raise HouseFileError(f"{path}: is the manifest of another set than {SET} says")
+    shards = [(each.place.as_posix(), each.split, len(each.indices)) for each in of.divided()]
+    if shards != [(each.file, each.split, each.rows) for each in found.shards]:
+        raise HouseFileError(f"{path}: has other shards than {SET} says")
+    for each in found.shards:
+        if not all(one < next_ for one, next_ in pairwise([-1, *each.limits, each.rows])):
+            raise HouseFileError(f"{path}: its limits of {each.file} are no rows in their order")
+    limits = sum(len(each.limits) for each in found.shards)
+    if (found.houses, found.limits) != (sum(of.houses.values()) - limits, limits):
+        raise HouseFileError(f"{path}: has other numbers of houses and limits than its shards")
     return found
+
+
+def inside(folder: Path, name: str) -> Path:
+    """Return the place of a file or folder of a set. Raises ``HouseFileError`` for a link out of the set."""
+    path = folder / name
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
+        raise HouseFileError(f"{path}: is a link out of the set's folder: copy the file there")
+    return path
 
 
 def _read(path: Path, kind: type[Kind]) -> Kind | None:
     try:
-        return msgspec.json.decode(path.read_bytes(), type=kind)
+        return from_json(content_of(path, MAX_RECORD_BYTES, unpack=False), kind)
     except FileNotFoundError:
         return None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise HouseFileError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
         raise HouseFileError(f"{path}: is no such file of a set: {error}") from None
 
 

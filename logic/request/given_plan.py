@@ -60,6 +60,7 @@ def read_plan(
     if not 0 <= snap <= MOST_SNAP:
         raise RequestError(f"snap must be 0 to {MOST_SNAP:g} m, not {snap!r}")
     if isinstance(source, OwnPlan):
+        _require_rooms(source.rooms)
         _require_plan(source, HINT)
         return source
     found, drawn = _read(source), None

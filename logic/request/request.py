@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
@@ -40,6 +40,18 @@ def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
     return number
 
 
+class Stated(msgspec.Struct, forbid_unknown_fields=True):
+    """The JSON form of a request, before its counts are read."""
+
+    rooms: Any
+    types: dict[str, Any] = {}
+    furniture: dict[str, Any] = {}
+    cell: Annotated[float, msgspec.Meta(ge=0, le=2)] = 0.0
+    keep: list[Any] = []
+    plan: OwnPlan | None = None
+    brief: dict[str, Any] | None = None
+
+
 @dataclass(frozen=True)
 class Request:
     """The number of secondary rooms, how many are of each type, and how much furniture they have.
@@ -67,16 +79,24 @@ class Request:
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
-        """A request from its JSON form; raises ``RequestError`` for what makes no sense."""
-        return cls(
-            record["rooms"],
-            {name: as_range(f"type {name}", count) for name, count in record.get("types", {}).items()},
-            {name: as_range(f"piece {name}", count) for name, count in record.get("furniture", {}).items()},
-            record.get("cell", 0.0),
-            tuple(from_records(record.get("keep", ()))),
-            msgspec.convert(record["plan"], OwnPlan) if "plan" in record else None,
-            read_brief(record["brief"]) if "brief" in record else None,
-        )
+        """Read a request from its JSON form, which a file of others may state. Raises ``RequestError`` for
+        what makes no sense.
+        """
+        try:
+            found = msgspec.convert(record, Stated)
+            return cls(
+                whole("rooms", found.rooms, 1, MOST_ROOMS),
+                {name: as_range(f"type {name}", count) for name, count in found.types.items()},
+                {name: as_range(f"piece {name}", count) for name, count in found.furniture.items()},
+                found.cell,
+                tuple(from_records(found.keep)),
+                found.plan,
+                None if found.brief is None else read_brief(found.brief),
+            )
+        except RequestError:
+            raise
+        except ValueError as error:
+            raise RequestError(f"request: {str(error)[0].lower()}{str(error)[1:]}") from None
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON form: exact numbers as such, ranges as lists."""
@@ -138,6 +158,15 @@ def as_range(name: str, count: Any) -> Range:
     if not 0 <= least <= (MOST if most is None else most) <= MOST:
         raise RequestError(f"{name}: counts are whole numbers from 0, the lesser first, not {count!r}")
     return least, most
+
+
+def require_series(record: Mapping[str, Any]) -> None:
+    """Raise ``RequestError`` unless a file's record is the request of a series, as ``HouseSeries`` has it."""
+    rooms = record.get("rooms")
+    least, most = rooms if isinstance(rooms, list) and len(rooms) == 2 else (rooms, rooms)
+    found = [Request.read({**record, "rooms": number}).rooms for number in (least, most)]
+    if found[0] > found[1]:
+        raise RequestError(f"rooms: the lesser number comes first, not {rooms}")
 
 
 def request_at(index: int, request: dict[str, Any]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from logic.errors import GrammarError, HouseFileError, LimitReached
-from logic.grammar import find
+from logic.grammar import find, find_shipped
 from logic.house.house import House
 from logic.house.part_names import target_in
 from logic.why.answer import Why
@@ -52,7 +52,7 @@ def explained(
             "the house does not say which rules made it: generate writes that into its files"
         )
     try:
-        rules = find(grammar or made.grammar)
+        rules = find(grammar) if grammar else find_shipped(made.grammar)
     except GrammarError as error:
         raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
     question = Explain(target=target, house=house.to_dict(), inferences=INFERENCES, searching=seconds)

@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from logic.dataset.reading import Counts
 from logic.errors import Finding, Reason, VitruviusError, to_record
 from logic.house.diff import Change
 from logic.why.answer import Why
@@ -39,12 +40,13 @@ class Violations(msgspec.Struct, frozen=True):
     violations: list[str]
 
 
-class Checked(msgspec.Struct, frozen=True):
-    """Of ``check``: each house of the file."""
+class Checked(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Of ``check``: each house of the file; of a set, the numbers of what was read and compared."""
 
     file: str
     nonconforming: int
     houses: list[Violations]
+    set: Counts | None = None
 
 
 class Linted(msgspec.Struct, frozen=True):

@@ -49,29 +49,35 @@ class Check:
         """Print a line for each violation; 1 if there is any."""
         from msgspec.structs import replace
 
-        from logic import check, load
+        from logic import HouseSet, check, load
+        from logic.dataset.sets import MANIFEST
         from logic.spelling import unknown
         from logic.workers.standards import promises_of, standard
         from vitruvius.answers.houses import Checked, Violations
 
         say_warnings()
         houses = load(self.file)
-        pieces = sorted({each.type for house in houses for room in house.rooms for each in room.pieces})
-        for name in self.clear_front:
-            if name not in pieces:
-                say(f"--clear-front {name}: {unknown('piece', name, pieces)}")
+        of = houses if isinstance(houses, HouseSet) else None
         judged_by = promises_of if self.promises is None else standard(self.promises)
-        checked = list[Violations]()
-        for index, house in enumerate(progress(houses, len(houses), "houses")):
+        checked, pieces = list[Violations](), set[str]()
+        for index, house in enumerate(progress(of.verified() if of else houses, len(houses), "houses")):
+            pieces |= {each.type for room in house.rooms for each in room.pieces}
             promises = judged_by(house)
             clear = (*promises.clear_front, *self.clear_front)
             violations = check(house, replace(promises, clear_front=clear))
             checked.append(Violations(index, violations))
             for violation in [] if self.json else violations:
                 print(printable(f"{self.file}: house {index}: {violation}"))
+        for name in self.clear_front:
+            if name not in pieces:
+                say(f"--clear-front {name}: {unknown('piece', name, pieces)}")
         nonconforming = sum(bool(each.violations) for each in checked)
+        counts = of.counts() if of else None
         if self.json:
-            print_answer("check", Checked(str(self.file), nonconforming, checked), int(nonconforming > 0))
+            answer = Checked(str(self.file), nonconforming, checked, counts)
+            print_answer("check", answer, int(nonconforming > 0))
+        if counts:
+            say(f"{self.file}: {counts}, as {MANIFEST} has them")
         say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
         return 1 if nonconforming else 0
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from logic.cluster import Cluster, engine
 from logic.dataset.formats import schema
-from logic.dataset.sets import Set, Shard, begin
+from logic.dataset.sets import MAX_SHARDS, Set, Shard, begin
 from logic.dataset.shards import Mapper, complete, make, make_on_node, missing
 from logic.dataset.splits import SPLITS
 from logic.errors import RequestError
@@ -44,7 +44,7 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     found = re.fullmatch(r"(all|\d+)/(\d+)", asked)
     if not found:
         raise RequestError(f"--shard {asked}: say which of how many, from 0, as in --shard 3/8 or all/8")
-    parts = whole("the number of shards", int(found[2]), 1, 10**6)
+    parts = whole("the number of shards", int(found[2]), 1, MAX_SHARDS)
     if found[1] != "all" and int(found[1]) >= parts:
         raise RequestError(f"--shard {asked}: they count from 0: the last one is {parts - 1}/{parts}")
     if command.out is None or str(command.out) == "-":

@@ -75,7 +75,9 @@ def test_a_seed_is_of_one_split() -> None:
 @pytest.mark.parametrize("shards", [3, 4, 7, 50, 113])
 def test_every_house_of_a_set_is_in_one_shard(shards: int) -> None:
     houses = {"train": 100, "validation": 7, "test": 6}
-    of = Set("vitruvius-set-1", "home", "", {}, 5, 20, houses, shards, "jsonl", 1, 1.0, {}, Promises())
+    of = Set(
+        "vitruvius-set-1", "home", "", {"rooms": 4}, 5, 20, houses, shards, "jsonl", 1, 1.0, {}, Promises()
+    )
     divided = of.divided()
     assert [shard.number for shard in divided] == list(range(shards))
     assert len({shard.place for shard in divided}) == shards

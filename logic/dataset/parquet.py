@@ -1,0 +1,183 @@
+"""Parquet of others: a file is bounded by its footer and by the heads of its pages before it is unpacked.
+
+A few kilobytes of Parquet may unpack to terabytes: pages are compressed, texts of a dictionary are repeated,
+texts begin with those before them (``DELTA_BYTE_ARRAY``). The footer may state other sizes than the heads of
+the pages, so the heads are read too: https://parquet.apache.org/docs/file-format/.
+"""
+
+from collections.abc import Iterator
+from gzip import GzipFile
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from logic.opener import opened
+
+MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 26
+"""Of a file, and of its list of row groups."""
+
+MAX_GROUP_BYTES, MAX_GROUP_VALUES = 1 << 27, 1 << 23
+"""Of a row group, unpacked: bytes, and values in all columns together."""
+
+MAX_HEAD_BYTES = 1 << 16
+"""Of the head of a page, which may state a least and a greatest value."""
+
+ENCODINGS = {0, 2, 3, 8}
+"""Those that repeat nothing but the texts of a dictionary: plain, two names of dictionaries, run lengths."""
+
+DATA, INDEX, DICTIONARY, DATA_2 = range(4)
+"""Types of pages."""
+
+
+def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]]:
+    """Yield the rows of a file from one on, a row group at a time.
+
+    Raises ``OSError`` where it cannot be read, and ``ValueError`` for what is no Parquet of these columns or
+    beyond the bounds.
+    """
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetFile
+
+    with opened(path, MAX_FILE_BYTES, unpack=False) as source:
+        _require_footer(source)
+        try:
+            with ParquetFile(path) as file:
+                if not file.schema_arrow.equals(schema):
+                    raise ValueError("its columns are not those of a set")
+                with ParquetFile(path, metadata=file.metadata, read_dictionary=_texts(file)) as in_short:
+                    for number in range(file.num_row_groups):
+                        group = file.metadata.row_group(number)
+                        if first < group.num_rows:
+                            _require_group(source, group)
+                            _require_texts(in_short.read_row_group(number))
+                            yield file.read_row_group(number).to_pylist()[max(first, 0) :]
+                        first -= group.num_rows
+        except pa.ArrowException as error:
+            raise ValueError(str(error).partition("\n")[0]) from None
+
+
+def _require_footer(file: BinaryIO | GzipFile) -> None:
+    """Raise ``ValueError`` where the footer is larger than the file or its bound."""
+    size = file.seek(0, 2)
+    file.seek(max(0, size - 8))
+    length = int.from_bytes(file.read(8)[:4], "little")
+    if not 12 <= 12 + length <= size:
+        raise ValueError("it is no Parquet, or cut short")
+    if length > MAX_FOOTER_BYTES:
+        raise ValueError(f"its list of row groups holds more than {MAX_FOOTER_BYTES >> 20} MiB")
+
+
+def _texts(file: Any) -> list[str]:
+    """Return the columns of texts, which are read as the places of a dictionary first."""
+    columns = [file.schema.column(number) for number in range(len(file.schema.names))]
+    return [column.path for column in columns if column.physical_type == "BYTE_ARRAY"]
+
+
+def _require_group(file: BinaryIO | GzipFile, group: Any) -> None:
+    """Raise ``ValueError`` for a row group whose pages hold more than the bounds."""
+    size = values = 0
+    for number in range(group.num_columns):
+        column = group.column(number)
+        own = 0
+        for page, count in _pages(file, column):
+            size, own = size + page, own + count
+            if size > MAX_GROUP_BYTES or values + own > MAX_GROUP_VALUES:
+                most = f"{MAX_GROUP_BYTES >> 20} MiB or {MAX_GROUP_VALUES:,} values"
+                raise ValueError(f"a row group holds more than {most}")
+        if not group.num_rows <= column.num_values <= own:
+            raise ValueError(f"its pages of {column.path_in_schema} have other numbers of values than stated")
+        values += own
+
+
+def _pages(file: BinaryIO | GzipFile, column: Any) -> Iterator[tuple[int, int]]:
+    """Yield the bytes, unpacked, and the number of values of each page of a column of a row group."""
+    place, size = column.data_page_offset, column.total_compressed_size
+    if column.has_dictionary_page and 0 < column.dictionary_page_offset < place:
+        place = column.dictionary_page_offset
+    end = place + size
+    while place < end:
+        file.seek(place)
+        head = Thrift(file.read(MAX_HEAD_BYTES))
+        try:
+            page = head.struct()
+            kind, unpacked, packed = (page[number] for number in (1, 2, 3))
+            about = page[{DATA: 5, DICTIONARY: 7, DATA_2: 8}[kind]]
+            encoding = about[4 if kind == DATA_2 else 2]
+        except (KeyError, IndexError, TypeError, RecursionError):
+            raise ValueError(f"the head of a page at byte {place} is damaged") from None
+        if encoding not in ENCODINGS:
+            raise ValueError(f"a page is encoded in an unusual way ({encoding})")
+        if unpacked < 0 or packed < 0 or about[1] < 0:
+            raise ValueError(f"the head of a page at byte {place} is damaged")
+        yield unpacked, 0 if kind == DICTIONARY else about[1]
+        place += head.place + packed
+
+
+def _require_texts(table: Any) -> None:
+    """Raise ``ValueError`` where texts that are read as the places of a dictionary are too long together."""
+    if sum(map(_length, table.columns)) > MAX_GROUP_BYTES:
+        raise ValueError(f"a row group holds more than {MAX_GROUP_BYTES >> 20} MiB of texts")
+
+
+def _length(array: Any) -> int:
+    """Return the bytes of all texts of an array."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    if isinstance(array, pa.ChunkedArray):
+        return sum(map(_length, array.chunks))
+    if isinstance(array, pa.DictionaryArray):
+        lengths: Any = compute.call_function("binary_length", [array.dictionary])
+        return compute.call_function("sum", [lengths.take(array.indices)]).as_py() or 0
+    if isinstance(array, pa.StructArray):
+        return sum(map(_length, array.flatten()))
+    return _length(array.flatten()) if isinstance(array, pa.ListArray) else 0
+
+
+class Thrift:
+    """A record in Thrift's compact protocol, as far as the heads of pages use it."""
+
+    def __init__(self, content: bytes) -> None:
+        """Begin at the first byte."""
+        self.content, self.place = content, 0
+
+    def struct(self) -> dict[int, Any]:
+        """Return the fields of a record by their numbers. Raises ``IndexError`` where it is cut short."""
+        fields, number = dict[int, Any](), 0
+        while head := self._byte():
+            number = number + (head >> 4) if head >> 4 else self._whole()
+            fields[number] = self._value(head & 15)
+        return fields
+
+    def _value(self, kind: int) -> Any:
+        match kind:
+            case 1 | 2:
+                return kind == 1
+            case 3:
+                return self._byte()
+            case 4 | 5 | 6:
+                return self._whole()
+            case 7:
+                return self._skipped(8)
+            case 8:
+                return self._skipped(self._number())
+            case 12:
+                return self.struct()
+        raise TypeError("no head of a page has such a field")
+
+    def _byte(self) -> int:
+        self.place += 1
+        return self.content[self.place - 1]
+
+    def _number(self) -> int:
+        number = shift = 0
+        while (byte := self._byte()) & 128:
+            number |= (byte & 127) << shift
+            shift += 7
+        return number | byte << shift
+
+    def _whole(self) -> int:
+        number = self._number()
+        return number >> 1 ^ -(number & 1)
+
+    def _skipped(self, size: int) -> None:
+        self.place += size
