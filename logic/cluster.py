@@ -133,12 +133,14 @@ def connected(address: str | None = None, workers: int | None = None) -> Iterato
     """
     os.environ.update(ENVIRONMENT)
     import ray
+    from ray._private import ray_constants
     from ray._private import worker as ray_worker
 
     if address:
         _require_answer(address)
-    else:  # Nobody else can send work to it: it listens on this machine alone, to who knows the token.
+    else:  # It listens on this machine alone, to those who know the token.
         os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
+        ray_constants.ENABLE_RAY_CLUSTER = False  # else Ray takes an address of the network for 127.0.0.1
     ends = signal.getsignal(signal.SIGTERM)
     with tempfile.TemporaryDirectory(prefix="ray-", ignore_cleanup_errors=True) as folder:
         own: dict[str, Any] = {

@@ -17,6 +17,7 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "logic/dataset/test_engine.py": {
         "test_a_node_that_is_killed_is_made_up_for_by_the_others": "Ray is started, on two nodes",
         "test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault": "Ray is started",
+        "test_a_cluster_here_listens_on_the_loopback_interface_alone": "Ray is started",
         "test_ctrl_c_keeps_what_is_done_and_ends_all_that_was_started": "Ray is started",
         "test_evaluations_and_jobs_of_studies_are_tasks_with_the_same_results": "Ray is started",
     },

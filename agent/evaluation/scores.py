@@ -18,6 +18,10 @@ from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from agent.evaluation.result import DEFINITIONS, Result
 from logic import House
 from logic.errors import VitruviusError
+from logic.opener import content_of, from_json
+
+MAX_BYTES = 1 << 28
+"""What is read of a file."""
 
 
 class Figure(TypedDict):
@@ -125,10 +129,10 @@ def result_of(mode: ModeScores, name: str) -> Result:
 def load(path: Path) -> ScoreFile:
     """Read a file. Raises ``ScoreError`` where it is absent or none."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=ScoreFile)
+        return from_json(content_of(path, MAX_BYTES), ScoreFile)
     except OSError as error:
         raise ScoreError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except msgspec.DecodeError as error:  # of what is no JSON, and of JSON that is something else
+    except ValueError as error:  # of what is no JSON, and of JSON that is something else
         raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --out") from None
 
 

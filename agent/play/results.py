@@ -12,13 +12,14 @@ from agent.banks import geometry_hash
 from logic import House
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
+from logic.opener import content_of, from_json
 from logic.spelling import quoted
 
 ENDINGS = (".jsonl",)
 """How names of files of results end."""
 
-MOST_GAMES = 1 << 20
-"""Lines that are read."""
+MAX_BYTES, MOST_GAMES = 1 << 28, 1 << 20
+"""What is read of a file: bytes, and lines."""
 
 MAX_ACTIONS = 1 << 16
 """Actions of a game: an episode of the default preset has 1500."""
@@ -62,14 +63,14 @@ class PlayedGame(msgspec.Struct, frozen=True, kw_only=True):
 def load(path: Path) -> list[PlayedGame]:
     """The games of a file. Raises ``ResultsError``, with the line, where it is absent, empty or none."""
     try:
-        lines = path.read_bytes().splitlines()
+        lines = content_of(path, MAX_BYTES).splitlines()
     except OSError as error:
         raise ResultsError(f"{path}: cannot be read: {error.strerror or error}") from None
     games = []
     for number, line in enumerate(lines[:MOST_GAMES], start=1):
         try:
-            games.append(msgspec.json.decode(line, type=PlayedGame))
-        except msgspec.DecodeError as error:
+            games.append(from_json(line, PlayedGame))
+        except ValueError as error:
             raise ResultsError(f"{path}:{number}: no game: {error}") from None
     if not games:
         raise ResultsError(f"{path}: holds no game. Play some: vitruvius play HOUSES --out {quoted(path)}")

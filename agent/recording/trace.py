@@ -19,6 +19,7 @@ from msgspec import Meta
 from logic import House
 from logic.errors import VitruviusError
 from logic.house.files import write_whole
+from logic.opener import content_of, from_json
 
 FORMAT = "vitruvius-trace-1"
 """Traces of another version are refused: what a column means may have changed."""
@@ -181,24 +182,21 @@ def save(trace: Trace, path: str | Path) -> None:
 def load(path: Path) -> Trace:
     """Read a trace. Raises ``TraceError`` where it is absent, of another version or none."""
     try:
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
+        content = content_of(path, MOST_BYTES)
     except OSError as error:
         raise TraceError(f"{path}: cannot be read: {error.strerror or error}") from None
     try:
-        if len(content) > MOST_BYTES:
-            raise ValueError(f"it holds more than {MOST_BYTES >> 20} MiB")
         _require_version(content, path)
-        trace = msgspec.json.decode(content, type=Trace)
+        trace = from_json(content, Trace)
         _require_whole(trace)
-    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise TraceError(f"{path}: no trace: {error}. Write one by vitruvius record --out") from None
     return trace
 
 
 def _require_version(content: bytes, path: Path) -> None:
     """Raise ``TraceError`` for a trace of another version."""
-    found = msgspec.json.decode(content)
+    found = from_json(content)
     version = found.get("format") if isinstance(found, dict) else None
     if version != FORMAT and str(version).startswith("vitruvius-trace-"):
         raise TraceError(f"{path}: a trace of version {version}: this is {FORMAT}. Record the episode again")

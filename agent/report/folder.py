@@ -13,6 +13,7 @@ import msgspec
 from agent.report.page import ReportError, Section, inline, page
 from logic.errors import RequestError
 from logic.house.files import write_whole
+from logic.opener import content_of, from_json
 
 NAME = "report.html"
 
@@ -36,6 +37,10 @@ Sections = Sequence[tuple[tuple[str, ...], str]]
 
 DEPTH = "", "*/", "*/*/"
 """How deep files may lie: a study has folders of runs."""
+
+
+MAX_ABOUT_BYTES = 1 << 20
+"""Of what a run says of itself."""
 
 
 class About(msgspec.Struct):
@@ -115,6 +120,8 @@ def _about(folder: Path) -> About:
     if not path.exists():
         return About(f"Report of {folder.resolve().name}")
     try:
-        return msgspec.json.decode(path.read_bytes(), type=About)
-    except msgspec.DecodeError as error:
+        return from_json(content_of(path, MAX_ABOUT_BYTES), About)
+    except OSError as error:
+        raise ReportError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
         raise ReportError(f"{path}: not what a run says of itself: {error}") from None

@@ -11,6 +11,10 @@ from agent.learning.learner import Progress
 from agent.report.page import Cell, ReportError, Section, details, inline, table
 from agent.report.plots import Axis, DataSeries, line_plot, slots, some
 from agent.runs.runs import MOST_METRICS, Folder
+from logic.opener import content_of, from_json
+
+MAX_CONFIG_BYTES = 1 << 20
+"""Of ``config.json``."""
 
 POINTS = 300
 """Of a curve, at most."""
@@ -58,7 +62,9 @@ class TrainingRun:
         """Read it: a kill may tear the last report, and leave a run without any."""
         here = Folder(folder)
         try:
-            config = _asked(here.config.read_bytes()) if here.config.exists() else None
+            config = _asked(content_of(here.config, MAX_CONFIG_BYTES)) if here.config.exists() else None
+        except OSError as error:
+            raise ReportError(f"{here.config}: cannot be read: {error.strerror}") from None
         except ValueError as error:
             raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
         history = []
@@ -67,7 +73,7 @@ class TrainingRun:
                 for line in file.read(MOST_METRICS).splitlines():
                     try:
                         history.append(msgspec.json.decode(line, type=Progress))
-                    except ValueError:
+                    except (ValueError, RecursionError):
                         continue
         return cls(name, config, history)
 
@@ -87,7 +93,7 @@ class TrainingRun:
 
 def _asked(content: bytes) -> AskedRun | None:
     """Return what a ``config.json`` says of a run; None for another program's. Raises ``ValueError``."""
-    found = msgspec.json.decode(content, type=dict[str, Any])
+    found = from_json(content, dict[str, Any])
     return msgspec.convert(found, AskedRun) if "algorithm" in found else None
 
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from agent.banks import BANKS, bank_hash, benchmark
@@ -15,7 +14,9 @@ from agent.evaluation.tables import LABELS
 from agent.report.page import Section, data
 from logic import House, load
 from logic.drawing.draw import plan_svg
+from logic.house.files import MOST_BYTES, MOST_LINE
 from logic.house.looks import looks_of
+from logic.opener import DAMAGED, from_json, opened
 from logic.spelling import numbered
 from sim.tasks.words import in_words
 
@@ -28,12 +29,10 @@ WIDTH = 300
 
 def holds_houses(path: Path) -> bool:
     """Whether a file of JSON Lines is of houses: others, such as metrics, have other fields."""
-    import gzip
-
     try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            first = msgspec.json.decode(file.readline(1 << 25))
-    except (OSError, EOFError, msgspec.DecodeError):
+        with opened(path, MOST_BYTES) as file:
+            first = from_json(file.readline(MOST_LINE))
+    except (*DAMAGED, ValueError):
         return False
     return isinstance(first, dict) and ("rooms" in first or "roomNumber" in first)
 

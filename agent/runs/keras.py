@@ -17,7 +17,11 @@ from agent.algorithms.table import PRESETS
 from agent.banks import bank_hash, house_key
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
+from logic.opener import reason, require_file
 from sim.environment.arguments import PAPER_HOUSE, house_list
+
+MAX_BYTES = 1 << 28
+"""Of a file."""
 
 ORIGINAL = cast(PaperConfig, PRESETS["paper"])
 """How the original's network reads, plays and learnt, as far as its code and its file say."""
@@ -33,12 +37,13 @@ def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
     network = PaperNetwork.of(ORIGINAL)
     expected = {key: tuple(value.shape) for key, value in network.named_parameters()}
     try:
+        require_file(path, MAX_BYTES)
         with h5py.File(path) as file:
             found = list(_arrays(file))
     except FileNotFoundError:
         raise CheckpointError(f"{path}: there is no such file") from None
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise CheckpointError(f"{path}: no weights that Keras wrote: {str(error).splitlines()[0]}") from None
+        raise CheckpointError(f"{path}: no weights that Keras wrote: {reason(error)}") from None
     shapes = [array.shape[::-1] for _, array in found]
     if len(shapes) != len(expected):
         raise CheckpointError(
@@ -58,14 +63,25 @@ def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
 
 def _arrays(file: Any) -> Iterator[tuple[str, np.ndarray]]:
     """Each layer's kernel (inputs, outputs) and bias, with its name, in the model's order."""
-    layers = file.get("model_weights", file)
+    layers = _at(file, "model_weights") if "model_weights" in file else file
     for layer in layers.attrs["layer_names"]:
-        group = layers[_text(layer)]
+        group = _at(layers, _text(layer))
         for weight in group.attrs["weight_names"]:
-            data = group[_text(weight)]
+            data = _at(group, _text(weight))
+            if data.external:
+                raise ValueError(f"{_text(weight)} lies in another file")
             if data.size > 1_000_000:
                 raise ValueError(f"{_text(weight)} has {data.size:,} numbers")
             yield _text(weight), np.asarray(data, np.float32)
+
+
+def _at(group: Any, name: str) -> Any:
+    """Return what a path names in a group. Raises ``ValueError`` for links, which may lead to other files."""
+    for part in filter(None, name.split("/")):
+        if not isinstance(group.get(part, getlink=True), h5py.HardLink):
+            raise ValueError(f"{name} is not there, or a link")
+        group = group[part]
+    return group
 
 
 def _text(value: Any) -> str:

@@ -19,7 +19,7 @@ from logic import House, HouseSet, RequestError
 from logic.dataset.sets import files_of_shards, read_manifest, read_set
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
-from logic.opener import content_of, from_json, opened
+from logic.opener import content_of, from_json, opened, reason
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
@@ -261,8 +261,7 @@ def read_keras(name: str, path: Path) -> Keras:
         with h5py.File(path) as file:
             shapes, versions = _weights(file)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        reason = str(error).splitlines()[0]
-        raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {reason}") from None
+        raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {reason(error)}") from None
     layers = {
         layer: ", ".join(" x ".join(map(str, shape)) for shape in arrays) for layer, arrays in shapes.items()
     }

@@ -1,5 +1,6 @@
 """Shards as tasks of Ray: the same set as without it, whatever is lost or stopped on the way."""
 
+import contextlib
 import os
 import pickle
 import re
@@ -16,6 +17,7 @@ import pytest
 
 from logic import cluster
 from logic.errors import GrammarError, MissingProgram, Reason, Unsatisfiable, to_record
+from tests.hostile.watch import descendants
 from tests.logic.dataset.sets import command, content
 from tests.programs import PATIENCE, finished
 
@@ -282,3 +284,16 @@ def test_errors_cross_processes_whole() -> None:
     ):
         again = pickle.loads(pickle.dumps(error))
         assert (str(again), to_record(again)) == (str(error), to_record(error))
+
+
+def test_a_cluster_here_listens_on_the_loopback_interface_alone() -> None:
+    with cluster.connected(workers=1):
+        sockets = set[str]()
+        for each in (os.getpid(), *descendants(os.getpid())):
+            for descriptor in Path(f"/proc/{each}/fd").iterdir():
+                with contextlib.suppress(FileNotFoundError):
+                    sockets.add(os.readlink(descriptor))
+        table = [line.split() for name in ("tcp", "tcp6") for line in Path("/proc/net", name).open()]
+        listening = [line[1] for line in table if line[3] == "0A" and f"socket:[{line[9]}]" in sockets]
+    assert listening
+    assert all(address.partition(":")[0].endswith("0100007F") for address in listening), listening
