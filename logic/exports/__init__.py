@@ -42,8 +42,8 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     """Write each house into the folder ``out`` in a format of ``FORMATS``; return the first file of each.
 
     House 0 is ``house-0``. Each file appears whole or not at all. Raises ``ValueError`` for another format
-    and for no house, ``RequestError`` for free walls that the format lacks, ``ImportError`` where its library
-    is missing.
+    and for no house, ``RequestError`` for a house that the format cannot hold, ``ImportError`` where its
+    library is missing.
     """
     if format not in FORMATS:
         raise ValueError(unknown("format", format, FORMATS))
@@ -62,6 +62,9 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     paths = []
     for index, house in enumerate(houses):
         path = out / f"house-{index:0{digits}}"
-        write(house, path)
+        try:
+            write(house, path)
+        except RequestError as error:
+            raise RequestError(f"house {index}: {error}") from None
         paths.append(path.with_suffix(endings[0]))
     return paths

@@ -1,14 +1,18 @@
 """GeoJSON (RFC 7946), in metres instead of degrees: x east, y north, as ``generate --plan`` reads it.
 
-Rooms come first; a feature's property ``kind`` is room, door, window, piece, or wall: one that stands by
-itself.
+Rooms come first; a feature's property ``kind`` is room, door, window, piece, wall: one that stands by itself,
+or area: a part of a map that has a name. The room of a map is its free cells.
 """
 
 from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
+import shapely
+from shapely.geometry import mapping
 
+from logic.exports.floor import floor
 from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.parts import FreeWall, Rect
@@ -24,7 +28,11 @@ def to_geojson(house: House) -> dict[str, Any]:
     features = []
     for room in house.rooms:
         part = {"part_of": room.part_of} if room.part_of else {}
-        features.append(_feature(room, "room", name=room.name, type=room.type, **part))
+        about = {"name": room.name, "type": room.type, **part}
+        if house.occupancy and not features:
+            features.append(_of_geometry(_cells(house), "room", **about))
+        else:
+            features.append(_feature(room, "area" if house.occupancy else "room", **about))
     for door in house.doors:
         leafless = {"opening": True} if door.opening else {}
         features.append(_feature(door, "door", between=door.between, **leafless))
@@ -50,6 +58,13 @@ def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
     else:
         geometry = {"type": "LineString", "coordinates": [(west, north), (east, south)]}
     return _of_geometry(geometry, kind, **properties)
+
+
+def _cells(house: House) -> dict[str, Any]:
+    """The free floor of a map, its rings as RFC 7946 asks: anticlockwise, those of holes clockwise."""
+    cells = shapely.simplify(floor(house, house.rooms[0]), 0)
+    northward = shapely.transform(cells, lambda corners: np.round(corners * (1, -1), 9) + 0.0)
+    return dict(mapping(shapely.orient_polygons(northward)))
 
 
 def _free_wall(wall: FreeWall) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """MJCF, the XML of MuJoCo (mujoco.readthedocs.io): the house, and in it a robot with range finders.
 
-z up; x east, y north; metres. MuJoCo's range finders do not see what is wholly transparent. So each wall is
-two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and a transparent one that
-bodies touch.
+z up; x east, y north; metres. MuJoCo's range finders do not see what is wholly transparent. So each wall that
+has no thickness is two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and a
+transparent one that bodies touch.
 """
 
 from math import cos, radians, sin
@@ -11,8 +11,9 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import shapely
 
+from logic.errors import RequestError
+from logic.exports.floor import floor
 from logic.exports.solids import Solid, solids
-from logic.house.boxes import Box
 from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.parts import BODY
@@ -45,7 +46,8 @@ def to_mjcf(house: House, name: str = "house") -> Element:
 
     The robot stands in the middle of the largest free place of the room where bodies start. It slides along
     ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east), each driven by a
-    velocity. Sensor ``ray_i`` is the distance along ray i, metres, or -1 where nothing is.
+    velocity. Sensor ``ray_i`` is the distance along ray i, metres, or -1 where nothing is. Raises
+    ``RequestError`` where the robot has no place.
     """
     root = Element("mujoco", model=name)
     SubElement(root, "compiler", angle="radian")
@@ -54,11 +56,11 @@ def to_mjcf(house: House, name: str = "house") -> Element:
     SubElement(world, "light", pos="0 0 20", dir="0 0 -1", directional="true")
     touched = {each.name: each for each in solids(house, TOUCHED)}
     for each in solids(house, THIN):
-        seen = {} if each.kind == "piece" else {"contype": "0", "conaffinity": "0"}
+        is_whole = touched[each.name] == each and each.kind != "floor"
+        seen = {} if is_whole else {"contype": "0", "conaffinity": "0"}
         _box(world, each, _rgba(each), name=each.name, **seen)
-        if not seen or each.kind == "floor":
-            continue
-        _box(world, touched[each.name], "0 0 0 0", name=f"{each.name}.body")
+        if touched[each.name] != each:  # without a dot in its name, as rooms and pieces have one
+            _box(world, touched[each.name], "0 0 0 0", name=f"{each.name}_body")
     _robot(root, world, *_free_place(house))
     return root
 
@@ -101,15 +103,19 @@ def _numbers(*values: float) -> str:
 
 
 def _free_place(house: House) -> tuple[float, float]:
-    """The middle of the largest circle free of furniture in the room where bodies start."""
-    room = house.start
-
-    def polygon(box: Box) -> shapely.Polygon:
-        return shapely.box(*box)
-
-    taken = shapely.union_all([polygon(rect.box) for rect in (*house.cut_from(room), *room.pieces)])
-    free = polygon(room.box).difference(taken)
-    # A line from the circle's centre outwards.
-    line = shapely.maximum_inscribed_circle(free)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    x, y = shapely.get_coordinates(line)[0].tolist()
-    return x, y
+    """Return the middle of the largest free circle in the room where bodies start, or in another room where
+    the robot does not fit there. In a map it lies on the largest floor that joins.
+    """
+    pieces = shapely.union_all([shapely.box(*piece.box) for room in house.rooms for piece in room.pieces])
+    for room in (house.start, *house.rooms):
+        free = floor(house, room) - pieces
+        if house.occupancy:
+            free = max(shapely.get_parts(free), key=shapely.area, default=free)
+        if free.is_empty:
+            continue
+        # A line from the circle's centre outwards.
+        line = shapely.maximum_inscribed_circle(free)  # pyright: ignore[reportCallIssue, reportArgumentType]
+        if shapely.length(line) > BODY / 2**0.5:
+            x, y = shapely.get_coordinates(line)[0].tolist()
+            return x, y
+    raise RequestError(f"no room has a free place for the robot of mjcf, {BODY} m wide")

@@ -44,8 +44,11 @@ def write(house: House, path: Path) -> None:
         cells, corner, cell = _pixels(grid), (grid.x, -grid.box[3]), grid.cell
     else:
         (cells, corner), cell = occupancy(house), RESOLUTION
-    for wall in house.free_walls:
-        _fill(cells, wall, corner[0], -corner[1] - cell * len(cells), cell)
+    shapes = [_shape(wall) for wall in house.free_walls]
+    if house.occupancy:
+        shapes += [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
+    for shape in shapes:
+        _fill(cells, shape, corner[0], -corner[1] - cell * len(cells), cell)
     # Of y in ROS's axes no more digits are left than metres can have. Without an exponent: to YAML 1.1, which
     # many readers go by, 6e-08 is a word.
     west, south, side = (
@@ -97,10 +100,16 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
     return cells, (left, -(up + rows * RESOLUTION))
 
 
-def _fill(cells: np.ndarray, wall: FreeWall, west: float, north: float, cell: float) -> None:
-    """Occupy the cells (H, W), whose north-west corner is there, that a wall at any angle touches."""
+def _shape(wall: FreeWall) -> shapely.Polygon | shapely.LineString:
+    """A wall at any angle as a polygon, or as a line where it has no thickness."""
     ends = (wall.x1, wall.y1), (wall.x2, wall.y2)
-    shape = shapely.Polygon(wall.corners) if wall.thickness else shapely.LineString(ends)
+    return shapely.Polygon(wall.corners) if wall.thickness else shapely.LineString(ends)
+
+
+def _fill(
+    cells: np.ndarray, shape: shapely.Polygon | shapely.LineString, west: float, north: float, cell: float
+) -> None:
+    """Occupy the cells (H, W), whose north-west corner is there, that a shape touches."""
     left, top, right, bottom = shape.bounds
     (x0, x1), (y0, y1) = (
         np.clip([int((low - edge) // cell), int((high - edge) // cell) + 1], 0, most)

@@ -1,4 +1,5 @@
-"""A house as solid boxes: walls with a thickness and a height, openings cut out of them, furniture.
+"""A house as solid boxes: walls with a thickness and a height, openings cut out of them, furniture. Of a map
+the walls are all cells that are not free.
 
 Files of houses have no third dimension, so heights are chosen here, and those of furniture in ``looks.json``.
 """
@@ -14,7 +15,8 @@ from logic.house.boxes import TOLERANCE, Box
 from logic.house.house import House
 from logic.house.looks import looks_of
 from logic.house.wall_parts import wall_parts
-from logic.house.walls import Interval, Line, crossing, remaining
+from logic.house.walls import Interval, Line, crossing, near, remaining
+from logic.spelling import printable
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
 """Metres."""
@@ -65,24 +67,30 @@ def solids(house: House, thickness: float = 0.1) -> list[Solid]:
 
     ``thickness``: metres, of walls that have none of their own; half of it lies on each side of the line
     where a wall stands.
-    Entrances and windows are shut. Names are unique, and a function of the house.
+    Entrances and windows are shut. Names are unique, printable, and a function of the house.
     """
-    walls = _thick_walls(house) if house.wall_thickness else _walls(house, thickness)
-    found = [*_floors(house), *walls, *_pieces(house)]
+    if house.occupancy:
+        walls = _cells(house, thickness)
+    else:
+        walls = _thick_walls(house) if house.wall_thickness else _walls(house, thickness)
+    found = [each._replace(name=printable(each.name)) for each in (*_floors(house), *walls, *_pieces(house))]
     several, numbers = Counter(each.name for each in found), Counter[str]()
     for index, each in enumerate(found):
-        if several[each.name] > 1:
-            found[index] = each._replace(name=f"{each.name}_{numbers[each.name]}")
+        name = each.name
+        while several[name] > 1 or (name != each.name and name in several):
+            name = f"{each.name}_{numbers[each.name]}"
             numbers[each.name] += 1
+        found[index] = each._replace(name=name)
     return found
 
 
 def _floors(house: House) -> Iterator[Solid]:
     look, main = style([house]), house.main_room
+    below = house.rooms[0] if house.occupancy else main
     for room in house.rooms:
-        colour = INKS.paper if room is main else look.fill(room.type).colour
-        # A floor that lies over the main room's, as the original's do, is seen above it.
-        top = 0.001 if main and room is not main else 0.0
+        colour = INKS.paper if room is main else look.fill(house.whole(room).type).colour
+        # A floor that lies over another one, as the original's and the areas of a map do, is seen above it.
+        top = 0.001 if below and room is not below else 0.0
         yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)
 
 
@@ -99,6 +107,21 @@ def _thick_walls(house: House) -> Iterator[Solid]:
     for kind, box in wall_parts(house):
         for name, bottom, top in PARTS[kind]:
             yield Solid(name, name, box, bottom, top, COLOURS.get(name, INKS.paper))
+
+
+def _cells(house: House, thickness: float) -> Iterator[Solid]:
+    """All cells of a map that are not free, and walls along its edge beside those that are."""
+    west, north, east, south = house.rooms[0].box
+    verticals, horizontals = house.walls
+    boxes = [*house.filled]
+    for at, low, high in verticals:
+        if near(at, (west, east)):
+            boxes.append((at - thickness * near(at, [west]), low, at + thickness * near(at, [east]), high))
+    for at, low, high in horizontals:
+        if near(at, (north, south)):
+            boxes.append((low, at - thickness * near(at, [north]), high, at + thickness * near(at, [south])))
+    for box in boxes:
+        yield Solid("wall", "wall", box, 0.0, WALL_HEIGHT, INKS.wall)
 
 
 def _walls(house: House, thickness: float) -> Iterator[Solid]:

@@ -1,12 +1,15 @@
-"""OpenUSD, by usd-core: a cube for each solid, under a scope for each kind. z up; x east, y north; metres."""
+"""OpenUSD, by usd-core: a cube for each solid, under a scope for each kind, that bodies collide with. z up;
+x east, y north; metres.
+"""
 
 # usd-core has no type stubs.
 # pyright: reportAttributeAccessIssue=false
 
 import secrets
+from collections import Counter
 from pathlib import Path
 
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
 
 from logic.exports.solids import solids
 from logic.house.files import write_whole
@@ -20,9 +23,12 @@ def write(house: House, path: Path) -> None:
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     root = UsdGeom.Xform.Define(stage, "/house")
     stage.SetDefaultPrim(root.GetPrim())
+    taken = Counter[str]()
     for solid in solids(house):
         west, north, east, south = solid.box
-        cube = UsdGeom.Cube.Define(stage, f"/house/{solid.kind}s/{solid.name.replace('.', '_')}")
+        cube = UsdGeom.Cube.Define(stage, f"/house/{solid.kind}s/{_identifier(solid.name, taken)}")
+        cube.GetPrim().SetDisplayName(solid.name)
+        UsdPhysics.CollisionAPI.Apply(cube.GetPrim())
         cube.CreateSizeAttr(1.0)
         cube.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])
         middle = (west + east) / 2, -(north + south) / 2, (solid.bottom + solid.top) / 2
@@ -33,3 +39,13 @@ def write(house: House, path: Path) -> None:
         if solid.kind == "window":
             cube.CreateDisplayOpacityAttr([0.4])
     write_whole(path.with_suffix(".usda"), stage.GetRootLayer().ExportToString().encode())
+
+
+def _identifier(name: str, taken: Counter[str]) -> str:
+    """Return an identifier that is not taken, in ASCII, which all versions of OpenUSD read."""
+    found = own = Tf.MakeValidIdentifier(name)
+    while found in taken:
+        taken[own] += 1
+        found = f"{own}_{taken[own]}"
+    taken[found] = 0
+    return found

@@ -18,7 +18,9 @@ from sim import HouseVectorEnv
 from sim.config import DEFAULT
 from tests.sample_houses import RANDOM, example
 
-HOUSES = [*benchmark("home-test-v1")[3:5], RANDOM[0], example()]
+CELLS = np.zeros((30, 50), bool)
+CELLS[[0, -1]] = CELLS[8:20, 20:26] = True
+HOUSES = [*benchmark("home-test-v1")[3:5], RANDOM[0], example(), House.from_grid(CELLS, 0.1)]
 
 
 def loaded(house: House) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -46,7 +48,7 @@ def test_range_finders_see_what_the_simulators_rays_see() -> None:
             np.testing.assert_allclose(seen[others], ours[others], atol=1e-4)
 
 
-@pytest.mark.parametrize("house", HOUSES, ids=["home", "home", "star", "original"])
+@pytest.mark.parametrize("house", HOUSES, ids=["home", "home", "star", "original", "map"])
 def test_the_robot_starts_free_drives_and_is_stopped_by_walls(house: House) -> None:
     model, data = loaded(house)
     assert data.ncon == 0

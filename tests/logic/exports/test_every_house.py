@@ -1,0 +1,274 @@
+"""Every format of export meets every kind of house and of name, and other tools read what is written."""
+
+# mujoco and usd-core have no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pygltflib
+import pytest
+import shapely
+import shapely.affinity
+import shapely.geometry
+import trimesh
+import yaml
+from msgspec.structs import replace
+from PIL import Image
+from pxr import Usd, UsdGeom, UsdPhysics
+
+from logic import Door, FreeWall, House, Piece, RequestError, Room, Window, load
+from logic.exports import FORMATS, export
+from logic.exports.mjcf import THIN
+from logic.exports.solids import Solid, solids
+from logic.house.parts import OUTSIDE, Provenance
+from logic.house.promises import Promises
+from tests.sample_houses import ONE_ROOM, drawn
+from tests.thick import thickened
+
+
+def own(*rooms: Room, doors: Iterable[Door] = (), topology: str = "own", **more: Any) -> House:
+    """A house that is entered by its first room, which is its hub."""
+    first = rooms[0]
+    entrance = Door(first.x + 1.0, first.y, 0.9, 0.0, (first.name, OUTSIDE))
+    return House(rooms, (entrance, *doors), hub=first.name, topology=topology, **more)
+
+
+def grid(*extra: Room) -> House:
+    """A map of 6 x 4 m with walls in it, a part that is unknown, furniture, and floor at its west edge."""
+    cells = np.zeros((40, 60), int)
+    cells[[0, -1]], cells[:, -1], cells[15:25, 15:25], cells[:10, 40:] = 100, 100, 100, -1
+    house = House.from_grid(cells, 0.1, (0.0, 0.0))
+    table = Piece(4.0, 2.0, 0.83, 0.6, "table")
+    return replace(house, rooms=(replace(house.rooms[0], children=(table,)), *extra))
+
+
+SOFA = Piece(0.0, 3.0, 0.9, 1.8, "sofa", "E")
+HALL, LIVING = Room(0, 0, 3, 2, "R0", "hall"), Room(0, 2, 3, 4, "R1", "living", (SOFA,))
+BETWEEN = Door(1.0, 2.0, 0.9, 0.0, ("R0", "R1"))
+BAY = Room(3, 3, 2, 2, "R2", "bay", part_of="R1")
+WALLS = FreeWall(0.7, 0.5, 2.6, 1.9, 0.12), FreeWall(0.5, 2.5, 1.5, 2.2, 0.0)
+TERRACE = Provenance("mine", "", {}, 0, 0, {}, Promises(outdoor=("terrace",)))
+HOME = own(HALL, LIVING, doors=[BETWEEN], windows=(Window(0.5, 6.0, 1.2, 0.0, "R1"),))
+UNITS = (
+    Room(0, 0, 8, 1.5, "R0", "corridor"),
+    Room(0, 1.5, 4, 3, "R1", "hall", (Piece(0.0, 3.0, 1.0, 0.5, "sofa", "N"),)),
+    Room(4, 1.5, 4, 3, "R2", "hall"),
+)
+KINDS = {
+    "star": drawn(ONE_ROOM),
+    "original": replace(drawn(ONE_ROOM), topology="original"),
+    "shared walls": HOME,
+    "thick walls": thickened(HOME),
+    "units": own(
+        *UNITS,
+        doors=[Door(x, 1.5, 0.9, 0.0, ("R0", name)) for x, name in ((1.0, "R1"), (5.0, "R2"))],
+        topology="building",
+    ),
+    "parts": own(HALL, LIVING, BAY, doors=[BETWEEN, Door(3.0, 3.0, 0.0, 2.0, ("R1", "R2"), opening=True)]),
+    "outdoor": own(HALL, replace(LIVING, type="terrace"), doors=[BETWEEN], provenance=TERRACE),
+    "free walls": own(HALL, LIVING, doors=[BETWEEN], free_walls=WALLS),
+    "map": grid(),
+    "map with areas": grid(Room(0.2, 0.2, 1.0, 3.0, "R1", "kitchen")),
+    "map with free walls": replace(grid(), free_walls=WALLS),
+}
+NAMES = {
+    "space": ("Living room", "Bed room 2"),
+    "hyphen": ("en-suite", "walk-in"),
+    "digit first": ("1st", "2nd"),
+    "quotes": ("Anna's", 'the "den" <b>'),
+    "unicode": ("Küche", "客厅"),
+    "emoji": ("🛋", "🛏"),
+    "path": ("../a", "/b"),
+    "mark": (".", "_"),
+    "long": ("x" * 64, "x" * 63 + "y"),
+    "but for a dot": ("a.b", "a_b"),
+    "as other parts": ("wall_0", "floor"),
+}
+"""Pairs of names, of the first two rooms."""
+
+SOLID = [name for name, format_ in FORMATS.items() if not format_.free_walls]
+
+
+def named(house: House, names: tuple[str, ...]) -> House:
+    """The house whose first rooms have other names, as ``vitruvius-2``."""
+    new = dict(zip((room.name for room in house.rooms), names, strict=False))
+
+    def of(name: str) -> str:
+        return new.get(name, name)
+
+    return replace(
+        house.converted(),
+        rooms=tuple(
+            replace(room, name=of(room.name), part_of=of(room.part_of) if room.part_of else room.part_of)
+            for room in house.rooms
+        ),
+        doors=tuple(replace(door, between=tuple(map(of, door.between))) for door in house.doors),
+        windows=tuple(replace(window, room=of(window.room)) for window in house.windows),
+        hub=of(house.hub),
+    )
+
+
+def bounds(solid: Solid, along: tuple[int, ...] = (0, 1, 2)) -> list[float]:
+    """What a solid fills, from and to, x east, y north and z up; or with its axes in another order."""
+    west, north, east, south = solid.box
+    low, high = (west, -south, solid.bottom), (east, -north, solid.top)
+    return [low[k] for k in along] + [high[k] for k in along]
+
+
+def is_usd(house: House, path: Path) -> None:
+    """All solids are prims that bodies collide with, under their own names."""
+    stage = Usd.Stage.Open(str(path))
+    assert (UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)) == (1, "Z")
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
+    cubes = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Cube)]
+    found = {prim.GetDisplayName(): prim for prim in cubes}
+    expected = solids(house)
+    assert sorted(prim.GetDisplayName() for prim in cubes) == sorted(each.name for each in expected)
+    for each in expected:
+        prim = found[each.name]
+        assert prim.GetParent().GetName() == f"{each.kind}s"
+        assert prim.HasAPI(UsdPhysics.CollisionAPI)
+        bound = cache.ComputeWorldBound(prim).ComputeAlignedRange()
+        np.testing.assert_allclose([*bound.GetMin(), *bound.GetMax()], bounds(each), atol=1e-5)
+
+
+def is_gltf(house: House, path: Path) -> None:
+    """All solids are nodes, under their names."""
+    document = pygltflib.GLTF2().load(path)
+    assert document
+    expected = {each.name: each for each in solids(house)}
+    assert {node.name for node in document.nodes if node.mesh is not None} == {*expected}
+    scene = trimesh.load_scene(path)
+    for node in scene.graph.nodes_geometry:
+        transform, geometry = scene.graph[node]
+        found = scene.geometry[geometry].bounds + transform[:3, 3]
+        west, north, east, south = expected[node].box
+        low, high = (west, expected[node].bottom, north), (east, expected[node].top, south)
+        np.testing.assert_allclose(found, [low, high], atol=1e-5)
+
+
+def is_mjcf(house: House, path: Path) -> None:
+    """All solids are geoms, and the robot stands free: it touches nothing, and its range finders see."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for each in solids(house, THIN):
+        geom = model.geom(each.name)
+        found = [*(geom.pos - geom.size), *(geom.pos + geom.size)]
+        np.testing.assert_allclose(found, bounds(each), atol=1e-5)
+    assert data.ncon == 0
+    assert ((data.sensordata < 0) | (data.sensordata > 0.2)).all()
+
+
+def is_geojson(house: House, path: Path) -> None:
+    """All parts are valid shapes; the room of a map is its free cells."""
+    features = json.loads(path.read_bytes())["features"]
+    shapes = [shapely.geometry.shape(each["geometry"]) for each in features]
+    kinds = [each["properties"]["kind"] for each in features]
+    assert all(shapely.is_valid(shapes))
+    assert [each["properties"].get("name") for each in features][: len(house.rooms)] == [
+        room.name for room in house.rooms
+    ]
+    if house.occupancy:
+        grid = house.occupancy
+        assert shapes[0].area == pytest.approx((grid.values == 0).sum() * grid.cell**2)
+        assert kinds[1 : len(house.rooms)] == ["area"] * (len(house.rooms) - 1)
+        assert all(
+            ring.is_ccw == (k == 0) for k, ring in enumerate([shapes[0].exterior, *shapes[0].interiors])
+        )
+    else:
+        for room, shape in zip(house.rooms, shapes, strict=False):
+            west, north, east, south = room.box
+            assert shape.bounds == pytest.approx((west, -south, east, -north))
+    assert kinds.count("piece") == sum(len(room.pieces) for room in house.rooms)
+    assert kinds.count("wall") == len(house.free_walls)
+
+
+def is_ros(house: House, path: Path) -> None:
+    """Cells in pieces are occupied, those in the middle of openings and rooms without pieces are free."""
+    said = yaml.safe_load(path.read_bytes())
+    with Image.open(path.parent / said["image"]) as picture:
+        cells = np.asarray(picture)[::-1]
+
+    def at(x: float, y: float) -> int:
+        side, (west, south, _) = said["resolution"], said["origin"]
+        return int(cells[int((-y - south) / side), int((x - west) / side)])
+
+    for room in house.rooms:
+        for piece in room.pieces:
+            assert at(piece.x + piece.width / 2, piece.y + piece.height / 2) == 0
+    for door in house.doors:
+        if not door.is_entrance:
+            assert at(door.x + door.width / 2, door.y + door.height / 2) == 254
+    if house.occupancy:
+        rows, columns = house.occupancy.shape
+        assert cells.shape == (rows, columns)
+        assert at(0.05, 0.25) == 254
+
+
+READ: dict[str, Callable[[House, Path], None]] = {
+    **{"usd": is_usd, "gltf": is_gltf, "mjcf": is_mjcf},
+    **{"geojson": is_geojson, "ros": is_ros},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("format", FORMATS)
+def test_every_format_takes_every_kind_of_house_with_every_kind_of_name_or_refuses_it_in_a_line(
+    format: str, kind: str, tmp_path: Path
+) -> None:
+    houses = [named(KINDS[kind], names) for names in NAMES.values()]
+    houses = [House.from_dict(house.to_dict()) for house in houses]  # all are houses that files may hold
+    if houses[0].free_walls and format in SOLID:
+        with pytest.raises(RequestError, match=r"^house 0 has walls that stand by themselves, which"):
+            export(houses, tmp_path, format)
+        assert not [*tmp_path.iterdir()]
+        return
+    for house, path in zip(houses, export(houses, tmp_path, format), strict=True):
+        READ[format](house, path)
+
+
+def test_solids_of_a_map_fill_what_is_not_free_and_close_its_edge() -> None:
+    house = KINDS["map"]
+    assert house.occupancy
+    walls = shapely.union_all([shapely.box(*each.box) for each in solids(house, 0.1) if each.kind == "wall"])
+    north, west = np.argwhere(house.occupancy.values != 0).T * 0.1
+    shut = shapely.union_all(shapely.box(west, north, west + 0.1, north + 0.1))
+    at_edge = shapely.box(-0.1, 0.1, 0.0, 3.9)
+    assert shapely.symmetric_difference(walls, shut | at_edge).area == pytest.approx(0, abs=1e-6)
+
+
+def test_geojson_of_a_map_has_the_walls_of_the_map_again(tmp_path: Path) -> None:
+    house = replace(KINDS["map"], rooms=(replace(KINDS["map"].rooms[0], children=()),))
+    [path] = export([house], tmp_path, "geojson")
+    [again] = load(path)
+
+    def walls(lines: Iterable[tuple[float, float, float, float]]) -> Any:
+        return shapely.union_all([shapely.LineString([(a, b), (c, d)]) for a, b, c, d in lines])
+
+    upright, level = house.walls
+    of_cells = walls([(x, a, x, b) for x, a, b in upright] + [(a, y, b, y) for y, a, b in level])
+    found = walls((each.x1, each.y1, each.x2, each.y2) for each in again.free_walls)
+    west, north, east, south = of_cells.bounds
+    there = shapely.affinity.translate(of_cells, -(west + east) / 2, -(north + south) / 2)
+    assert shapely.hausdorff_distance(found, there) < 1e-6
+
+
+def test_a_house_without_a_place_for_the_robot_is_refused_by_mjcf_in_a_line(tmp_path: Path) -> None:
+    full = replace(HALL, children=(Piece(0.0, 0.0, 2.8, 2.0, "table"),))
+    with pytest.raises(
+        RequestError, match=r"^house 1: no room has a free place for the robot of mjcf, 0\.287 m"
+    ):
+        export([HOME, own(full)], tmp_path, "mjcf")
+
+
+def test_names_that_pieces_and_rooms_have_in_common_stay_apart() -> None:
+    bed = Piece(0.0, 0.0, 0.5, 0.5, "bed")
+    pieces = (bed, replace(bed, x=1.0), replace(bed, x=2.0, type="bed_0"), replace(bed, y=1.0, type="b\x00d"))
+    names = [each.name for each in solids(own(replace(HALL, children=pieces))) if each.kind == "piece"]
+    assert names == ["R0.bed_1", "R0.bed_2", "R0.bed_0", "R0.b\\x00d"]
