@@ -23,6 +23,7 @@ FOLDERS = {
             "encoding",
             "opener",
             "errors",
+            "plain",
             "spelling",
             "stopping",
             "copies",

@@ -29,6 +29,7 @@ from logic.house.promises import Thickness
 from logic.house.records import Record, read
 from logic.house.star import Star, star_record
 from logic.house.walls import Line, doorway, walls_of_rooms, walls_of_star
+from logic.plain import plain
 from logic.spelling import unknown
 
 
@@ -228,7 +229,10 @@ class House(msgspec.Struct, frozen=True):
 
         Raises ``ValueError`` (``msgspec.ValidationError``) that names the first wrong field.
         """
-        found, format_ = read(record)
+        try:
+            found, format_ = read(record)
+        except msgspec.ValidationError:
+            found, format_ = read(plain(record))  # second, as records of files are plain
         openings = found.doors, found.windows
         about = found.hub or "", found.topology, format_, found.provenance, found.wall_thickness
         return cls(found.rooms, *openings, *about, found.walls, found.occupancy)

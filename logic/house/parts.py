@@ -13,6 +13,7 @@ import msgspec
 from msgspec import UNSET, Meta, UnsetType
 
 from logic.house.promises import Promises
+from logic.plain import plain
 
 FORMAT = "vitruvius-2"
 """Files of any house: rooms, doors and windows in lists in words (``records.py``)."""
@@ -63,6 +64,12 @@ Name = Annotated[str, Meta(pattern=WORDS, max_length=LONGEST_NAME)]
 Orientation = Literal["", "N", "E", "S", "W"]
 
 
+def _hold_plain(part: msgspec.Struct) -> None:
+    for name in part.__struct_fields__:
+        if hasattr(value := getattr(part, name), "tolist"):
+            msgspec.structs.force_setattr(part, name, plain(value))
+
+
 class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """An axis-aligned rectangle, in metres."""
 
@@ -70,6 +77,12 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     y: Place
     width: Length
     height: Length
+
+    def __post_init__(self) -> None:
+        """Hold Python's numbers in the place of another library's, such as NumPy's."""
+        # Written out, as a file has many rectangles.
+        if not (type(self.x) is type(self.y) is type(self.width) is type(self.height) is float):
+            _hold_plain(self)
 
     @property
     def box(self) -> tuple[float, float, float, float]:
@@ -165,6 +178,10 @@ class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fiel
     x2: Place
     y2: Place
     thickness: Length
+
+    def __post_init__(self) -> None:
+        """Hold Python's numbers in the place of another library's."""
+        _hold_plain(self)
 
     @property
     def box(self) -> tuple[float, float, float, float] | None:

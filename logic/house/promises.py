@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Meta
 
 from logic.errors import RequestError
+from logic.plain import plain
 from logic.spelling import unknown
 
 CLEARANCE = 0.45
@@ -174,7 +175,7 @@ def read_promises(stated: Mapping[str, Any], others: Promises) -> Promises:
         if name not in names:
             raise RequestError(f"promises: {unknown('promise', name, names)}")
     try:
-        read = msgspec.convert(dict(stated), Promises)
+        read = msgspec.convert(plain(stated), Promises)
     except msgspec.ValidationError as error:
         raise RequestError(f"promises: {error}") from None
     return msgspec.structs.replace(others, **{name: getattr(read, name) for name in stated})

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import msgspec
 
 from logic.errors import RequestError
+from logic.plain import plain
 from logic.request.brief import Brief, read_brief
 from logic.request.fixed_rooms import FixedRoom, from_records
 from logic.request.own_plan import OwnPlan
@@ -151,7 +152,7 @@ class Request:
 
 def as_range(name: str, count: Any) -> Range:
     """A count as a range; raises ``RequestError`` where it is none."""
-    count = _plain(count)
+    count = plain(count)
     least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
     if type(least) is not int or not (most is None or type(most) is int):
         raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
@@ -212,10 +213,3 @@ def _is_pair(count: Any) -> bool:
 
 def _counts(ranges: Mapping[str, Range]) -> dict[str, Any]:
     return {name: least if least == most else [least, most] for name, (least, most) in ranges.items()}
-
-
-def _plain(count: Any) -> Any:
-    """A count with Python's numbers in the place of another library's."""
-    if isinstance(count, tuple | list):
-        return type(count)(_plain(each) for each in count)
-    return operator.index(count) if hasattr(count, "__index__") and not isinstance(count, bool) else count

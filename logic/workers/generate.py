@@ -10,6 +10,7 @@ from logic.errors import Finding, GrammarError, RequestError
 from logic.grammar import find
 from logic.house.house import House
 from logic.house.parts import BODY
+from logic.plain import plain
 from logic.request.brief import Brief, alone, read_brief
 from logic.request.fixed_rooms import fixed_rooms
 from logic.request.given_plan import SNAP, keeping, read_plan
@@ -101,8 +102,8 @@ def series_of(
     """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its, but
     that ``rooms`` may be a range: then house i has ``least + i % n`` rooms, of the n numbers that it has.
     """
-    own = None if plan is None else read_plan(plan, plan_unit, snap)
-    asked = None if brief is None else read_brief(brief)
+    own = None if plan is None else read_plan(plain(plan), plan_unit, snap)
+    asked = None if brief is None else read_brief(plain(brief))
     if keep is not None and keep.main_room is None:
         if own is None:
             raise RequestError(

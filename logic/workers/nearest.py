@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from logic.errors import LimitReached, Unsatisfiable
 from logic.house.house import House
+from logic.plain import plain
 from logic.proofs.least import Hitting
 from logic.request.brief import Brief, alone, read_brief
 from logic.request.brief_lines import Requirement, Where, requirements
@@ -94,7 +95,8 @@ def nearest(
             return house(some, min(inferences, EASING))
         return None
 
-    wanted = read_brief(brief) if grammar else alone(read_brief(brief))
+    wanted = read_brief(plain(brief))
+    wanted = wanted if grammar else alone(wanted)
     out = _fewest(wanted, house)
     eased = wanted
     gone = [line.where for line in out]

@@ -9,6 +9,7 @@ import msgspec
 from logic.errors import Unsatisfiable
 from logic.grammar import find
 from logic.house.house import House
+from logic.plain import plain
 from logic.request.given_plan import SNAP, read_plan
 from logic.request.own_plan import OwnPlan
 from logic.request.request import Count, Request
@@ -51,7 +52,7 @@ def nearest_plan(
     are those of ``generate``; ``seconds`` is for each house or proof that it takes. Raises as ``generate``
     does: ``Unsatisfiable`` where walls elsewhere make no house of it.
     """
-    own = read_plan(plan, plan_unit, snap)
+    own = read_plan(plain(plan), plan_unit, snap)
     asked: dict[str, Any] = {"types": types or {}, "furniture": furniture or {}}
 
     def house(some: OwnPlan) -> House:
