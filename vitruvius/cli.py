@@ -140,7 +140,9 @@ def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int
     table = STUDIES if words[0] == "bench" else COMMANDS
     kind = pkgutil.resolve_name(table[words[-1]][0])
     options = options_of(kind.like(arguments) if words[0] == "train" else kind)
-    return help.of_command(f"vitruvius {' '.join(words)}", kind.__doc__, options, width)
+    # Without docstrings, by PYTHONOPTIMIZE=2, a dataclass has its fields' types in their place.
+    about = table[words[-1]][1] if sys.flags.optimize > 1 else kind.__doc__
+    return help.of_command(f"vitruvius {' '.join(words)}", about, options, width)
 
 
 def parse(arguments: list[str]) -> Any:
@@ -252,7 +254,7 @@ def _exit_code(arguments: list[str]) -> int:
         except OSError as error:
             return _unwritten(error)
         return 0
-    from logic.errors import VitruviusError
+    from logic.errors import GrammarWarning, PlanWarning, VitruviusError
     from logic.stopping import at_signals, end
     from logic.terminal import say
 
@@ -276,6 +278,8 @@ def _exit_code(arguments: list[str]) -> int:
         fault = error.exit_code == VitruviusError.exit_code
         what = "error, a fault of ours, please report it" if fault else "error"
         code = failed(error, error.exit_code, f"{what}: {error}")
+    except (GrammarWarning, PlanWarning) as warning:
+        code = failed(warning, 5, f"error: {warning}: this warning is an error by PYTHONWARNINGS")
     except KeyboardInterrupt as end:
         code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
     except OSError as error:

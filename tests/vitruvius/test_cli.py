@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tomllib
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -182,6 +183,25 @@ def test_a_place_that_cannot_be_written_to_is_refused_before_any_work(
     assert ended.returncode == 2
     assert re.fullmatch(r"error: --out \S+: \S+ cannot be written to: .+\n", ended.stderr)
     assert list(tmp_path.iterdir()) == [tmp_path / "file"]
+
+
+def test_a_warning_that_is_made_an_error_is_one_line(tmp_path: Path) -> None:
+    room = {"type": "Polygon", "coordinates": [[[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]]}
+    nowhere = {"type": "Feature", "properties": None, "geometry": None}
+    features = [{"type": "Feature", "properties": None, "geometry": room}, nowhere]
+    (tmp_path / "plan.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        done = vitruvius("generate", "--plan", tmp_path / "plan.geojson", "--out", tmp_path / "a.jsonl")
+    said = "plan: passed over beside the rooms: 1 feature without geometry"
+    assert (done.returncode, done.stdout) == (5, "")
+    assert done.stderr == f"error: {said}: this warning is an error by PYTHONWARNINGS\n"
+
+
+def test_help_without_docstrings_says_what_a_command_does() -> None:
+    code = "from vitruvius.cli import command_help; print(command_help(['check']))"
+    done = subprocess.run([sys.executable, "-OO", "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[2] == COMMANDS["check"][1]
 
 
 def test_a_device_that_takes_nothing_is_named_and_stays() -> None:
