@@ -24,15 +24,13 @@ class Format(NamedTuple):
     """Of the files that are written for one house; the first is named in messages."""
     words: str
     """What the command's help says of it."""
-    free_walls: bool = False
-    """Whether it has walls that stand by themselves, at any angle."""
 
 
 FORMATS = {
-    "geojson": Format("geojson", (".geojson",), "in metres: rooms, doors, windows, furniture", True),
+    "geojson": Format("geojson", (".geojson",), "in metres: rooms, doors, windows, furniture"),
     "gltf": Format("gltf", (".glb",), "binary glTF 2.0, walls 2.5 m high, furniture as boxes"),
     "mjcf": Format("mjcf", (".xml",), "MuJoCo's XML, with a robot and its range finders"),
-    "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2", True),
+    "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2"),
     "usd": Format("usd", (".usda",), "OpenUSD, the same solids as gltf"),
 }
 """By the name that ``--to`` takes."""
@@ -50,13 +48,7 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     houses, out = list(houses), Path(out)
     if not houses:
         raise ValueError(f"no house to write to {out}")
-    module, endings, _, has_free_walls = FORMATS[format]
-    for index, house in enumerate(houses):
-        if house.free_walls and not has_free_walls:
-            able = " and ".join(name for name, each in FORMATS.items() if each.free_walls)
-            raise RequestError(
-                f"house {index} has walls that stand by themselves, which {format} has not: {able} have them"
-            )
+    module, endings, _ = FORMATS[format]
     write: Callable[[House, Path], None] = import_module(f"logic.exports.{module}").write
     digits = len(str(len(houses) - 1))
     paths = []

@@ -28,7 +28,8 @@ def write(house: House, path: Path) -> None:
             alphaMode="BLEND" if opacity < 255 else "OPAQUE",
         )
         box.visual = TextureVisuals(material=material)
-        transform = trimesh.transformations.translation_matrix((low + high) / 2)
+        transform = np.array(trimesh.transformations.rotation_matrix(solid.turn, [0, 1, 0]))
+        transform[:3, 3] = (low + high) / 2
         scene.add_geometry(box, node_name=solid.name, geom_name=solid.name, transform=transform)
     write_whole(path.with_suffix(".glb"), export_glb(scene))
 

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import shapely
 
 from logic.errors import RequestError
-from logic.exports.floor import floor
+from logic.exports.floor import floor, outline
 from logic.exports.solids import Solid, solids
 from logic.house.files import write_whole
 from logic.house.house import House
@@ -90,7 +90,10 @@ def _box(world: Element, solid: Solid, rgba: str, **attributes: str) -> None:
     west, north, east, south = solid.box
     middle = _numbers((west + east) / 2, -(north + south) / 2, (solid.bottom + solid.top) / 2)
     size = _numbers((east - west) / 2, (south - north) / 2, (solid.top - solid.bottom) / 2)
-    SubElement(world, "geom", {"type": "box", "pos": middle, "size": size, "rgba": rgba, **attributes})
+    turned = {"euler": _numbers(0, 0, solid.turn)} if solid.turn else {}
+    SubElement(
+        world, "geom", {"type": "box", "pos": middle, "size": size, "rgba": rgba, **turned, **attributes}
+    )
 
 
 def _rgba(solid: Solid) -> str:
@@ -106,9 +109,11 @@ def _free_place(house: House) -> tuple[float, float]:
     """Return the middle of the largest free circle in the room where bodies start, or in another room where
     the robot does not fit there. In a map it lies on the largest floor that joins.
     """
-    pieces = shapely.union_all([shapely.box(*piece.box) for room in house.rooms for piece in room.pieces])
+    taken = [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
+    taken += [outline(wall).buffer(THIN) for wall in house.free_walls]
+    solid = shapely.union_all(taken)
     for room in (house.start, *house.rooms):
-        free = floor(house, room) - pieces
+        free = floor(house, room) - solid
         if house.occupancy:
             free = max(shapely.get_parts(free), key=shapely.area, default=free)
         if free.is_empty:

@@ -10,12 +10,12 @@ import shapely
 from PIL import Image
 
 from logic.drawing.plan import drawn_extent, extent
+from logic.exports.floor import outline
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
 from logic.house.occupancy import OccupancyGrid
-from logic.house.parts import FreeWall
 from logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
@@ -44,7 +44,7 @@ def write(house: House, path: Path) -> None:
         cells, corner, cell = _pixels(grid), (grid.x, -grid.box[3]), grid.cell
     else:
         (cells, corner), cell = occupancy(house), RESOLUTION
-    shapes = [_shape(wall) for wall in house.free_walls]
+    shapes = [outline(wall) for wall in house.free_walls]
     if house.occupancy:
         shapes += [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
     for shape in shapes:
@@ -98,12 +98,6 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
     for y, low, high in horizontals:
         fill((low, y, high, y), OCCUPIED)
     return cells, (left, -(up + rows * RESOLUTION))
-
-
-def _shape(wall: FreeWall) -> shapely.Polygon | shapely.LineString:
-    """A wall at any angle as a polygon, or as a line where it has no thickness."""
-    ends = (wall.x1, wall.y1), (wall.x2, wall.y2)
-    return shapely.Polygon(wall.corners) if wall.thickness else shapely.LineString(ends)
 
 
 def _fill(

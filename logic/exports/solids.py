@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from math import atan2
 from typing import NamedTuple
 
 from logic.drawing.palettes import Inks, style
@@ -47,7 +48,7 @@ PARTS = {
 
 
 class Solid(NamedTuple):
-    """A box along the axes."""
+    """A box along the axes, or one that is turned about its middle."""
 
     name: str
     """Of a room its name, of a piece ``R3.bed``; with a number behind it where there are several."""
@@ -60,6 +61,8 @@ class Solid(NamedTuple):
     top: float
     colour: str
     """As in CSS, ``#rrggbb``."""
+    turn: float = 0.0
+    """Radians, counter-clockwise as seen from above."""
 
 
 def solids(house: House, thickness: float = 0.1) -> list[Solid]:
@@ -73,7 +76,8 @@ def solids(house: House, thickness: float = 0.1) -> list[Solid]:
         walls = _cells(house, thickness)
     else:
         walls = _thick_walls(house) if house.wall_thickness else _walls(house, thickness)
-    found = [each._replace(name=printable(each.name)) for each in (*_floors(house), *walls, *_pieces(house))]
+    found = [*_floors(house), *walls, *_free_walls(house, thickness), *_pieces(house)]
+    found = [each._replace(name=printable(each.name)) for each in found]
     several, numbers = Counter(each.name for each in found), Counter[str]()
     for index, each in enumerate(found):
         name = each.name
@@ -149,6 +153,14 @@ def _walls(house: House, thickness: float) -> Iterator[Solid]:
             by_x, by_y = (half, 0.0) if door.height else (0.0, half)
             box = west - by_x, north - by_y, east + by_x, south + by_y
             yield Solid("wall", "wall", box, DOOR_HEIGHT, WALL_HEIGHT, INKS.wall)
+
+
+def _free_walls(house: House, thickness: float) -> Iterator[Solid]:
+    for wall in house.free_walls:
+        x, y, east, south, half, thick = wall.oriented
+        thick = thick or thickness / 2
+        box = x - half, y - thick, x + half, y + thick
+        yield Solid("wall", "wall", box, 0.0, WALL_HEIGHT, INKS.wall, atan2(-south, east))
 
 
 def _on(line: Line, axis: int, segments: list[Box]) -> list[Interval]:

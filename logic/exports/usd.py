@@ -7,6 +7,7 @@ x east, y north; metres.
 
 import secrets
 from collections import Counter
+from math import degrees
 from pathlib import Path
 
 from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
@@ -33,6 +34,8 @@ def write(house: House, path: Path) -> None:
         cube.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])
         middle = (west + east) / 2, -(north + south) / 2, (solid.bottom + solid.top) / 2
         cube.AddTranslateOp().Set(Gf.Vec3d(*middle))
+        if solid.turn:
+            cube.AddRotateZOp().Set(degrees(solid.turn))
         cube.AddScaleOp().Set(Gf.Vec3f(east - west, south - north, solid.top - solid.bottom))
         red, green, blue = (int(solid.colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
         cube.CreateDisplayColorAttr([Gf.Vec3f(red, green, blue)])

@@ -20,7 +20,7 @@ from PIL import Image
 from pxr import Usd, UsdGeom
 
 from agent.banks import benchmark
-from logic import FreeWall, House, RequestError, Room, save
+from logic import FreeWall, House, Room, save
 from logic.exports import FORMATS, export
 from logic.exports.solids import HEAD, SILL, WALL_HEIGHT, solids
 from logic.request.given_plan import read_plan
@@ -271,10 +271,3 @@ def test_walls_at_an_angle_are_in_maps_of_ros_and_in_geojson(tmp_path: Path) -> 
     assert thick.exterior.is_ccw
     assert thin.length == pytest.approx(np.hypot(1, 0.3))
     assert len(read_plan(only(WITH_WALLS, tmp_path, "geojson")).rooms) == 1
-
-
-@pytest.mark.parametrize("format", ["gltf", "mjcf", "usd"])
-def test_formats_without_walls_at_an_angle_say_so_and_write_nothing(format: str, tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match=f"which {format} has not: geojson and ros have them"):
-        export([HOME, WITH_WALLS], tmp_path, format)
-    assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from agent.banks import benchmark
-from logic import House
+from logic import FreeWall, House, Room
 from logic.exports.mjcf import EYE, to_mjcf
 from logic.grammar import SHIPPED, shipped
 from logic.house.looks import folder_looks
@@ -46,6 +46,22 @@ def test_range_finders_see_what_the_simulators_rays_see() -> None:
             others = observation[index, :, 1] == 0
             ours = observation[index, :, 0] * DEFAULT.range
             np.testing.assert_allclose(seen[others], ours[others], atol=1e-4)
+
+
+def test_range_finders_see_walls_at_any_angle() -> None:
+    """As bodies do that drive, whose rays are the same."""
+    walls = FreeWall(0.7, 0.5, 2.6, 1.9, 0.12), FreeWall(0.5, 2.5, 1.5, 2.2, 0.0)
+    house = House((Room(0, 0, 4, 3, "R0", "hall"),), hub="R0", topology="own", free_walls=walls)
+    env = HouseVectorEnv([house], num_envs=16, backend="free", targets="all")
+    observation, info = env.reset(seed=0)
+    model, data = loaded(house)
+    start = model.body("robot").pos.copy()
+    for (x, y, heading), rays in zip(info["pose"], observation, strict=True):
+        data.qpos[:] = x - start[0], -y - start[1], heading
+        mujoco.mj_forward(model, data)
+        others = rays[:, 1] == 0
+        seen = np.minimum(data.sensordata, DEFAULT.range)
+        np.testing.assert_allclose(seen[others], rays[others, 0] * DEFAULT.range, atol=1e-4)
 
 
 @pytest.mark.parametrize("house", HOUSES, ids=["home", "home", "star", "original", "map"])
