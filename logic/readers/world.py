@@ -76,7 +76,7 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
     for number, feature in enumerate(features(record)):
         shape, properties = _shape(feature, f"features[{number}]")
         kind, dimensions = properties.get("kind"), shapely.get_dimensions(shape)
-        if kind == "window" or dimensions < 1:
+        if kind in ("window", "area") or dimensions < 1:
             continue
         if kind == "door":
             between = properties.get("between")

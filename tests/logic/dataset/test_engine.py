@@ -293,7 +293,8 @@ def test_a_cluster_here_listens_on_the_loopback_interface_alone() -> None:
             for descriptor in Path(f"/proc/{each}/fd").iterdir():
                 with contextlib.suppress(FileNotFoundError):
                     sockets.add(os.readlink(descriptor))
-        table = [line.split() for name in ("tcp", "tcp6") for line in Path("/proc/net", name).read_text().splitlines()]
+        tables = "".join(Path("/proc/net", name).read_text() for name in ("tcp", "tcp6"))
+        table = [line.split() for line in tables.splitlines()]
         listening = [line[1] for line in table if line[3] == "0A" and f"socket:[{line[9]}]" in sockets]
     assert listening
     assert all(address.partition(":")[0].endswith("0100007F") for address in listening), listening
