@@ -16,6 +16,7 @@ from agent.banks import bank_hash
 from agent.evaluation.drivers import NO_AGENTS
 from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from agent.evaluation.result import DEFINITIONS, Result
+from agent.evaluation.statistics import Estimate
 from logic import House
 from logic.errors import VitruviusError
 from logic.opener import content_of, from_json
@@ -105,8 +106,8 @@ def modes_of(results: Iterable[Result]) -> dict[str, ModeScores]:
             {
                 name: PolicyScores(
                     [_run(scores) for scores in runs],
-                    {key: each._asdict() for key, each in result.figures(name).items()},
-                    {rooms: each._asdict() for rooms, each in result.by_rooms(name).items()},
+                    {key: _figure(each) for key, each in result.figures(name).items()},
+                    {rooms: _figure(each) for rooms, each in result.by_rooms(name).items()},
                 )
                 for name, runs in result.policies.items()
             },
@@ -195,6 +196,10 @@ def _whole_scores(path: Path, name: str, run: RunScores, episodes: int) -> Episo
     if len(run.coverage) != len(COVERAGE_STEPS) or any(len(row) != episodes for row in rows):
         raise ScoreError(f"{path}: no scores: {name} has not one value for each of {episodes} episodes")
     return _scores(run)
+
+
+def _figure(estimate: Estimate) -> Figure:
+    return Figure(value=estimate.value, low=estimate.low, high=estimate.high)
 
 
 def _run(scores: EpisodeScores) -> RunScores:
