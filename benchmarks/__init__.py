@@ -9,6 +9,7 @@ STUDIES = {
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
     "fuzz": ("benchmarks.fuzz:Fuzz", "House files and grammars with random changes: a definite answer each."),
     "shards": ("benchmarks.generator.shards:Shards", "A set of houses under kills, beside one without."),
+    "kills": ("benchmarks.reliability.kills:Kills", "Commands under kills: each file is whole or absent."),
     "engine": ("benchmarks.generator.engine:Engine", "Shards by Ray, beside plain workers."),
     "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
     "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls or furniture are refuted falsely."),

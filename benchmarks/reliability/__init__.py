@@ -1,0 +1,1 @@
+"""Studies of how well tests, checks and proofs notice what is wrong."""
