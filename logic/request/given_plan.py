@@ -233,7 +233,9 @@ def _misplaced(plan: OwnPlan) -> Iterator[str]:
     joined: set[frozenset[str]] = set()
     for door in plan.doors:
         one, other = door.between
-        if plan.wall_of(door) is None:
+        if unknown := {one, other} - {OUTSIDE, *(room.name for room in plan.rooms)}:
+            yield f"a door is of {min(unknown)}, and there is no such room"
+        elif plan.wall_of(door) is None:
             yield f"the door between {one} and {other} is in no wall that they share"
         if frozenset(door.between) in joined:
             yield f"there are two doors between {one} and {other}: keep one of them"

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import msgspec
 
@@ -32,7 +33,7 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
     If there are doors between rooms, there will be no others; likewise an entrance, and windows.
     """
 
-    rooms: tuple[Room, ...]
+    rooms: Annotated[tuple[Room, ...], msgspec.Meta(min_length=1)]
     doors: tuple[Door, ...] = ()
     windows: tuple[Window, ...] = ()
     kept: tuple[str, ...] = ()

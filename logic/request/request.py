@@ -3,11 +3,12 @@
 import operator
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Any
 
 import msgspec
 
 from logic.errors import RequestError
+from logic.house.parts import BODY
 from logic.plain import plain
 from logic.request.brief import Brief, read_brief
 from logic.request.fixed_rooms import FixedRoom, from_records
@@ -19,6 +20,8 @@ Range = tuple[int, int | None]
 
 Count = int | tuple[int, int | None]
 """An exact number, or a range."""
+
+MAX_CELL_M = 2
 
 MOST_ROOMS = 128
 MOST = 2**31 - 1
@@ -47,7 +50,7 @@ class Stated(msgspec.Struct, forbid_unknown_fields=True):
     rooms: Any
     types: dict[str, Any] = {}
     furniture: dict[str, Any] = {}
-    cell: Annotated[float, msgspec.Meta(ge=0, le=2)] = 0.0
+    cell: float = 0.0
     keep: list[Any] = []
     plan: OwnPlan | None = None
     brief: dict[str, Any] | None = None
@@ -85,6 +88,10 @@ class Request:
         """
         try:
             found = msgspec.convert(record, Stated)
+            if found.cell and not BODY <= found.cell <= MAX_CELL_M:
+                raise RequestError(
+                    f"cell must be {BODY} m (the body's width) to {MAX_CELL_M} m, not {found.cell!r}"
+                )
             return cls(
                 whole("rooms", found.rooms, 1, MOST_ROOMS),
                 {name: as_range(f"type {name}", count) for name, count in found.types.items()},

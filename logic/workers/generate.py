@@ -9,7 +9,6 @@ from typing import Any
 from logic.errors import Finding, GrammarError, RequestError
 from logic.grammar import find
 from logic.house.house import House
-from logic.house.parts import BODY
 from logic.plain import plain
 from logic.request.brief import Brief, alone, read_brief
 from logic.request.fixed_rooms import fixed_rooms
@@ -124,8 +123,6 @@ def series_of(
     if not 0 < seconds < 1e6:
         raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
     seconds, cell = float(seconds), float(cell)
-    if cell and not BODY <= cell <= 2:
-        raise RequestError(f"cell must be {BODY} m (the body's width) to 2 m, not {cell!r}")
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}, "cell": cell})
     if keep is not None:
         if cell:

@@ -6,6 +6,7 @@ import shutil
 import sys
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import pytest
 from msgspec import structs
@@ -148,7 +149,6 @@ def test_a_row_that_is_another_house_is_named(tmp_path: Path, of_format: Path, c
     for wrong, words in (
         ({"grammar_hash": "0"}, "these are not the rules that made"),
         ({"grammar": "nobodys"}, "say by --grammar where its rules are"),
-        ({"index": None}, "row 0: is no row of a set"),
     ):
         other.write_text(json.dumps(row | wrong) + "\n")
         assert command("regenerate", other) == 5
@@ -156,6 +156,46 @@ def test_a_row_that_is_another_house_is_named(tmp_path: Path, of_format: Path, c
         assert words in line
     assert command("regenerate", of_format, "--row", 17) == 5
     assert "has rows 0 to 16, not 17" in capsys.readouterr().err
+
+
+ODD_ROWS: dict[str, dict[str, Any]] = {
+    "no index": {"index": None},
+    "an index below zero": {"index": -1},
+    "an index of 400 digits": {"index": 10**400},
+    "a seed beyond all": {"seed": 2**31},
+    "a verdict of another row": {"verdict": "limit"},
+    "a house that is a number": {"house": 7},
+    "a request that is no JSON": {"request": "rooms"},
+    "a request that is a list": {"request": "[1]"},
+    "a deep request": {"request": "[" * 10_000},
+    "very many rooms": {"request": '{"rooms": 1000000000}'},
+    "a task": {"request": '{"rooms": 1, "task": "os:system"}'},
+    "a brief in a file": {"request": '{"rooms": 1, "brief": "/etc/passwd"}'},
+    "a tiny cell": {"request": '{"rooms": 1, "cell": 1e-9}'},
+    "counts that are a list": {"request": '{"rooms": 1, "types": [1]}'},
+    "a room to keep that is none": {"request": '{"rooms": 1, "keep": [7]}'},
+    "a plan without rooms": {"request": '{"rooms": 1, "plan": {"rooms": []}}'},
+    "a plan with a door of no room": {
+        "request": '{"rooms": 1, "plan": {"rooms": [{"name": "a", "type": "", "x": 0, "y": 0, "width": 3, '
+        '"height": 3}], "doors": [{"between": ["a", "b"], "x": 3, "y": 1, "width": 0, "height": 1}]}}'
+    },
+    "a plan of a size below zero": {
+        "request": '{"rooms": 1, "plan": {"rooms": [{"name": "a", "type": "", "x": 0, "y": 0, "width": -3, '
+        '"height": 3}]}}'
+    },
+    "a grammar that is a path": {"grammar": "../mine"},
+}
+
+
+@pytest.mark.parametrize("what", ODD_ROWS)
+def test_a_row_that_no_set_has_is_refused_in_a_line(
+    what: str, of_format: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = tmp_path / "rows.jsonl"
+    rows.write_text(json.dumps(next(HouseSet(of_format).rows()) | ODD_ROWS[what]) + "\n")
+    assert command("regenerate", rows) == 5
+    [line] = capsys.readouterr().err.splitlines()
+    assert "is no row of a set: " in line or "say by --grammar where its rules are" in line
 
 
 def test_houses_of_a_set_are_read_one_group_at_a_time(of_format: Path) -> None:
