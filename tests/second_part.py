@@ -13,6 +13,7 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "logic/browser": "pages are driven in a browser, and its solvers are compared with Python's",
     "vitruvius/test_demo.py": "the demo is run whole",
     "vitruvius/test_stopping.py": "commands are stopped at many times",
+    "vitruvius/test_kills.py": {"test_no_kill_tears_a_file": "commands are killed at many times"},
     "logic/dataset/test_kills.py": "sets are made under kills",
     "logic/dataset/test_engine.py": {
         "test_a_node_that_is_killed_is_made_up_for_by_the_others": "Ray is started, on two nodes",

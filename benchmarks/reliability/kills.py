@@ -29,13 +29,16 @@ COMMANDS = {
     "convert to GeoJSON": "convert houses.jsonl --out OUT/plans --to geojson",
     "draw": "draw houses.jsonl --out OUT/plans --format png",
     "report": "report run --out OUT/report.html",
-    "evaluate": "evaluate run/agent.safetensors --houses houses.jsonl --targets main --out OUT/scores",
+    "evaluate": "evaluate run/agent.safetensors --houses house.jsonl --targets main --out OUT/scores",
     "train": "train houses.jsonl --steps 4000 --num-envs 4 --out OUT/run",
 }
 """By name: the words of a command."""
 
 NEAR_SECONDS = 0.02
 """Longest time from a new file to every second kill."""
+
+POLL_SECONDS = 0.001
+"""Time between two looks at a command."""
 
 STREAMS = re.compile(r"metrics\.jsonl|events\.out\.tfevents\..*")
 """Files to which lines are added: a kill may tear the last one, and readers pass over it."""
@@ -103,6 +106,8 @@ def _prepare() -> None:
     """Make the houses, and a run to report and to measure."""
     if not Path("houses.jsonl").exists():
         _end(_started("generate --rooms 3 --count 6 --out houses.jsonl"))
+    if not Path("house.jsonl").exists():
+        write_whole("house.jsonl", Path("houses.jsonl").read_bytes().splitlines(keepends=True)[0])
     if not Path("run/agent.safetensors").exists():
         shutil.rmtree("run", ignore_errors=True)
         _end(_started("train houses.jsonl --steps 1000 --num-envs 4 --out run"))
@@ -172,17 +177,17 @@ def _killed(words: str, takes: float, number: int, seed: str) -> Kill:
 
     if words.startswith("train"):
         while lives() and not (out / "run" / "agent.safetensors").exists():
-            time.sleep(0.002)
+            time.sleep(POLL_SECONDS)
         until = time.monotonic() + chance.uniform(0, 0.5 * takes)
     else:
         until = began + chance.uniform(0, takes)
     if number % 2:
         files = _files(out)
         while lives() and _files(out) == files:
-            pass
+            time.sleep(POLL_SECONDS)
         until = time.monotonic() + chance.uniform(0, NEAR_SECONDS)
     while lives() and time.monotonic() < until:
-        time.sleep(0.001)
+        time.sleep(POLL_SECONDS)
     if lives():
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process, signal.SIGKILL)

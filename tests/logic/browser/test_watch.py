@@ -1,7 +1,6 @@
 """The page of ``vitruvius watch``, in a browser and by requests alone: rule files are saved, houses too."""
 
 import asyncio
-import asyncio
 import http.client
 import json
 import os
@@ -598,7 +597,7 @@ def test_a_request_without_a_path_is_refused() -> None:
     """As ``OPTIONS *`` is, of RFC 9110."""
     answers = list[Any]()
 
-    async def nothing(*_: Any) -> None:
+    async def nothing(*_: Any) -> Any:
         raise AssertionError("the guard lets it through")
 
     async def send(message: Any) -> None:

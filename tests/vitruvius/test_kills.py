@@ -1,0 +1,32 @@
+"""A command that is killed leaves whole files or none; what reads them back notices torn ones."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from benchmarks.reliability import kills
+from logic import save
+from tests.logic.workers import in_process
+
+
+def test_no_kill_tears_a_file(tmp_path: Path) -> None:
+    """Of each command two, at a random moment and as its first new file appears."""
+    assert kills.Kills(kills=2, out=tmp_path).run() == 0
+    done = msgspec.json.decode((tmp_path / "kills.json").read_bytes(), type=dict[str, list[kills.Kill]])
+    assert set(done) == set(kills.COMMANDS)
+    assert not all(each.ended for found in done.values() for each in found)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.99])
+def test_a_file_that_is_cut_short_is_noticed(part: float, tmp_path: Path) -> None:
+    for name in ("houses.jsonl", "houses.jsonl.gz"):
+        save(in_process.generate(2, count=2), tmp_path / name)
+    (tmp_path / "report.html").write_text("<html></html>")
+    (tmp_path / ".report.html.0123abcd").write_text("<html>")
+    found = dict(kills.read_back(tmp_path))
+    assert set(found.values()) == {""}
+    for path in found:
+        content = path.read_bytes()
+        path.write_bytes(content[: int(part * len(content))])
+    assert all(why for _, why in kills.read_back(tmp_path))
