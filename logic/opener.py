@@ -16,7 +16,7 @@ import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO, NoReturn
+from typing import Any, BinaryIO, NoReturn, cast
 
 import msgspec
 
@@ -44,7 +44,7 @@ _PLAIN_MEMBERS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """How members may be packed: other ways take as much memory as an archive asks."""
 
 
-def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO | gzip.GzipFile:
+def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO:
     """Open a regular file of at most so many bytes, or the standard input, which may be a pipe; unpack it if
     it is packed, whatever its name. ``most`` does not bound what the caller then unpacks: see ``content_of``.
 
@@ -66,7 +66,7 @@ def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO | gz
         return file
     unpacked = gzip.GzipFile(fileobj=file)
     unpacked.myfileobj = file  # pyright: ignore[reportAttributeAccessIssue] - closed with it
-    return unpacked
+    return cast(BinaryIO, unpacked)
 
 
 def content_of(path: str | Path, most: int, *, unpack: bool = True) -> bytes:

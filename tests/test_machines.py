@@ -74,18 +74,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 CLOSED = {
-    "generate --rooms 1 --out new.jsonl": ">&-",
-    "generate --rooms 1 --json": ">&- <&-",
-    "check houses.jsonl": "<&- 2>&-",
-    "check houses.jsonl --json": ">&-",
-    "--help": ">&-",
-    "help check": ">&- 2>&-",
+    "generate --rooms 1 --out new.jsonl": (">&-", 0),
+    "generate --rooms 1": (">&-", 5),
+    "check houses.jsonl": ("<&- 2>&-", 0),
+    "check houses.jsonl --json": (">&- <&-", 5),
+    "help check": (">&- 2>&-", 5),
 }
 
 
 @pytest.mark.parametrize("words", CLOSED)
-def test_closed_streams_take_nothing_and_change_nothing(words: str, folder: Path) -> None:
-    assert command(words, CLOSED[words], folder)[0] == 0
+def test_a_closed_stream_is_an_error_where_an_answer_is_lost(words: str, folder: Path) -> None:
+    streams, expected = CLOSED[words]
+    code, said = command(words, streams, folder)
+    assert code == expected
+    if code and "2>" not in streams:
+        assert said == "error: the standard output: it is closed\n"
     if "new.jsonl" in words:
         assert load(folder / "new.jsonl") == load(folder / "houses.jsonl")
 

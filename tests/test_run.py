@@ -160,6 +160,16 @@ def test_an_old_prolog_is_not_taken_for_a_good_one(machine: Machine) -> None:
     assert machine.run("demo")[0] == 69
 
 
+def test_a_prolog_that_cannot_run_is_named_and_nothing_is_installed(tmp_path: Path) -> None:
+    """As under a tiny stack (``ulimit -s``), where it ends by a signal."""
+    install = {"apt-get": 'echo >"$STUBS/installed"'}
+    machine = Machine(tmp_path, swipl="kill -SEGV $$", **install)
+    code, _, err = machine.run("demo")
+    assert code == 69
+    assert "was ended by a signal as it started: look at the limits" in err.splitlines()[-1]
+    assert not (machine.stubs / "installed").exists()
+
+
 def test_without_uv_and_python_the_message_says_what_to_install(tmp_path: Path) -> None:
     code, _, err = Machine(tmp_path, swipl=SWIPL, **{"apt-get": APT}).run("test")
     assert code == 69

@@ -13,6 +13,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Collection, Sequence
+from errno import EBADF
 from typing import Any
 
 from benchmarks import STUDIES
@@ -203,7 +204,7 @@ def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
 
 
 def _print_and_end(text: str) -> None:
-    print(text)
+    print(text, flush=True)
     sys.exit()
 
 
@@ -315,7 +316,7 @@ def _unwritten(error: OSError) -> int:
         return 0
     from logic.terminal import say
 
-    say(f"error: the standard output: {error.strerror}")
+    say(f"error: the standard output: {'it is closed' if error.errno == EBADF else error.strerror}")
     return 5
 
 

@@ -1,4 +1,4 @@
-"""The standard streams of a command: one that is closed, full or of another encoding changes no answer."""
+"""The standard streams of a command: what is closed or full is an error where an answer would be lost."""
 
 import codecs
 import contextlib
@@ -48,12 +48,16 @@ class _Unheard(io.TextIOWrapper):
 
 
 def prepare() -> None:
-    """Let nothing be read or written where a stream was closed, as by services: else the next file that is
-    opened takes its place. What a terminal's encoding lacks is written as Python escapes it.
+    """Keep the place of a stream that was closed, as by services: else the next file that is opened takes it.
+
+    There is nothing to read, and errors are not said; to write an answer fails, as nobody would read it. What
+    a terminal's encoding lacks is written as Python escapes it.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as we run
+            number = os.open(os.devnull, os.O_RDONLY if name == "stdout" else os.O_RDWR)
+            setattr(sys, name, os.fdopen(number, mode, encoding="utf-8", closefd=False))
+            setattr(sys, f"__{name}__", getattr(sys, name))
     for name, kind in (("stdout", _Output), ("stderr", _Unheard)):
         stream = getattr(sys, name)
         if stream is getattr(sys, f"__{name}__"):  # not one that a caller of ours has put there

@@ -68,9 +68,10 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
         raise ValueError("numbers are too large")
     if len(corners) > MAX_CORNERS:
         raise ValueError(f"it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
-    sides = shapely.linestrings(np.stack([corners[:-1], corners[1:]], 1)[shape[:-1] == shape[1:]])
+    sides: Any = shapely.linestrings(np.stack([corners[:-1], corners[1:]], 1)[shape[:-1] == shape[1:]])
     tree = shapely.STRtree(sides)
-    for predicate, most in (("intersects", MAX_MEETINGS * (len(sides) + SIDES)), ("crosses", MAX_CROSSINGS)):
+    bounds: Any = {"intersects": MAX_MEETINGS * (len(sides) + SIDES), "crosses": MAX_CROSSINGS}
+    for predicate, most in bounds.items():
         found = 0
         for first in range(0, len(sides), SIDES):
             found += tree.query(sides[first : first + SIDES], predicate).shape[1]
