@@ -124,22 +124,22 @@ def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any
         raise ValueError(f"nested more than {MAX_DEPTH} deep") from None
 
 
-def archive_of(content: bytes, most: int) -> zipfile.ZipFile:
+def archive_of(content: bytes, most: int, members: int = MAX_MEMBERS) -> zipfile.ZipFile:
     """Return a zip archive whose files together hold at most so many bytes, unpacked.
 
     Raises ``ValueError`` for another archive. ``zipfile`` reads no more of a file than the archive states.
     """
     # Before its list is read, which takes more memory than the archive.
-    if content.count(b"PK\x01\x02") > MAX_MEMBERS:
-        raise ValueError(f"an archive of more than {MAX_MEMBERS:,} files")
+    if content.count(b"PK\x01\x02") > members:
+        raise ValueError(f"an archive of more than {members:,} files")
     try:
         archive = zipfile.ZipFile(io.BytesIO(content))
     except (zipfile.BadZipFile, NotImplementedError, OSError) as error:
         raise ValueError(f"a damaged archive: {reason(error)}") from None
-    members = archive.infolist()
-    if sum(each.file_size for each in members) > most:
+    files = archive.infolist()
+    if sum(each.file_size for each in files) > most:
         raise ValueError(f"an archive whose files hold more than {_size(most)} together")
-    if any(each.flag_bits & 1 or each.compress_type not in _PLAIN_MEMBERS for each in members):
+    if any(each.flag_bits & 1 or each.compress_type not in _PLAIN_MEMBERS for each in files):
         raise ValueError("an archive that is encrypted or packed in an unusual way")
     return archive
 

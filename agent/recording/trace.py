@@ -30,7 +30,7 @@ ENDING = ".trace.json"
 AROUND = 0.5
 """Metres around the house that pictures of a map show: planners take some of it for floor."""
 
-MOST_BYTES, MOST_NUMBERS = 1 << 26, 1 << 28
+MOST_BYTES, MOST_NUMBERS = 1 << 26, 1 << 26
 """What is read of a file, and of one of its arrays when it is unpacked."""
 
 Count = Annotated[int, Meta(ge=0)]

@@ -11,7 +11,7 @@ from agent.learning.learner import Progress
 from agent.report.page import Cell, ReportError, Section, details, inline, table
 from agent.report.plots import Axis, DataSeries, line_plot, slots, some
 from agent.runs.runs import MOST_METRICS, Folder
-from logic.opener import content_of, from_json
+from logic.opener import content_of, from_json, opened
 
 MAX_CONFIG_BYTES = 1 << 20
 """Of ``config.json``."""
@@ -69,7 +69,7 @@ class TrainingRun:
             raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
         history = []
         if here.metrics.exists():
-            with here.metrics.open("rb") as file:
+            with opened(here.metrics, MOST_METRICS, unpack=False) as file:
                 for line in file.read(MOST_METRICS).splitlines():
                     try:
                         history.append(msgspec.json.decode(line, type=Progress))

@@ -16,6 +16,7 @@ from agent.algorithms.paper.learner import PaperNetwork
 from agent.algorithms.table import PRESETS
 from agent.banks import bank_hash, house_key
 from agent.runs.checkpoint import Checkpoint
+from agent.runs.hdf5 import at
 from agent.runs.released import CheckpointError
 from logic.opener import reason, require_file
 from sim.environment.arguments import PAPER_HOUSE, house_list
@@ -63,25 +64,16 @@ def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
 
 def _arrays(file: Any) -> Iterator[tuple[str, np.ndarray]]:
     """Each layer's kernel (inputs, outputs) and bias, with its name, in the model's order."""
-    layers = _at(file, "model_weights") if "model_weights" in file else file
+    layers = at(file, "model_weights") if "model_weights" in file else file
     for layer in layers.attrs["layer_names"]:
-        group = _at(layers, _text(layer))
+        group = at(layers, _text(layer))
         for weight in group.attrs["weight_names"]:
-            data = _at(group, _text(weight))
+            data = at(group, _text(weight))
             if data.external:
                 raise ValueError(f"{_text(weight)} lies in another file")
             if data.size > 1_000_000:
                 raise ValueError(f"{_text(weight)} has {data.size:,} numbers")
             yield _text(weight), np.asarray(data, np.float32)
-
-
-def _at(group: Any, name: str) -> Any:
-    """Return what a path names in a group. Raises ``ValueError`` for links, which may lead to other files."""
-    for part in filter(None, name.split("/")):
-        if not isinstance(group.get(part, getlink=True), h5py.HardLink):
-            raise ValueError(f"{name} is not there, or a link")
-        group = group[part]
-    return group
 
 
 def _text(value: Any) -> str:

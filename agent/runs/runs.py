@@ -41,6 +41,7 @@ from agent.runs.released import CheckpointError
 from logic import House, HouseSet, HouseStream
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
+from logic.opener import archive_of, content_of, opened, reason
 from logic.spelling import keywords
 from logic.stopping import Terminated, at_signals
 from sim import HouseRotation
@@ -48,8 +49,8 @@ from sim import HouseRotation
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
 
-MORE_STATE, MOST_METRICS = 1 << 24, 1 << 28
-"""What is read of a run's state, unpacked, besides twice that of a new run; of its reports."""
+MORE_STATE, MOST_METRICS, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
+"""Bytes of a run's state, unpacked, besides twice those of a new run; bytes of its reports; tensors."""
 
 
 @dataclass(frozen=True)
@@ -236,10 +237,8 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     """Restore the state that was saved last; the reports up to there."""
     try:
         most = ranks.size() * 2 * len(_saved(learner.state())) + MORE_STATE
-        with gzip.open(folder.state) as file:
-            content = file.read(most + 1)
-        if len(content) > most:
-            raise ValueError(f"it holds more than {most >> 20} MiB, which no state of such a run does")
+        content = content_of(folder.state, most)
+        archive_of(content, most, MAX_TENSORS)  # torch unpacks what is deflated, however much it is
         states = torch.load(io.BytesIO(content), weights_only=True)
         if len(states) != ranks.size():
             raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
@@ -247,10 +246,9 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     except VitruviusError:
         raise
     except Exception as error:  # what is damaged raises many kinds
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise CheckpointError(f"{folder.state}: cannot be read: {reason}") from None
+        raise CheckpointError(f"{folder.state}: cannot be read: {reason(error)}") from None
     history = []
-    with folder.metrics.open("rb") as file:
+    with opened(folder.metrics, MOST_METRICS, unpack=False) as file:
         for line in io.BytesIO(file.read(MOST_METRICS)):
             try:
                 now = msgspec.json.decode(line, type=Progress)

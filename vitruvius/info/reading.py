@@ -1,7 +1,7 @@
 """What is in a file that ``recognise`` knows, as one of ``kinds``. Nothing of it runs."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from math import prod
 from os import SEEK_END
@@ -19,7 +19,7 @@ from logic import House, HouseSet, RequestError
 from logic.dataset.sets import files_of_shards, read_manifest, read_set
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
-from logic.opener import content_of, from_json, opened, reason
+from logic.opener import content_of, from_json, opened, reason, require_file
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
@@ -257,9 +257,12 @@ def read_keras(name: str, path: Path) -> Keras:
     """Weights in HDF5. Raises ``UnknownFileError`` for other HDF5."""
     import h5py
 
+    from agent.runs.hdf5 import at
+
     try:
+        require_file(path, MOST_BYTES)
         with h5py.File(path) as file:
-            shapes, versions = _weights(file)
+            shapes, versions = _weights(at(file, "model_weights") if "model_weights" in file else file, at)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {reason(error)}") from None
     layers = {
@@ -269,11 +272,16 @@ def read_keras(name: str, path: Path) -> Keras:
     return Keras(name=name, layers=layers, parameters=parameters, versions=versions)
 
 
-def _weights(file: Any) -> tuple[dict[str, list[tuple[int, ...]]], dict[str, str]]:
+Shapes = dict[str, list[tuple[int, ...]]]
+"""Of the arrays of each layer."""
+
+
+def _weights(group: Any, at: Callable[[Any, str], Any]) -> tuple[Shapes, dict[str, str]]:
     """The shapes of each layer's arrays, of those that have any, and the versions that wrote them."""
-    group = file.get("model_weights", file)
     layers = {
-        layer: [tuple(group[layer][_text(key)].shape) for key in group[layer].attrs["weight_names"]]
+        layer: [
+            tuple(at(group, f"{layer}/{_text(key)}").shape) for key in at(group, layer).attrs["weight_names"]
+        ]
         for layer in map(_text, group.attrs["layer_names"])
     }
     kept = {"keras_version": "keras", "backend": "backend"}

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from agent.algorithms.table import PRESETS
 from logic.errors import VitruviusError
+from logic.opener import opened
 from logic.spelling import unknown
 
 FORMAT = "vitruvius-agent-3"
@@ -50,12 +51,8 @@ def located(path: str | Path) -> Path:
 
 def require_sizes(path: Path) -> None:
     """Raise ``CheckpointError`` for more than is read, ``OSError`` that says more than safetensors's."""
-    if not path.is_file():
-        raise CheckpointError(f"{path}: is no regular file")
-    with path.open("rb") as file:
+    with opened(path, MOST_BYTES, unpack=False) as file:
         header = int.from_bytes(file.read(8), "little")
-    if path.stat().st_size > MOST_BYTES:
-        raise CheckpointError(f"{path}: has more than {MOST_BYTES >> 20} MiB: no checkpoint has")
     if MOST_HEADER < header < path.stat().st_size:
         raise CheckpointError(
             f"{path}: its header has more than {MOST_HEADER >> 20} MiB: no checkpoint's has"

@@ -138,9 +138,9 @@ def test_control_characters_of_a_name_are_escaped(tmp_path):
 def test_what_is_too_large_or_no_file_is_refused_unread(tmp_path):
     path = made(tmp_path / "agent.safetensors")
     os.truncate(path, 5 << 30)  # of zeros, which take no disk
-    assert "has more than 256 MiB" in refusal(path)
+    assert "holds more than 256 MiB" in refusal(path)
     os.mkfifo(tmp_path / "pipe.safetensors")
-    assert "is no regular file" in refusal(tmp_path / "pipe.safetensors")
+    assert "is a device or a pipe, and no file" in refusal(tmp_path / "pipe.safetensors")
 
 
 def test_a_config_of_another_version_or_algorithm_is_refused(tmp_path):
