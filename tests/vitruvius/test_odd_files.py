@@ -1,4 +1,4 @@
-"""Every command that takes a file answers every odd file at once: by an error of one line, or by taking it."""
+"""Every command that takes a file answers odd files at once: by an error of one line, or by taking them."""
 
 import contextlib
 import gzip
@@ -115,7 +115,12 @@ def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("words", "name", "is_in_folder"), CASES, ids=[f"{words}-{name}" for words, name, _ in CASES]
 )
 def test_an_odd_file_is_refused_in_a_line_or_taken(
-    words: str, name: str, is_in_folder: bool, houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: str,
+    name: str,
+    is_in_folder: bool,
+    houses: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     wrong = list[str]()
     for what in (*CONTENTS, *PLACES):
