@@ -29,6 +29,9 @@ WALL = 0.1
 ROUNDED = 1e-3
 """Metres, and as a share of an area: how much an answer may be off."""
 
+READ = 1e-4
+"""Square metres: areas are read to a square centimetre."""
+
 
 class JudgedLine(NamedTuple):
     """A line of a brief, and whether a house keeps it."""
@@ -207,7 +210,7 @@ def _is_length(length: float, span: Span, tolerance: float) -> bool:
 
 def _is_area(found: float, span: Span, tolerance: float) -> bool:
     least, most = span if isinstance(span, tuple) else (span * (1 - tolerance), span * (1 + tolerance))
-    return least * (1 - ROUNDED) <= found <= most * (1 + ROUNDED)
+    return least * (1 - ROUNDED) - READ <= found <= most * (1 + ROUNDED) + READ
 
 
 def plan_of(house: House) -> frozenset[tuple[str, str, str]]:

@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.briefs.boxes import Box, around, contact, outer_parts, shared
 from logic import generate
 from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Room
+from logic.house.parts import OUTSIDE, Door, Room, Window
 
 DOORWAY = 0.92
 """Metres of wall that a door of a plan has: more than the 0.9 m that ours take, with their margins."""
@@ -32,6 +32,8 @@ class KnownPlan:
     doors: tuple[tuple[int, int], ...]
     entrance: int
     voids: tuple[Box, ...] = ()
+    windows: tuple[tuple[int, str], ...] = ()
+    """Boxes with the sides in which they have one."""
 
     @property
     def outline(self) -> Box:
@@ -47,9 +49,9 @@ class KnownPlan:
             if least <= contact(self.boxes[one], self.boxes[other]) <= most
         ]
 
-    def outer(self, room: int) -> list[str]:
-        """The sides of a room with an outer wall that a door fits in, the longest wall's first."""
-        walls = [side for side, low, high in self._outer_walls(room) if high - low >= DOORWAY]
+    def outer(self, room: int, least: float = DOORWAY) -> list[str]:
+        """The sides of a room with so long an outer wall, the longest wall's first."""
+        walls = [side for side, low, high in self._outer_walls(room) if high - low >= least]
         return list(dict.fromkeys(walls))
 
     def _outer_walls(self, room: int) -> list[tuple[str, float, float]]:
@@ -72,7 +74,14 @@ class KnownPlan:
         ]
         side, low, high = self._outer_walls(self.entrance)[0]
         doors.append(_segment(self.boxes[self.entrance], side, low, high, (names[self.entrance], OUTSIDE)))
-        return House(tuple(rooms), tuple(doors), topology="dissection")
+        windows = [self._window(room, side, names[room]) for room, side in self.windows]
+        return House(tuple(rooms), tuple(doors), tuple(windows), topology="dissection")
+
+    def _window(self, room: int, side: str, name: str) -> Window:
+        """One as wide as a door, in the longest part of an outer wall."""
+        low, high = next((low, high) for at, low, high in self._outer_walls(room) if at == side)
+        door = _segment(self.boxes[room], side, low, high, (name, OUTSIDE))
+        return Window(door.x, door.y, door.width, door.height, name)
 
 
 def _door(one: Box, other: Box, between: tuple[str, str]) -> Door:
@@ -166,20 +175,24 @@ def of_dissection(rooms: int, rng: np.random.Generator) -> KnownPlan:
         boxes = [boxes[place] for place in rng.permutation(rooms)]
         plain = KnownPlan(tuple(boxes), ("room",) * rooms, (), 0)
         outer = [room for room in range(rooms) if plain.outer(room)]
-        doors = _tree(plain, rng)
+        doors = door_tree(plain, rng)
         if doors and outer:
             return KnownPlan(plain.boxes, plain.types, doors, int(rng.choice(outer)))
 
 
-def dissected(box: Box, rooms: int, rng: np.random.Generator) -> list[Box] | None:
-    """A box cut into so many, at lines and as pinwheels of five; None where one is too small."""
+def dissected(
+    box: Box, rooms: int, rng: np.random.Generator, least: float = LEAST_ROOM, digits: int = 2
+) -> list[Box] | None:
+    """A box cut into so many, at lines and as pinwheels of five, at rounded places; None where one is too
+    small.
+    """
     west, north, east, south = box
-    if min(east - west, south - north) < LEAST_ROOM:
+    if min(east - west, south - north) < least:
         return None
     if rooms == 1:
         return [box]
-    x1, x2 = np.round(west + (east - west) * np.sort(rng.uniform(0.25, 0.75, 2)), 2).tolist()
-    y1, y2 = np.round(north + (south - north) * np.sort(rng.uniform(0.25, 0.75, 2)), 2).tolist()
+    x1, x2 = np.round(west + (east - west) * np.sort(rng.uniform(0.25, 0.75, 2)), digits).tolist()
+    y1, y2 = np.round(north + (south - north) * np.sort(rng.uniform(0.25, 0.75, 2)), digits).tolist()
     if rooms >= 5 and rng.random() < PINWHEEL:
         arms = [(west, north, x2, y1), (x2, north, east, y2), (x1, y2, east, south), (west, y1, x1, south)]
         if rng.random() < 0.5:
@@ -196,7 +209,7 @@ def dissected(box: Box, rooms: int, rng: np.random.Generator) -> list[Box] | Non
         parts = [(west, north, east, y1), (west, y1, east, south)]
     found: list[Box] = []
     for part, some in zip(parts, _shared_out(parts, rooms, rng), strict=True):
-        inside = dissected(part, some, rng)
+        inside = dissected(part, some, rng, least, digits)
         if inside is None:
             return None
         found += inside
@@ -209,9 +222,11 @@ def _shared_out(parts: list[Box], rooms: int, rng: np.random.Generator) -> list[
     return (1 + rng.multinomial(rooms - len(parts), areas / areas.sum())).tolist()
 
 
-def _tree(plan: KnownPlan, rng: np.random.Generator) -> tuple[tuple[int, int], ...]:
+def door_tree(
+    plan: KnownPlan, rng: np.random.Generator, least: float = DOORWAY
+) -> tuple[tuple[int, int], ...]:
     """Random doors by which all rooms are reached, and a few more; none where walls are too short for it."""
-    pairs = plan.pairs(DOORWAY, np.inf)
+    pairs = plan.pairs(least, np.inf)
     joined, doors, more = [{room} for room in range(len(plan.boxes))], [], []
     for place in rng.permutation(len(pairs)):
         one, other = pairs[place]

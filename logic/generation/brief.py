@@ -7,6 +7,7 @@ sizes given, a layout is hard to find by picks that are sampled one after the ot
 from collections.abc import Collection
 
 import numpy as np
+from clingo import Symbol
 from msgspec import structs
 
 from logic.errors import LimitReached, RequestError
@@ -15,7 +16,7 @@ from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import Grammar
 from logic.house.house import House
 from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
-from logic.layout.program import Program
+from logic.layout.program import Nogood, Program
 from logic.layout.programs import Programs
 from logic.layout.terms import brief_facts, wall_facts
 from logic.placement.lengths import brief_lengths, metres
@@ -63,18 +64,39 @@ class BriefMaker(SharedWallsMaker):
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house; see ``Maker.made``."""
-        self._undecided = 0
+        self._undecided, self._thorough = (), False
         return super().made(request, rng, inferences)
 
     def stated(self, request: Request) -> Program:
         """That of the last house, where there is one: no other is ground for its facts."""
         return self._one_house or super().stated(request)
 
+    def _layout(
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        nogoods: list[Nogood],
+        unfurnishable: Collection[str],
+    ) -> list[Symbol]:
+        """As of any plan; once there are no others, those that are undecided come again."""
+        try:
+            return super()._layout(request, rng, nogoods, unfurnishable)
+        except LimitReached:
+            if self._thorough:
+                raise
+        nogoods[:] = [each for each in nogoods if each not in self._undecided]
+        self._undecided, self._thorough = (), True
+        return super()._layout(request, rng, nogoods, unfurnishable)
+
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+        """As of any plan; see ``_layout``."""
+        return self._placer.walls(layout, seed, inferences, thorough=self._thorough)
+
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         if self._undecided:
             return LimitReached(
-                f"{numbered(self._undecided, 'arrangement')} of the brief's rooms could not be decided, and "
-                "all others are impossible: give its areas a wider range (tolerance)"
+                f"{numbered(len(self._undecided), 'arrangement')} of the brief's rooms could not be decided, "
+                "and all others are impossible: give its areas a wider range (tolerance)"
             )
         return super()._no_layout(request, unfurnishable)
 

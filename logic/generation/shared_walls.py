@@ -57,8 +57,8 @@ class SharedWallsMaker(Maker):
     making: Making | None = None
     _one_house: Program | None = None
     """That of the house that is made, where it has one of its own."""
-    _undecided = 0
-    """Layouts of which it is not known whether their areas can be had."""
+    _undecided: Sequence[Nogood] = ()
+    """Of layouts of which it is not known whether their areas can be had."""
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
@@ -133,7 +133,8 @@ class SharedWallsMaker(Maker):
             except Infeasible as proof:
                 inferences -= proof.inferences
                 nogoods.append(proof.conflicts[0].atoms)
-                self._undecided += proof.undecided
+                if proof.undecided:
+                    self._undecided = [*self._undecided, nogoods[-1]]
                 self._placer.account.refuted(proof.conflicts[0].clauses)
             else:
                 return solved, layout, inferences - solved.inferences
@@ -164,7 +165,7 @@ class SharedWallsMaker(Maker):
         self,
         request: Request,
         rng: np.random.Generator,
-        nogoods: Sequence[Nogood],
+        nogoods: list[Nogood],
         unfurnishable: Collection[str],
     ) -> list[Symbol]:
         """A layout outside the nogoods, without rooms of some types."""

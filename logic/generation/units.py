@@ -119,7 +119,7 @@ class UnitMaker(SharedWallsMaker):
         self,
         request: Request,
         rng: np.random.Generator,
-        nogoods: Sequence[Nogood],
+        nogoods: list[Nogood],
         unfurnishable: Collection[str],
     ) -> list[Symbol]:
         if self._retries and not nogoods and not unfurnishable:

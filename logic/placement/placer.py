@@ -121,14 +121,23 @@ class Placer:
         reasons = self.ask("layout_area_conflict", rooms, layout.corners, types, without)
         return None if reasons is None else _conflict(reasons)
 
-    def walls(self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()) -> Plan:
+    def walls(
+        self,
+        layout: Iterable[Symbol],
+        seed: int,
+        inferences: int,
+        given: Iterable[Term] = (),
+        thorough: bool = False,
+    ) -> Plan:
         """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``plans.pl``.
+
+        ``thorough``: areas that a brief states at their limits are decided too.
 
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
         """
         self.account.at(account.LENGTHS, "the lengths of walls (CLP(R))")
-        plan = Term("plan", layout, list(given), seed, "minimal")
+        plan = Term("plan", layout, list(given), seed, "thorough" if thorough else "minimal")
         placed = self._solved("plan_placed", plan, inferences, Plan)
         placed.wall_thickness = self.wall_thickness
         return placed

@@ -40,6 +40,7 @@ FOLDERS = (
     *(
         "paper",
         "phases",
+        "planted",
         "playing",
         "ranks",
         "realism",

@@ -1,4 +1,5 @@
-:- module(brief, [brief_constraints//2, area_items/4, has_area/2, item_range/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3]).
+:- module(brief, [brief_constraints//2, area_items/4, has_area/2, item_range/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3,
+                  near_sample//4, held/2, halves/3, sizes_at/3, widest_miss/4, widened/3]).
 
 /** <module> What a brief says of lengths and areas, beside the walls of a layout
 

@@ -12,6 +12,7 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module('../answers').
 :- use_module(areas).
 :- use_module('../brief/brief').
+:- use_module('../brief/thorough').
 :- use_module(contacts).
 :- use_module('../linear/exact').
 :- use_module('../language/grammar_files').
@@ -144,7 +145,8 @@ conflicting(Atoms, Without, Conflict) :-
     brief_system(Atoms, plan(Lines,Rooms), System, Items),
     exclude(resting_on(Without), System, Rest),
     exclude(item_resting_on(Without), Items, Others),
-    items_decided(minimal, Lines, Rooms, Rest, Others, refuted(Conflict), 0, _).
+    items_decided(minimal, Lines, Rooms, Rest, Others, Answer, 0, Seed),
+    ( Answer == open -> thoroughly_decided(Lines, Rooms, Rest, Others, refuted(Conflict), Seed, _) ; Answer = refuted(Conflict) ).
 conflicting(Atoms, Without, Conflict) :-
     whole_system(Atoms, [], Plan, System),
     exclude(resting_on(Without), System, Rest),

@@ -24,6 +24,7 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(pairs)).
 :- use_module(areas).
 :- use_module('../brief/brief').
+:- use_module('../brief/thorough').
 :- use_module(contacts).
 :- use_module('../linear/exact').
 :- use_module('../linear/grid').
@@ -37,8 +38,15 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
-%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`.
+%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. With a brief, open(Reasons) where neither is
+%   found, which is seldom where Proof is `thorough`.
 
+walls_placed(Atoms, _, thorough, Answer) -->
+    { of_brief(Atoms), !, brief_system(Atoms, plan(Lines,Rooms), System, Items) },
+    thoroughly_decided(Lines, Rooms, System, Items, Found),
+    (   { Found == open }
+    ->  { findall(_-Why, ( member(_-Why, System) ; member(item(_,_,_,Why,_,_), Items) ), All), refuted(All, infeasible(Reasons)), Answer = open(Reasons) }
+    ;   decided_answer(Found, Atoms, Rooms, Items, Answer) ).
 walls_placed(Atoms, _, Proof, Answer) -->
     { of_brief(Atoms), !, brief_system(Atoms, plan(Lines,Rooms), System, Items) },
     items_decided(Proof, Lines, Rooms, System, Items, Found),
