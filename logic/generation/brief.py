@@ -26,6 +26,10 @@ from logic.request.request import Request
 from logic.spelling import numbered
 
 
+MOST_UNDECIDED = 16
+"""Layouts of a house that are left undecided, before all are decided thoroughly, which takes longer."""
+
+
 class BriefMaker(SharedWallsMaker):
     """Makes houses of one brief by one grammar."""
 
@@ -78,12 +82,15 @@ class BriefMaker(SharedWallsMaker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str],
     ) -> list[Symbol]:
-        """As of any plan; once there are no others, those that are undecided come again."""
-        try:
-            return super()._layout(request, rng, nogoods, unfurnishable)
-        except LimitReached:
-            if self._thorough:
-                raise
+        """As of any plan. Undecided ones come again, to be decided thoroughly, once there are no others left,
+        or once they are many.
+        """
+        if self._thorough or len(self._undecided) < MOST_UNDECIDED:
+            try:
+                return super()._layout(request, rng, nogoods, unfurnishable)
+            except LimitReached:
+                if self._thorough:
+                    raise
         nogoods[:] = [each for each in nogoods if each not in self._undecided]
         self._undecided, self._thorough = (), True
         return super()._layout(request, rng, nogoods, unfurnishable)
