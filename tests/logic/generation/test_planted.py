@@ -1,0 +1,45 @@
+"""What is read off a house, at its limits, has a house: briefs, grammars, plans. A proof would be false."""
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from benchmarks.briefs.attempts import attempt
+from benchmarks.briefs.planted import planted, row_of
+from benchmarks.briefs.tightened import tightened
+from logic.grammar import find
+from logic.house.house import House
+from logic.proofs.answer import house_or_proof
+from logic.request.brief import alone
+from logic.request.given_plan import read_plan
+from logic.request.request import Request
+from tests.logic.workers import in_process
+
+BRIEFS, INFERENCES = range(60), 10_000_000
+
+
+def test_a_brief_that_a_plan_keeps_at_its_limits_has_a_house_that_keeps_it() -> None:
+    builder = in_process._builder(find("plain"), 0.0)
+    for number in BRIEFS:
+        entry = planted(number, most=4)
+        row = row_of(number, entry, attempt(builder, alone(entry.read)))
+        assert row.said == "house", row
+
+
+@pytest.mark.parametrize(("base", "rooms"), [("home", 5), ("plain", 4)])
+def test_a_grammar_that_a_house_keeps_at_its_limits_has_a_house_and_so_has_its_plan(
+    base: str, rooms: int, tmp_path: Path
+) -> None:
+    builder = in_process._builder(find(base), 0.0)
+    house = builder.house(Request(rooms), 7, 0, INFERENCES)
+    strict = in_process._builder(find(tightened(builder, house, tmp_path / "mine")), 0.0)
+    types = {type_: (times, times) for type_, times in Counter(types_of(house)).items()}
+    for request in (Request(rooms, types), Request(rooms, plan=read_plan(house))):
+        again = house_or_proof(strict, request, 0, 0, INFERENCES)
+        assert sorted(types_of(again)) == sorted(types_of(house))
+
+
+def types_of(house: House) -> list[str]:
+    """The type of each room."""
+    return [room.type for room in house.rooms]
