@@ -25,7 +25,6 @@ from logic.request.brief import Brief
 from logic.request.request import Request
 from logic.spelling import numbered
 
-
 MOST_UNDECIDED = 16
 """Layouts of a house that are left undecided, before all are decided thoroughly, which takes longer."""
 
@@ -35,8 +34,8 @@ class BriefMaker(SharedWallsMaker):
 
     advice = "another seed, larger rooms, or fewer lines in the brief"
 
-    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, brief: Brief) -> None:
-        """Find what stage 1 is to know of the brief."""
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, brief: Brief, thorough: bool = False) -> None:
+        """Find what stage 1 is to know of the brief. ``thorough``: see ``Placer.walls``."""
         if loaded.depths:
             raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
         if loaded.has_area and brief.outline.voids:
@@ -63,12 +62,14 @@ class BriefMaker(SharedWallsMaker):
         symbols = [fact for fact, _ in facts]
         symbols += brief_facts(brief, on_request, symbols)
         facts += [(fact, ()) for fact in brief_facts(brief, on_request)]
-        super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts))
+        super().__init__(
+            rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, thorough=thorough)
+        )
         self._programs = Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house; see ``Maker.made``."""
-        self._undecided, self._thorough = (), False
+        self._undecided, self._thorough = (), self.feasibility.thorough
         return super().made(request, rng, inferences)
 
     def stated(self, request: Request) -> Program:

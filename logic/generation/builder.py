@@ -10,6 +10,7 @@ import numpy as np
 
 from logic.errors import LimitReached, OutOfInferences, RequestError
 from logic.generation.brief import BriefMaker
+from logic.generation.exact_areas import ExactAreasMaker
 from logic.generation.feasibility import Feasibility
 from logic.generation.given_plan import GivenPlanMaker
 from logic.generation.maker import Maker
@@ -61,19 +62,39 @@ class Builder:
             "swi-prolog": self.placer.version(),
         }
 
-    def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
+    def house(
+        self, request: Request, seed: int, index: int, inferences: int, thorough: bool = False
+    ) -> House:
         """Make house ``index``, a function of the grammar, the request, the seed and the index.
+
+        ``thorough``: of all sizes that areas allow, where ``decides_areas`` says so.
 
         Raises ``RequestError`` for an unknown type, ``NoLayout`` where it is proved that there is no such
         house, ``LimitReached`` past this number of Prolog inferences.
         """
         self.account.begin()
         try:
-            made = self.maker_of(request).made(request, np.random.default_rng([seed, index]), inferences)
+            maker = self._thorough_maker(request) if thorough else self.maker_of(request)
+            made = maker.made(request, np.random.default_rng([seed, index]), inferences)
         except OutOfInferences:
             late = f"house {index} reached its limit of {inferences} inferences: raise it with --inferences"
             raise LimitReached(f"{late}. {self.account}") from None
         return msgspec.structs.replace(made, provenance=self._provenance(request, seed, index))
+
+    def decides_areas(self, request: Request) -> bool:
+        """Whether houses of a request can be made of all sizes that the areas of their rooms allow.
+
+        On no grid, without units, in no given plan, and without areas of several rooms together.
+        """
+        several = self.loaded.has_area or metres(self.placer, self.loaded.furniture)["wholes"]
+        return not (
+            several or request.plan or request.cell or self.loaded.depths or not self.grammar.shares_walls
+        )
+
+    def _thorough_maker(self, request: Request) -> Maker:
+        if request.brief:
+            return BriefMaker(self.grammar, self.loaded, request.brief, thorough=True)
+        return ExactAreasMaker(self.grammar, self.loaded)
 
     def maker_class(self, request: Request) -> type[Maker]:
         """The class of who makes the houses of a request; ``logic.why.kinds`` has the witness of each."""

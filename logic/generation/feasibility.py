@@ -6,6 +6,7 @@ learnt by stage 1, so a test ends with a house or with what conflicts in both.
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from clingo import Function, Number, Symbol
@@ -57,11 +58,13 @@ class Feasibility:
         lengths: Lengths,
         facts: HouseFacts = (),
         placed: bool = False,
+        thorough: bool = False,
     ) -> None:
         """Know a grammar, the lengths of each of its room types, and facts about all of a house.
 
-        Where these are ``placed`` already, stage 2 has no part in them.
+        Where these are ``placed`` already, stage 2 has no part in them. ``thorough``: see ``Placer.walls``.
         """
+        self.thorough = thorough
         self.grammar, self.placer, self.facts = grammar, placer, facts
         self._lengths = lengths
         self.source = Source(grammar.asp)
@@ -170,7 +173,7 @@ class Feasibility:
         if self._placed or not self.facts:
             return Question(relaxed)
         if self.grammar.shares_walls:
-            return Question(relaxed, self.placer.wall_conflict)
+            return Question(relaxed, partial(self.placer.wall_conflict, thorough=self.thorough))
 
         def too_small_or_large(layout: Sequence[Symbol], without: Collection[Symbol]) -> Conflict | None:
             unfurnished = Layout.unfurnished(layout, request.fixed)

@@ -25,6 +25,9 @@ from logic.placement.plan import Pieces, Plan, StarPlan, UnitRange
 from logic.placement.prolog import Term
 from logic.request.fixed_rooms import FixedRoom
 
+THOROUGH = "thorough"
+"""An atom of a layout that stage 2 is to decide thoroughly."""
+
 S = TypeVar("S", Plan, UnitRange)
 
 
@@ -131,13 +134,13 @@ class Placer:
     ) -> Plan:
         """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``plans.pl``.
 
-        ``thorough``: areas that a brief states at their limits are decided too.
+        ``thorough``: no sizes are passed over that an area allows, which takes longer.
 
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
         """
         self.account.at(account.LENGTHS, "the lengths of walls (CLP(R))")
-        plan = Term("plan", layout, list(given), seed, "thorough" if thorough else "minimal")
+        plan = Term("plan", [*layout, *([THOROUGH] if thorough else [])], list(given), seed, "minimal")
         placed = self._solved("plan_placed", plan, inferences, Plan)
         placed.wall_thickness = self.wall_thickness
         return placed
@@ -166,9 +169,14 @@ class Placer:
             raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"], "open" in answer)
         return msgspec.convert(answer, kind)
 
-    def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
-        """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
-        reasons = self.ask("plan_conflict", layout, without)
+    def wall_conflict(
+        self, layout: Iterable[Symbol], without: Iterable[Symbol], thorough: bool = False
+    ) -> Conflict | None:
+        """A minimal conflict of the walls of a plan, some clauses left out; None if they have places.
+
+        ``thorough``: see ``walls``.
+        """
+        reasons = self.ask("plan_conflict", [*layout, *([THOROUGH] if thorough else [])], without)
         return None if reasons is None else _conflict(reasons)
 
     def furnish(

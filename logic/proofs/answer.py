@@ -10,9 +10,20 @@ from logic.request.request import Request
 
 
 def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
-    """As ``Builder.house``; raises ``Unsatisfiable`` where it finds no layout."""
+    """As ``Builder.house``; raises ``Unsatisfiable`` where it finds no layout.
+
+    A proof that rests on the areas of rooms is of a part of the sizes that these allow: then it is found out
+    whether others have a house.
+    """
     try:
         return builder.house(request, seed, index, inferences)
+    except NoLayout as found:
+        proof = unsatisfiable(found)
+    rests_on_areas = any(reason.text.startswith("room_area(") for reason in proof.reasons)
+    if not (rests_on_areas and builder.decides_areas(request)):
+        raise proof
+    try:
+        return builder.house(request, seed, index, inferences, thorough=True)
     except NoLayout as found:
         raise unsatisfiable(found) from None
 

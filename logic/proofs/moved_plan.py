@@ -37,7 +37,7 @@ class LoosePlanMaker(GivenPlanMaker):
         best, least = None, float("inf")
         lines = _lines(self.plan)
         for _ in range(LAYOUTS):
-            if places := self._places(self._layout(request, rng, (), ()), lines):
+            if places := self._places(self._layout(request, rng, [], ()), lines):
                 *found, _ = places
                 off = sum(np.abs(np.subtract(a, b)).sum() for a, b in zip(found, lines, strict=True))
                 if off < least - 1e-6:

@@ -62,8 +62,10 @@ class Prover:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
         question = self._of.of_rooms(relaxed, request)
         if question.possible(statements):
-            if request.brief:  # its areas were decided with the lengths that stage 1 had chosen
-                raise LimitReached("no house keeps the brief, but by which of its lines was not found")
+            if request.brief or self._of.thorough:  # not all that was decided is decided of fewer lines
+                raise LimitReached(
+                    f"there is no house with {request}, but by which of its lines was not found"
+                )
             raise VitruviusError(f"{request} was proved infeasible that has walls")
         if request.plan:
             own = map(Reason, own_requirements(request.plan).values())

@@ -1,4 +1,4 @@
-:- module(brief, [brief_constraints//2, area_items/4, has_area/2, item_range/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3,
+:- module(brief, [brief_constraints//2, area_items/4, grammar_item/2, has_area/2, item_range/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3,
                   near_sample//4, held/2, halves/3, sizes_at/3, widest_miss/4, widened/3]).
 
 /** <module> What a brief says of lengths and areas, beside the walls of a layout
@@ -127,6 +127,14 @@ width_range(Away, B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
     (   memberchk(slim(B,First), Atoms), First > 0, Before is max(0, First - 1 - Away), memberchk(step(B,Before,W,_,_,_), Atoms)
     ->  Low is W/1000, WhyLow = [not(slim(B,Before))]
     ;   Low = Slit, WhyLow = [] ).
+
+%!  grammar_item(+Room, -Item) is semidet.
+%
+%   The area that the grammar states of a room, whatever its width.
+
+grammar_item(room(R,Type,sides(X1,X2,Y1,Y2),edges(E1,E2,E3,E4)), Item) :-
+    clause(grammar:room_area(_,_,_), _), grammar:room_area(Type, Least, Most), !,
+    widened(any, item(X2-X1,Y2-Y1,Least-Most,[room_area(Type),room(R,Type),E1,E2,E3,E4],_,_), Item).
 
 %!  item_range(+Item, -Range) is det.
 

@@ -141,6 +141,12 @@ plan_conflict(Atoms, Without, Json) :-
     as_json(Reasons, Json).
 
 conflicting(Atoms, Without, Conflict) :-
+    memberchk(thorough, Atoms), !,
+    exact_system(Atoms, plan(Lines,Rooms), System, Items),
+    exclude(resting_on(Without), System, Rest),
+    exclude(item_resting_on(Without), Items, Others),
+    thoroughly_decided(Lines, Rooms, Rest, Others, refuted(Conflict), 0, _).
+conflicting(Atoms, Without, Conflict) :-
     of_brief(Atoms), !,
     brief_system(Atoms, plan(Lines,Rooms), System, Items),
     exclude(resting_on(Without), System, Rest),

@@ -1,4 +1,4 @@
-:- module(walls, [walls_placed//4, wall_system/3, whole_system/4, brief_system/4, of_brief/1, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
+:- module(walls, [walls_placed//4, wall_system/3, whole_system/4, brief_system/4, exact_system/4, of_brief/1, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
 
 /** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
 
@@ -22,6 +22,7 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
+:- use_module(library(yall)).
 :- use_module(areas).
 :- use_module('../brief/brief').
 :- use_module('../brief/thorough').
@@ -38,11 +39,11 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
-%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. With a brief, open(Reasons) where neither is
-%   found, which is seldom where Proof is `thorough`.
+%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. Of areas, a part is passed over: with `thorough`
+%   among the Atoms it is not. Then, and with a brief, open(Reasons) is that neither is found.
 
-walls_placed(Atoms, _, thorough, Answer) -->
-    { of_brief(Atoms), !, brief_system(Atoms, plan(Lines,Rooms), System, Items) },
+walls_placed(Atoms, _, _, Answer) -->
+    { memberchk(thorough, Atoms), !, exact_system(Atoms, plan(Lines,Rooms), System, Items) },
     thoroughly_decided(Lines, Rooms, System, Items, Found),
     (   { Found == open }
     ->  { findall(_-Why, ( member(_-Why, System) ; member(item(_,_,_,Why,_,_), Items) ), All), refuted(All, infeasible(Reasons)), Answer = open(Reasons) }
@@ -85,6 +86,19 @@ brief_system(Atoms, Plan, System, Items) :-
     fewest_unknowns_first(All, System).
 
 of_brief(Atoms) :- memberchk(granted(_), Atoms).
+
+%!  exact_system(+Atoms, -Plan, -System, -Items) is det.
+%
+%   As brief_system/4, of any plan without totals: with all areas that the grammar states among the Items.
+
+exact_system(Atoms, Plan, System, Items) :-
+    (   of_brief(Atoms)
+    ->  brief_system(Atoms, Plan, System, Items0)
+    ;   wall_system(Atoms, [], Plan, System), Items0 = [] ),
+    Plan = plan(_,Rooms),
+    exclude([room(R,_,_,_)]>>has_area(Atoms, R), Rooms, Others),
+    convlist(grammar_item, Others, Items1),
+    append(Items0, Items1, Items).
 
 %   plan_boxes(+Atoms, +Lines, +Rooms, -Boxes): the rooms, the voids and the outline.
 
@@ -276,7 +290,7 @@ room_size_constraints(Room, Atoms, Constraints) :-
     room_sized(Atoms, Room, sized(T,W,D,Own,Across,Along)),
     append([Own,Across], Wide), append([Own,Along], Deep), append([Own,Across,Along], Both),
     Room = room(R,_,_,_),
-    ( has_area(Atoms, R) -> room_size_system(T, W0, D0, System) ; room_system(T, W0, D0, System) ),
+    ( ( memberchk(thorough, Atoms) ; has_area(Atoms, R) ) -> room_size_system(T, W0, D0, System) ; room_system(T, W0, D0, System) ),
     maplist(explained(W0, D0, Wide, Deep, Both), System, Sizes),
     W0 = W, D0 = D,
     ( memberchk(runs(_,_), Own), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).

@@ -1,0 +1,45 @@
+"""Plans whose rooms have any size that their areas allow.
+
+Others keep to a convex part of these sizes (``areas.pl``), which takes less time. Where that part has no
+house, it is found out here whether the other sizes have one.
+"""
+
+from collections.abc import Collection
+
+from clingo import Symbol
+
+from logic.errors import LimitReached
+from logic.generation.feasibility import Feasibility
+from logic.generation.shared_walls import SharedWallsMaker
+from logic.grammar import Grammar
+from logic.language.loaded import LoadedGrammar
+from logic.layout.programs import Programs
+from logic.layout.terms import wall_facts
+from logic.placement.lengths import brief_lengths
+from logic.placement.plan import Plan
+from logic.request.request import Request
+from logic.spelling import numbered
+
+
+class ExactAreasMaker(SharedWallsMaker):
+    """Makes plans by one grammar without units and without areas of several rooms together."""
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar) -> None:
+        """Tell stage 1 of sizes as they are stated."""
+        facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
+        super().__init__(
+            grammar, loaded, Feasibility(grammar, loaded.placer, loaded.lengths, facts, thorough=True)
+        )
+        symbols = [fact for fact, _ in facts]
+        self._programs = Programs(grammar, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)
+
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+        return self._placer.walls(layout, seed, inferences, thorough=True)
+
+    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        if self._undecided:
+            return LimitReached(
+                f"{numbered(len(self._undecided), 'arrangement')} of the rooms could not be decided, and all "
+                "others are impossible: give them a wider range of areas (room_area/3)"
+            )
+        return super()._no_layout(request, unfurnishable)
