@@ -2,6 +2,7 @@
 
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +12,7 @@ from benchmarks.briefs.tightened import tightened
 from logic.grammar import find
 from logic.house.house import House
 from logic.proofs.answer import house_or_proof
-from logic.request.brief import alone
+from logic.request.brief import alone, read_brief
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
 from tests.logic.workers import in_process
@@ -25,6 +26,35 @@ def test_a_brief_that_a_plan_keeps_at_its_limits_has_a_house_that_keeps_it() -> 
         entry = planted(number, most=4)
         row = row_of(number, entry, attempt(builder, alone(entry.read)))
         assert row.said == "house", row
+
+
+TERRACE = {
+    "rooms": [
+        {"name": "Hall", "size": [[1.0, 1.2], [3.0, 4.5]]},
+        {"name": "Lounge", "size": [3.6, 4.2], "outside": ["north"], "windows": ["north"]},
+        {"name": "Dining", "size": [3.6, 3.6]},
+        {"name": "Kitchen", "size": [2.4, 3.4], "outside": ["south"], "windows": ["south"]},
+    ],
+    "doors": [["Hall", "Lounge"], ["Hall", "Dining"], ["Dining", "Kitchen"]],
+    "entrance": {"room": "Hall", "side": "north"},
+    "outline": {
+        "width": [4.6, 5.2],
+        "voids": [{"corner": "south-west", "width": [1, 3], "depth": [3, 8]}],
+    },
+}
+"""Sizes alone: a linear system, which CLP(R) refutes, and CLP(Q) solves."""
+
+HALVES = {
+    "rooms": [{"name": name, "area": [13.5, 20]} for name in "AB"],
+    "outline": {"width": 3, "depth": 9},
+}
+"""Two rooms with just the areas that there are."""
+
+
+@pytest.mark.parametrize("brief", [TERRACE, HALVES])
+def test_of_exact_sizes_no_house_is_left_undecided(brief: dict[str, Any]) -> None:
+    builder = in_process._builder(find("plain"), 0.0)
+    assert attempt(builder, alone(read_brief(brief))).houses
 
 
 @pytest.mark.parametrize(("base", "rooms"), [("home", 5), ("plain", 3)])
