@@ -8,6 +8,10 @@ STUDIES = {
     "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
     "fuzz": ("benchmarks.fuzz:Fuzz", "House files and grammars with random changes: a definite answer each."),
+    "mutants": (
+        "benchmarks.reliability.mutants:Mutants",
+        "How many small mistakes in code and rules the tests notice.",
+    ),
     "shards": ("benchmarks.generator.shards:Shards", "A set of houses under kills, beside one without."),
     "kills": ("benchmarks.reliability.kills:Kills", "Commands under kills: each file is whole or absent."),
     "engine": ("benchmarks.generator.engine:Engine", "Shards by Ray, beside plain workers."),

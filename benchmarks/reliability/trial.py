@@ -1,0 +1,207 @@
+"""The process that tries mutants: pytest, which collects the tests once and then forks for each mutant.
+
+It is started in a copy of the checkout, reads a question a line of standard input, and answers each, in JSON.
+In the child a changed function of Python gets the code of the mutant. Where what runs as a module is imported
+has changed, the child imports all of ours again; rules are read as they are loaded.
+"""
+
+import contextlib
+import gc
+import json
+import os
+import signal
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import CodeType, FrameType, FunctionType
+from typing import Any
+
+import pytest
+
+LATE, ENDED = "the tests do not end", "the process of the tests ends"
+"""How mutants are noticed without a test that fails."""
+
+OURS = ("logic", "sim", "agent", "vitruvius", "tests")
+
+
+class Trial:
+    """A plugin of pytest: which tests fail; and where all are measured, their seconds and what they enter."""
+
+    def __init__(self) -> None:
+        """Begin without any."""
+        self.failed = list[str]()
+        self.seconds = defaultdict[str, float](float)
+        self.entered = dict[str, list[tuple[str, int]]]()
+        """By test the functions of ours that it enters: file, and first line."""
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Note that a file of tests cannot be imported."""
+        if report.failed:
+            self.failed.append(f"{report.nodeid}: cannot be imported")
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Note how long a test took, and that it fails."""
+        self.seconds[report.nodeid] += report.duration
+        if report.failed:
+            self.failed.append(report.nodeid)
+
+    def run(self, items: Sequence[pytest.Item], measure: bool) -> None:
+        """Run tests: all, and measure them; or until the first fails."""
+        for item, following in zip(items, [*items[1:], None], strict=True):
+            seen, here = set[CodeType](), f"{os.getcwd()}{os.sep}"
+
+            def enter(frame: FrameType, event: str, _: Any, seen: set[CodeType] = seen) -> None:
+                if event == "call":
+                    seen.add(frame.f_code)
+
+            if measure:
+                sys.setprofile(enter)
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+            sys.setprofile(None)
+            places = {(code.co_filename, code.co_firstlineno) for code in seen}
+            self.entered[item.nodeid] = [
+                (file.removeprefix(here), line) for file, line in sorted(places) if file.startswith(here)
+            ]
+            if self.failed and not measure:
+                break
+
+
+class TrialServer:
+    """A plugin of pytest that, in the place of running tests, answers questions."""
+
+    def __init__(self, answers: Any) -> None:
+        """Take where the answers go."""
+        self.answers = answers
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Answer until there is no more question."""
+        trial = Trial()
+        session.config.pluginmanager.register(trial)
+        for line in sys.stdin:
+            question = json.loads(line)
+            print(json.dumps(answer(session, trial, question)), file=self.answers, flush=True)
+        return True
+
+
+class Anew:
+    """A plugin of pytest that runs some tests of a new session."""
+
+    def __init__(self, trial: Trial, order: Sequence[str]) -> None:
+        """Take the tests, in their order."""
+        self.trial, self.order = trial, order
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Run them."""
+        if not self.trial.failed:
+            self.trial.run(chosen(session, self.order), measure=False)
+        return True
+
+
+def chosen(session: pytest.Session, order: Sequence[str]) -> list[pytest.Item]:
+    """Return the tests of these names, in this order."""
+    items = {item.nodeid: item for item in session.items}
+    return [items[name] for name in order if name in items]
+
+
+def answer(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> dict[str, Any]:
+    """Fork, run tests in the child, and end it where it takes longer than the seconds of the question."""
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        os.setpgid(0, 0)
+        signal.alarm(int(question["seconds"]) + 60)
+        os.close(read)
+        log = os.open(question["log"], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        for number, file in enumerate((os.open(os.devnull, os.O_RDONLY), log, log)):
+            os.dup2(file, number)
+        try:
+            _try(session, trial, question)
+            found = {"failed": trial.failed, "seconds": trial.seconds, "entered": trial.entered}
+            with os.fdopen(write, "wb") as file:
+                file.write(json.dumps(found).encode() + b"\n")
+        finally:
+            os._exit(0)
+    os.close(write)
+    with contextlib.suppress(OSError):
+        os.setpgid(child, child)
+    try:
+        content = b"".join(_parts(read, time.monotonic() + question["seconds"]))
+        return json.loads(content) if content else {"failed": [ENDED]}
+    except TimeoutError:
+        return {"failed": [LATE]}
+    finally:
+        os.close(read)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+
+
+def _parts(read: int, end: float) -> Iterator[bytes]:
+    """Yield a line of a pipe as it comes: not to its end, which what the tests have forked may hold open."""
+    os.set_blocking(read, False)
+    while time.monotonic() < end:
+        try:
+            part = os.read(read, 1 << 20)
+            yield part
+            if not part or part.endswith(b"\n"):
+                return
+        except BlockingIOError:
+            time.sleep(0.02)
+    raise TimeoutError
+
+
+def _try(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> None:
+    """In the child: change what the parent has imported, and run the tests."""
+    order = question["order"]
+    if question["measure"]:
+        trial.run([item for item in session.items if item.nodeid.startswith(tuple(order))], measure=True)
+    elif not (file := question["file"]) or (file.endswith(".py") and _patched(Path(file), question["line"])):
+        trial.run(chosen(session, order), measure=False)
+    else:
+        for name in [name for name in sys.modules if name.partition(".")[0] in OURS]:
+            del sys.modules[name]
+        paths = sorted({name.partition("::")[0] for name in order})
+        pytest.main([*OPTIONS, *paths], [trial, Anew(trial, order)])
+
+
+def _patched(file: Path, first: int) -> bool:
+    """Give the function or method that begins at a line, and that runs, the code that the file has now."""
+    gc.unfreeze()
+    path = str(file.resolve())
+    code = next(
+        (each for each in _codes(compile(file.read_bytes(), path, "exec")) if each.co_firstlineno == first),
+        None,
+    )
+    found = [
+        each
+        for each in gc.get_objects()
+        if isinstance(each, FunctionType)
+        and each.__code__.co_filename == path
+        and each.__code__.co_firstlineno == first
+    ]
+    for function in found:
+        if code is None or function.__code__.co_freevars != code.co_freevars:
+            return False
+        function.__code__ = code
+    return bool(found)
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """Yield the code of the functions of a module, those of methods too."""
+    for each in code.co_consts:
+        if isinstance(each, CodeType):
+            yield each
+            yield from _codes(each)
+
+
+OPTIONS = ("-q", "-s", "-p", "no:cacheprovider")
+
+
+def main() -> None:
+    """Collect the tests of the arguments, and answer the questions on standard input."""
+    sys.dont_write_bytecode = True
+    with os.fdopen(os.dup(1), "w") as answers:
+        os.dup2(2, 1)
+        pytest.main([*OPTIONS, *sys.argv[1:]], [TrialServer(answers)])

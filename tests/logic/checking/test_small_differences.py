@@ -1,0 +1,75 @@
+"""The independent check tells what is right from what is nearly right: one claim for each small difference."""
+
+import pytest
+from msgspec.structs import replace
+
+from logic import House, Piece, check
+from logic.house.promises import Promises
+from tests.logic.house.handmade import Sketch, built, piece, sketches
+from tests.plans import flat
+
+
+def with_bedroom(*pieces: Piece) -> House:
+    """A star whose bedroom of 3.6 by 3.8 m, north of the main room, holds these pieces."""
+    _, *others = sketches()
+    first = Sketch("bedroom", 3.6, 3.8, pieces=pieces)
+    return built(4.2, 4.2, ((first,), *((sketch,) for sketch in others)))
+
+
+@pytest.mark.parametrize(
+    ("piece_at_the_window", "hidden"), [((2.4, 0.2, 0.6, 0.6), False), ((2.3, 0.2, 0.6, 0.6), True)]
+)
+def test_a_piece_beside_a_window_does_not_hide_it(
+    piece_at_the_window: tuple[float, float, float, float], hidden: bool
+) -> None:
+    house = flat()
+    bedroom = replace(house.room("R1"), children=(Piece(*piece_at_the_window, type="cupboard"),))
+    house = replace(house, rooms=(house.rooms[0], bedroom, *house.rooms[2:]))
+    found = [line for line in check(house, Promises(hides=("cupboard",))) if "is behind a" in line]
+    assert bool(found) == hidden
+
+
+@pytest.mark.parametrize(
+    ("side", "words"), [(1.6, []), (1.61, ["R0 (bedroom): has no free square of 1.61 m"])]
+)
+def test_the_free_square_of_a_room_is_measured_to_the_centimetre(side: float, words: list[str]) -> None:
+    """Between two cupboards of 1 m in a bedroom that is 3.6 m wide."""
+    house = with_bedroom(piece("cupboard", 0.0, 0.0, 1.0, 2.9), piece("cupboard", 2.6, 0.0, 1.0, 2.9))
+    house = replace(house, provenance=None)
+    assert [line for line in check(house, Promises(turning={"bedroom": side})) if "square" in line] == words
+
+
+def test_a_piece_with_a_front_may_not_lie_the_other_way() -> None:
+    sizes = Promises(piece_size={"rack": (1.0, 1.4, 0.5, 0.6)})
+    lying = piece("rack", 0.0, 0.0, 1.2, 0.5)
+    assert check(with_bedroom(lying), sizes) == []
+    assert check(with_bedroom(replace(lying, width=0.5, height=1.2)), sizes) == []
+    assert check(with_bedroom(replace(lying, orientation="E")), sizes) == [
+        "R0 (bedroom): rack is 0.500 m long (1.000 to 1.400)",
+        "R0 (bedroom): rack is 1.200 m deep (0.500 to 0.600)",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("places", "words"),
+    [
+        ("NW touching", []),
+        ("NW apart", ["R0 (bedroom): desk: those at neighbouring walls do not meet"]),
+        ("NWE", []),
+        ("WE", ["R0 (bedroom): desk: two stand at opposite walls, and none between them"]),
+        ("NN", ["R0 (bedroom): desk 2 shares its wall with another desk"]),
+    ],
+)
+def test_pieces_that_meet_round_corners_touch_at_neighbouring_walls_alone(
+    places: str, words: list[str]
+) -> None:
+    north = piece("desk", 0.0, 0.0, 3.6, 0.6, front="S")
+    west, east = (piece("desk", x, 0.6, 0.6, 1.2, front=front) for x, front in ((0.0, "E"), (3.0, "W")))
+    desks = {
+        "NW touching": (north, west),
+        "NW apart": (north, replace(west, y=0.7)),
+        "NWE": (north, west, east),
+        "WE": (west, east),
+        "NN": (replace(north, width=1.2), replace(north, width=1.2, x=2.0)),
+    }
+    assert check(with_bedroom(*desks[places]), Promises(meet=("desk",))) == words
