@@ -24,7 +24,7 @@ import msgspec
 from scipy.stats import binomtest
 
 from benchmarks.common.pages import ROOT, table_rows, write
-from benchmarks.common.processes import ONE_THREAD, say
+from benchmarks.common.processes import ONE_THREAD, StudyFailed, say
 from benchmarks.reliability.changes import Mutant, mutants
 from logic.errors import RequestError
 from logic.house.files import write_whole
@@ -52,20 +52,15 @@ HEAD = """# Mutants
 
 BELONGING: dict[str, tuple[str, ...]] = {
     "logic/checking": ("logic/checking", "logic/generation"),
-    "logic/generation": (
-        "logic/generation",
-        "logic/request/test_given_plan.py",
-        "logic/request/test_fixed_rooms.py",
-    ),
-    "logic/rules": ("logic/generation", "logic/rules", "logic/layout"),
-    "logic/rules/brief": ("logic/generation", "logic/request/test_given_plan.py"),
-    "logic/rules/language": ("logic/language", "logic/rules"),
-    "logic/rules/why": ("logic/why", "logic/rules", "logic/proofs"),
+    "logic/generation": ("logic/generation", "logic/request/test_fixed_rooms.py"),
+    "logic/rules": ("logic/rules", "logic/layout", "logic/generation"),
+    "logic/rules/language": ("logic/rules", "logic/language/test_lint.py", "logic/language/test_mistakes.py"),
+    "logic/rules/why": ("logic/rules", "logic/why/test_why.py", "logic/why/test_why_plans.py"),
     "sim": ("sim",),
     "agent/avoidance.py": ("agent/test_avoidance.py",),
-    "agent/evaluation": ("agent/evaluation",),
+    "agent/evaluation": ("agent/evaluation/test_statistics.py",),
     "agent/planner": ("agent/planner",),
-    "agent/policies": ("agent/policies", "agent/test_avoidance.py", "agent/evaluation"),
+    "agent/policies": ("agent/policies", "agent/test_avoidance.py", "agent/evaluation/test_episodes.py"),
 }
 """By file or folder the tests, below ``tests``, that belong to it: the longest name counts."""
 
@@ -172,12 +167,13 @@ class Tests:
         self.copy, self.file, self.log = copy, out / "tests.json", copy.parent / "log.txt"
         self.known: dict[str, Any] = json.loads(self.file.read_bytes()) if self.file.exists() else {}
         self.noticed: Counter[tuple[str, str]] = Counter()
+        self.collected = copy.parent / "collected.txt"
         paths = sorted({path for file in files for path in belonging(file)})
         self.process = subprocess.Popen(
             [sys.executable, "-P", "-c", "from benchmarks.reliability.trial import main; main()", *paths],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=(copy.parent / "collected.txt").open("wb"),
+            stderr=self.collected.open("wb"),
             text=True,
             cwd=copy,
             env=os.environ | ONE_THREAD | {"PYTHONPATH": str(copy)},
@@ -208,13 +204,21 @@ class Tests:
     def order(
         self, mutant: Mutant, first: int, measured: dict[str, Any], seconds: float
     ) -> tuple[list[str], int]:
-        """Return the tests to run, those first that have noticed mutants of the file, then the fastest, and
-        the number of others. Where tests enter the changed function in this process, only these are run.
+        """Return the tests to run, and the number of others: those first that are named as the file is, then
+        those that have noticed mutants of the file, then the fastest. Where tests enter the changed function
+        in this process, only these are run.
         """
+        stem = Path(mutant.file).stem
         tests = [name for name in measured["seconds"] if name not in measured["failed"]]
         if first:
             tests = [name for name in tests if [mutant.file, first] in measured["entered"][name]] or tests
-        tests.sort(key=lambda name: (-self.noticed[mutant.file, name], measured["seconds"][name]))
+        tests.sort(
+            key=lambda name: (
+                not name.endswith(f"[{stem}]"),
+                -self.noticed[mutant.file, name],
+                measured["seconds"][name],
+            )
+        )
         taken, left = [], seconds
         for name in tests:
             left -= measured["seconds"][name]
@@ -249,7 +253,10 @@ class Tests:
         assert self.process.stdout
         question = {"order": order, "seconds": seconds, "measure": measure, "file": file, "line": line}
         print(json.dumps(question | {"log": str(self.log)}), file=self.process.stdin, flush=True)
-        return json.loads(self.process.stdout.readline())
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise StudyFailed(f"the tests were not collected: {self.collected.read_text()[-1000:]}")
+        return json.loads(answer)
 
 
 def belonging(file: str) -> list[str]:

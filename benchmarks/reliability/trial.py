@@ -75,6 +75,12 @@ class TrialServer:
         """Take where the answers go."""
         self.answers = answers
 
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Leave the second part of the tests out: it takes too long."""
+        from tests.second_part import of_second_part
+
+        items[:] = [item for item in items if not of_second_part(item.nodeid.removeprefix("tests/"))]
+
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Answer until there is no more question."""
         trial = Trial()
