@@ -37,7 +37,7 @@ SMALLEST = 1e-3
 NOT_RUN = ("annotation", "returns", "decorator_list", "bases", "keywords")
 """Fields of statements, arguments and classes that no mutant changes."""
 
-KERNELS = ("ti.kernel", "ti.func")
+KERNELS = ("ti.kernel", "ti.func", "kernel")
 """Decorators of functions that Taichi compiles."""
 
 
@@ -120,14 +120,14 @@ def _changes(node: ast.AST, returned: str) -> Iterator[tuple[str, ast.stmt | ast
             yield "and/or", node, f"({ast.unparse(ast.BoolOp(other, node.values))})"
         case ast.Constant(value=bool()):
             yield "constant", node, str(not node.value)
-        case ast.Constant(value=int()):
-            yield "constant", node, str(node.value + 1)
-        case ast.Constant(value=float()) if not 0 < node.value < SMALLEST:
-            yield "constant", node, repr(node.value * 1.01 or 0.01)
+        case ast.Constant(value=int(number)):
+            yield "constant", node, str(number + 1)
+        case ast.Constant(value=float(number)) if not 0 < number < SMALLEST:
+            yield "constant", node, repr(number * 1.01 or 0.01)
         case ast.BinOp(op=ast.Sub() | ast.Div() | ast.FloorDiv() | ast.Mod()):
             yield "operands", node, f"({ast.unparse(ast.BinOp(node.right, node.op, node.left))})"
-        case ast.Return(value=ast.expr()) if returned in NEGATED:
-            yield "return", node, f"return {NEGATED[returned]} ({ast.unparse(node.value)})"
+        case ast.Return(value=ast.expr() as value) if returned in NEGATED:
+            yield "return", node, f"return {NEGATED[returned]} ({ast.unparse(value)})"
         case ast.Expr(value=ast.Constant() | ast.Yield() | ast.YieldFrom()):
             pass  # a docstring; a generator without its only yield is none
         case ast.Expr() | ast.AugAssign() | ast.Raise() | ast.Continue() | ast.Break() | ast.If(orelse=[]):

@@ -5,6 +5,7 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import NamedTemporaryFile
+from typing import Any
 
 from clingo.ast import AST, ASTType, Location, parse_string
 from clingo.symbol import SymbolType
@@ -28,7 +29,7 @@ SIGN = re.compile(rb"[<>!=]+")
 
 def lp_edits(content: bytes) -> Iterator[tuple[str, int, int, str]]:
     """Yield the edits of an ``.lp`` file: a rule or a literal dropped, a comparison or a number changed."""
-    starts, statements = [0], list[AST]()
+    starts, statements = [0], list[Any]()
     for line in content.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
 
@@ -61,7 +62,7 @@ def lp_edits(content: bytes) -> Iterator[tuple[str, int, int, str]]:
                     yield "number", *place(node.location), str(number + max(1, round(abs(number) / 100)))
 
 
-def _nodes(node: AST) -> Iterator[AST]:
+def _nodes(node: Any) -> Iterator[Any]:
     """Yield a node and all below it."""
     yield node
     for value in node.values():

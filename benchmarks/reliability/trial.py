@@ -14,6 +14,7 @@ import sys
 import time
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from hashlib import sha256
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType
 from typing import Any
@@ -47,9 +48,12 @@ class Trial:
         if report.failed:
             self.failed.append(report.nodeid)
 
-    def run(self, items: Sequence[pytest.Item], measure: bool) -> None:
-        """Run tests: all, and measure them; or until the first fails."""
+    def run(self, items: Sequence[pytest.Item], measure: float) -> None:
+        """Run tests until the first fails; or measure them for so many seconds."""
+        end = time.monotonic() + measure
         for item, following in zip(items, [*items[1:], None], strict=True):
+            if measure and time.monotonic() > end:
+                break
             seen, here = set[CodeType](), f"{os.getcwd()}{os.sep}"
 
             def enter(frame: FrameType, event: str, _: Any, seen: set[CodeType] = seen) -> None:
@@ -101,7 +105,7 @@ class Anew:
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Run them."""
         if not self.trial.failed:
-            self.trial.run(chosen(session, self.order), measure=False)
+            self.trial.run(chosen(session, self.order), measure=0)
         return True
 
 
@@ -123,8 +127,13 @@ def answer(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> d
         for number, file in enumerate((os.open(os.devnull, os.O_RDONLY), log, log)):
             os.dup2(file, number)
         try:
-            _try(session, trial, question)
-            found = {"failed": trial.failed, "seconds": trial.seconds, "entered": trial.entered}
+            others = _try(session, trial, question)
+            found = {
+                "failed": trial.failed,
+                "seconds": trial.seconds,
+                "entered": trial.entered,
+                "others": others,
+            }
             with os.fdopen(write, "wb") as file:
                 file.write(json.dumps(found).encode() + b"\n")
         finally:
@@ -158,18 +167,22 @@ def _parts(read: int, end: float) -> Iterator[bytes]:
     raise TimeoutError
 
 
-def _try(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> None:
-    """In the child: change what the parent has imported, and run the tests."""
+def _try(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> int:
+    """In the child: change what the parent has imported, and run the tests; return the number not reached."""
     order = question["order"]
     if question["measure"]:
-        trial.run([item for item in session.items if item.nodeid.startswith(tuple(order))], measure=True)
-    elif not (file := question["file"]) or (file.endswith(".py") and _patched(Path(file), question["line"])):
-        trial.run(chosen(session, order), measure=False)
+        items = [item for item in session.items if item.nodeid.startswith(tuple(order))]
+        items.sort(key=lambda item: sha256(item.nodeid.encode()).digest())
+        trial.run(items, question["measure"])
+        return len(items) - len(trial.entered)
+    if not (file := question["file"]) or (file.endswith(".py") and _patched(Path(file), question["line"])):
+        trial.run(chosen(session, order), measure=0)
     else:
         for name in [name for name in sys.modules if name.partition(".")[0] in OURS]:
             del sys.modules[name]
         paths = sorted({name.partition("::")[0] for name in order})
         pytest.main([*OPTIONS, *paths], [trial, Anew(trial, order)])
+    return 0
 
 
 def _patched(file: Path, first: int) -> bool:

@@ -109,7 +109,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     monkeypatch.setattr(study, "ROOT", root)
     monkeypatch.setattr(study, "KINDS", {"tiny": ("logic/*.py",)})
-    monkeypatch.setattr(study, "BELONGING", {"logic": ("test_lengths.py",)})
+    monkeypatch.setattr(study, "BELONGING", {"logic/*": ("test_lengths.py",)})
     return root
 
 
