@@ -53,6 +53,9 @@ test(what_is_loose_does_not_bind,
     two(L), room_bounds(cell, L, any, any, 1, on(crate,2,back,2), _, Binding).
 test(parts_come_as_in_a_house_file, Types == [stand,stool,stool]) :-
     seats(L), room_parts(cell, L, any, Parts), findall(T, member(T-_, Parts), Types).
+test(what_stands_in_the_middle_alone_is_bound_both_ways, true(( number(Across), number(Inwards) ))) :-
+    Alone = [on(stand,1,middle,1)],
+    bounds(Alone, on(stand,1,middle,1), across, Across, _, _, _), bounds(Alone, on(stand,1,middle,1), inwards, Inwards, _, _, _).
 test(companions_come_after_their_piece, Atoms == [on(crate,1,back,1),with(crate,1,stool,near),with(crate,1,stool,far),
                                                   on(crate,2,back,2)]) :-
     two(L), room_parts(cell, [with(crate,1,stool,near),with(crate,1,stool,far)|L], any, Parts),

@@ -23,6 +23,10 @@ test(a_good_file_has_no_problem, Found == []) :-
     found(["passage(0.4).\nroom_size(a, W, 1) :- { W >= 1, W =< 2 }, W = 1.\npiece_size(b, L, 1, _) :- ( L = 1 -> true ; L is 1+1 )."], Found).
 test(a_grammar_may_have_predicates_that_it_calls, Found == []) :-
     found(["room_size(a, W, D) :- both(W), once(both(D)).\nboth(W) :- { W >= 1, W =< 2 }."], Found).
+test(every_goal_of_the_closed_language_is_let_through, Found == []) :-
+    found(["room_size(a, W, 1) :- W = 1, W \\= 2, W == 1, W \\== 2, X is 1+1, X < 3, X > 1, X =< 2, X >= 2, X =:= 2, X =\\= 3, !, true.",
+           "room_size(b, W, 1) :- member(X, [2]), memberchk(X, [2]), between(1, 2, W), number(X), nonvar(X), atom(b), var(_).",
+           "room_size(c, 1, 1) :- fail.\nroom_size(c, 2, 1) :- false."], Found).
 test(they_may_stand_in_another_file, Found == []) :-
     found(["room_size(a, W, D) :- both(W), \\+ \\+ both(D), D = W.", "both(W) :- { W >= 1, W =< 2 }."], Found).
 test(a_directive_that_loads_clpr_is_harmless, Found == []) :- found([":- use_module(library(clpr)).\npassage(0.4)."], Found).
