@@ -1,4 +1,4 @@
-%   A tiny grammar: one type of room, 3 to 4 m wide and 3 m deep, and pieces of fixed size, but for three.
+%   A tiny grammar: rooms, a cell of them 3 to 4 m wide and 3 m deep, and pieces of fixed size, but for three.
 
 door_width(0.8).
 door_clearance(0.5).
@@ -16,3 +16,4 @@ piece_size(stand, L, D, _) :- { L >= 0.4, L =< 0.6, D = L + 0.1 }.
 piece_size(rug,   L, D, Wall-Across) :- { L >= Wall/4, L =< Wall/2, 2*D >= Across, D =< 2.0 }.
 piece_size(block, 1.0, 2.7, _).
 piece_size(stool, 0.4, 0.4, _).
+room_size(closet, 2.0, 2.0).

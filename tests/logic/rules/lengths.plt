@@ -18,6 +18,7 @@ test(the_extremes_of_a_room_are_its_clauses) :- room_extent(cell, W, D), near(W,
 test(a_size_that_depends_on_the_other_has_extremes) :- room_extent(square, W, D), near(W, 2-5), near(D, 2-5).
 test(a_type_without_a_clause_has_none, fail) :- room_extent(hall, _, _).
 test(a_piece_is_as_long_as_the_walls_allow) :- piece_extent(cell, beam, L, D), near(L, 3-4), near(D, 0.5-0.5).
+test(in_a_room_of_one_size_a_piece_is_as_long_as_its_walls) :- piece_extent(closet, beam, L, _), near(L, 2-2).
 test(at_a_wall_of_known_length_a_piece_is_bounded_by_it) :- piece_range(shelf, 3.0-_, L, D), near(L, 1.5-3), near(D, 0.2-0.4).
 test(a_piece_in_no_type_of_room_has_no_extremes, fail) :- piece_extent(hall, crate, _, _).
 test(on_a_grid_extremes_are_cells, [setup(set_cell(0.4)), cleanup(set_cell(0)), true(W-D == (8-10)-(8-8))]) :- room_extent(cell, W, D).
