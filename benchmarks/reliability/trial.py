@@ -174,6 +174,8 @@ def _try(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> int
         items = [item for item in session.items if item.nodeid.startswith(tuple(order))]
         items.sort(key=lambda item: sha256(item.nodeid.encode()).digest())
         trial.run(items, question["measure"])
+        # So that compiled kernels are kept for the trials.
+        session.config.hook.pytest_sessionfinish(session=session, exitstatus=0)
         return len(items) - len(trial.entered)
     if not (file := question["file"]) or (file.endswith(".py") and _patched(Path(file), question["line"])):
         trial.run(chosen(session, order), measure=0)

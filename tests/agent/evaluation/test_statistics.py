@@ -83,7 +83,7 @@ def test_a_paired_difference_does_not_vary_with_how_hard_the_houses_are():
 def test_equal_scores_differ_by_nothing_whatever_is_resampled():
     scores = np.random.default_rng(7).random((3, 20))
     assert paired_difference(scores, scores) == (0, 0, 0)
-    with pytest.raises(ValueError, match="same shape"):
+    with pytest.raises(ValueError, match="paired scores need the same shape"):
         paired_difference(scores, scores[:2])
 
 

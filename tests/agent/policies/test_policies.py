@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from agent.policies.policies import epsilon_greedy, exploration
+from agent.policies.policies import RandomPolicy, epsilon_greedy, exploration, home
 from sim.actions import FORWARD, LEFT
 
 
@@ -18,3 +18,25 @@ def test_a_share_of_the_actions_is_random_and_the_rest_are_the_best(epsilon, dra
     actions = epsilon_greedy(q, *exploration((len(q),), seeded(), epsilon, 1.0, draws)).argmax(-1)
     assert (actions == FORWARD).float().mean().item() == pytest.approx(epsilon, abs=0.01)
     assert ((actions == FORWARD) | (actions == LEFT)).all()
+
+
+def test_a_policy_begins_without_interventions_and_counts_those_of_an_episode():
+    class Never:
+        def __call__(self, observation, blocked):
+            return torch.tensor([[True, True, False]]).expand(len(observation), 3)
+
+    policy = RandomPolicy(Never(), seeded(), forward=1.0)
+    assert policy.interventions == 0
+    scene, still = torch.zeros(5, 40, 2), torch.zeros(5, dtype=torch.bool)
+    assert (policy(scene, still) != FORWARD).all()
+    assert policy.interventions == 5
+    policy.begin(5)
+    assert policy.interventions == 0
+
+
+def test_a_random_action_goes_to_a_target_that_a_middle_ray_sees():
+    scene = torch.zeros(3, 40, 2)
+    scene[1, 20, -1] = 1.0
+    scene[2, 0, -1] = 1.0
+    preference = torch.tensor([[1.0, 0.0, 0.0]]).expand(3, 3)
+    assert home(preference, scene).argmax(-1).tolist() == [LEFT, FORWARD, LEFT]
