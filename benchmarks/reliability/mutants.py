@@ -58,28 +58,19 @@ BELONGING: dict[str, tuple[str, ...]] = {
     "logic/checking/*": ("logic/checking",),
     "logic/generation/*": ("logic/generation", "logic/request/test_fixed_rooms.py"),
     "logic/rules/brief/*": ("logic/generation/test_brief.py",),
-    "logic/rules/language/*.lp": (
-        "logic/language/test_mistakes.py",
+    "logic/rules/language/*.lp": ("logic/language/test_mistakes.py",),
+    "logic/rules/why/*.lp": ("logic/why/test_why.py",),
+    "logic/rules/room/*.lp": (
+        "logic/layout",
+        "logic/rules/test_capacity.py",
         "logic/rules/test_furniture_relations.py",
-    ),
-    "logic/rules/why/*.lp": ("logic/why/test_why.py", "logic/proofs/test_plan_proofs.py"),
-    "logic/rules/topologies/*.lp": (
-        "logic/rules/test_dissection.py",
-        "logic/generation/test_corridor.py",
-        "logic/generation/test_shared_walls.py",
-        "logic/generation/test_units.py",
-    ),
-    "logic/rules/shared_walls/*.lp": (
-        "logic/rules/test_adjacent.py",
-        "logic/rules/test_relations.py",
-        "logic/language/test_mistakes.py",
         "logic/generation/test_shared_walls.py",
     ),
     "logic/rules/*.lp": (
         "logic/layout",
-        "logic/rules/test_capacity.py",
-        "logic/rules/test_furniture_relations.py",
-        "logic/generation/test_furnish.py",
+        "logic/generation/test_corridor.py",
+        "logic/generation/test_shared_walls.py",
+        "logic/generation/test_units.py",
     ),
     "logic/rules/language/*.pl": ("logic/rules/test_prolog.py", "logic/language/test_mistakes.py"),
     "logic/rules/agreement.pl": ("logic/rules/test_prolog.py", "logic/language/test_mistakes.py"),
@@ -95,7 +86,7 @@ BELONGING: dict[str, tuple[str, ...]] = {
     "sim/*": ("sim",),
     "agent/avoidance.py": ("agent/test_avoidance.py",),
     "agent/evaluation/*": ("agent/evaluation/test_statistics.py",),
-    "agent/planner/*": ("agent/planner",),
+    "agent/planner/frame.py": ("agent/planner/test_frame.py",),
     "agent/policies/*": ("agent/policies", "agent/test_avoidance.py", "agent/evaluation/test_episodes.py"),
 }
 """By pattern of files the tests, below ``tests``, that belong to them: the first that matches counts."""

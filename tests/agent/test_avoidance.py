@@ -82,6 +82,18 @@ def test_after_a_bump_the_same_move_is_forbidden_and_then_no_longer():
     assert SHIELD(open_floor, torch.tensor([True, False]))[:, FORWARD].tolist() == [False, True]
 
 
+def test_a_closed_door_is_never_in_the_way_and_a_bump_before_one_is_a_push():
+    shield = Shield(ANGLES, REACH, BODY, STEP, distance=0, door=1)
+    near, far = 0.01, 0.5
+    scene = torch.ones(4, 40, 3)
+    scene[:, :, 1:] = 0
+    scene[:, 18:22, 0] = torch.tensor([near, near, far, far])[:, None]
+    scene[::2, 18:22, 1] = 1
+    still, bumped = smooth(scene), ~smooth(scene)
+    assert shield(scene, still)[:, FORWARD].tolist() == [True, False, True, True]
+    assert shield(scene, bumped)[:, FORWARD].tolist() == [True, False, False, False]
+
+
 def test_the_papers_rule_leaves_one_random_rotation_near_anything_but_the_target():
     rule = PaperRule(torch.Generator().manual_seed(0))
     scene = torch.ones(1000, 40, 2)

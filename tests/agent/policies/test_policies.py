@@ -3,6 +3,7 @@
 import pytest
 import torch
 
+from agent.policies.driving import DrivingExplorer
 from agent.policies.policies import RandomPolicy, epsilon_greedy, exploration, home
 from sim.actions import FORWARD, LEFT
 
@@ -40,3 +41,7 @@ def test_a_random_action_goes_to_a_target_that_a_middle_ray_sees():
     scene[2, 0, -1] = 1.0
     preference = torch.tensor([[1.0, 0.0, 0.0]]).expand(3, 3)
     assert home(preference, scene).argmax(-1).tolist() == [LEFT, FORWARD, LEFT]
+
+
+def test_what_drives_has_no_layer_and_so_no_interventions():
+    assert DrivingExplorer.interventions == 0
