@@ -226,18 +226,28 @@ class Tests:
         """Change the file, run the tests that belong to it, and change it back."""
         first = first_line(self.copy, mutant)
         measured = self.measured(belonging(mutant.file))
-        order, left_out = self.order(mutant, first, measured, seconds)
         place = self.copy / mutant.file
         content = place.read_bytes()
         place.write_bytes(mutant.applied(content))
         try:
-            python = mutant.file if mutant.file.endswith(".py") else ""
-            limit = 20 + 3 * sum(measured["seconds"][name] for name in order)
-            failed = self.ask(order, limit, file=python, line=first)["failed"]
+            row = self.noticing(kind, mutant, first, measured, seconds)
+            if first and not row.by:
+                # What tests make as they are imported, the function as it was has made.
+                row = self.noticing(kind, mutant, 0, measured, seconds)
         finally:
             place.write_bytes(content)
-        if failed:
-            self.noticed[mutant.file, failed[0]] += 1
+        if row.by:
+            self.noticed[mutant.file, row.by] += 1
+        return row
+
+    def noticing(
+        self, kind: str, mutant: Mutant, first: int, measured: dict[str, Any], seconds: float
+    ) -> Row:
+        """Run the tests, where the function at line ``first`` has changed; or all is imported anew."""
+        order, left_out = self.order(mutant, first, measured, seconds)
+        limit = 20 + 3 * sum(measured["seconds"][name] for name in order)
+        file = mutant.file if mutant.file.endswith(".py") else ""
+        failed = self.ask(order, limit, file=file, line=first)["failed"]
         return Row(kind=kind, mutant=mutant, by="".join(failed[:1]), tests=len(order), left_out=left_out)
 
     def order(
