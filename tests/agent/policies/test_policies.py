@@ -1,11 +1,14 @@
 """Policies: the share of random actions."""
 
+import numpy as np
 import pytest
 import torch
 
+from agent.policies import driving, policies
 from agent.policies.driving import DrivingExplorer
-from agent.policies.policies import RandomPolicy, epsilon_greedy, exploration, home
+from agent.policies.policies import RandomPolicy, Tracker, epsilon_greedy, exploration, home
 from sim.actions import FORWARD, LEFT
+from sim.config import DEFAULT
 
 
 def seeded() -> torch.Generator:
@@ -45,3 +48,44 @@ def test_a_random_action_goes_to_a_target_that_a_middle_ray_sees():
 
 def test_what_drives_has_no_layer_and_so_no_interventions():
     assert DrivingExplorer.interventions == 0
+
+
+class Planners:
+    """What makes no map, and notes what it is given."""
+
+    def __init__(self, _, environments, *__, led=False):
+        self.advice = self.course = torch.zeros(environments, 2)
+        self.led, self.fresh = led, []
+
+    def step(self, *arguments):
+        self.fresh.append(arguments[3].tolist())
+
+    def drive(self, *arguments):
+        self.fresh.append(arguments[2].tolist())
+
+
+NOTHING, STILL = torch.zeros(3, 40, 2), torch.zeros(3, dtype=torch.bool)
+
+
+@pytest.mark.parametrize("chooser", [True, False])
+def test_a_tracker_has_a_planner_for_each_environment_that_a_chooser_leads(monkeypatch, chooser):
+    monkeypatch.setattr(policies, "Planner", Planners)
+    asked = []
+    tracker = Tracker(DEFAULT, chooser=asked.append if chooser else None)
+    tracker.begin(3)
+    planner = tracker.look(NOTHING, STILL)
+    assert tracker.look(NOTHING, STILL) is planner
+    assert len(planner.advice) == 3
+    assert planner.fresh == [[True] * 3, [False] * 3]
+    assert planner.led == chooser
+    assert asked == [planner, planner] * chooser
+
+
+def test_an_explorer_that_drives_has_a_planner_for_each_environment(monkeypatch):
+    monkeypatch.setattr(driving, "DrivingPlanner", Planners)
+    monkeypatch.setattr(driving, "steered", lambda drive, off, room: off)
+    explorer = DrivingExplorer(DEFAULT, lambda: np.zeros((3, 3)))
+    explorer.begin(3)
+    assert len(explorer(NOTHING, STILL)) == 3
+    assert len(explorer(NOTHING, STILL)) == 3
+    assert explorer.planner.fresh == [[True] * 3, [False] * 3]
