@@ -286,7 +286,10 @@ class Tests:
             key = f"{path} {content.hexdigest()[:12]}"
             if key not in self.known:
                 say(f"measures {path}")
-                self.known[key] = self.ask([path], 3600, measure=self.seconds)
+                measured = self.ask([path], 3600, measure=self.seconds)
+                if not measured.get("seconds"):
+                    raise StudyFailed(f"{path}: no test could be measured: {measured['failed']}")
+                self.known[key] = measured
                 write_whole(self.file, json.dumps(self.known).encode())
                 say(f"{len(self.known[key]['seconds'])} tests; fail already: {self.known[key]['failed']}")
             found["failed"] += self.known[key]["failed"]
