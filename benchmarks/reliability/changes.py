@@ -83,8 +83,12 @@ def python_edits(content: bytes) -> Iterator[Edit]:
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     if any(ast.unparse(each) in KERNELS for function in functions for each in function.decorator_list):
         return
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    symmetric = {arg for call in calls if ast.unparse(call.func) == "abs" for arg in call.args}
     for node, returned in _nodes(tree, ""):
         for operator, changed, text in _changes(node, returned):
+            if operator == "operands" and isinstance(node, ast.BinOp) and _is_distance(node, symmetric):
+                continue
             start = starts[changed.lineno - 1] + changed.col_offset
             yield operator, start, starts[(changed.end_lineno or 0) - 1] + (changed.end_col_offset or 0), text
 
@@ -149,3 +153,8 @@ def _is_tolerant(node: ast.Compare) -> bool:
 def _is_negated(test: ast.expr) -> bool:
     """Return True if a mutant of its comparison is a condition's negation."""
     return isinstance(test, ast.Compare) and len(test.ops) == 1 and len(COMPARISONS[type(test.ops[0])]) == 1
+
+
+def _is_distance(node: ast.BinOp, symmetric: set[ast.expr]) -> bool:
+    """Return True for a difference whose sign does not count."""
+    return isinstance(node.op, ast.Sub) and node in symmetric

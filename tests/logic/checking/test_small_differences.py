@@ -4,7 +4,8 @@ import pytest
 from msgspec.structs import replace
 
 from logic import House, Piece, check
-from logic.house.promises import Promises
+from logic.house.parts import Provenance
+from logic.house.promises import Promises, Thickness
 from tests.logic.house.handmade import Sketch, built, piece, sketches
 from tests.plans import flat
 
@@ -71,3 +72,41 @@ def test_pieces_that_meet_round_corners_touch_at_neighbouring_walls_alone(
         "NN": (replace(north, width=1.2), replace(north, width=1.2, x=2.0)),
     }
     assert check(with_bedroom(*desks[places]), Promises(meet=("desk",))) == words
+
+
+def without(house: House, *between: str) -> House:
+    return replace(house, doors=tuple(door for door in house.doors if door.between != between))
+
+
+def test_each_unit_has_one_door_to_a_public_room() -> None:
+    """The hall has a door outside too; the kitchen and the living room have two to the public corridor."""
+    public = Promises(public=("corridor",))
+    kitchen = "R6 (kitchen): its unit is entered by 2 doors (must be one)"
+    assert check(flat(), public) == ["R4 (hall): its unit is entered by 2 doors (must be one)", kitchen]
+    apart = without(without(flat(), "R0", "R4"), "R0", "R7")
+    found = [line for line in check(apart, public) if "unit" in line]
+    assert found == ["R4 (hall): its unit is entered from outside (must be from a public room)"]
+
+
+def test_walls_are_as_thick_as_is_promised() -> None:
+    assert check(flat(), Promises(wall_thickness=Thickness(0.0, 0.0))) == []
+    assert check(flat(), Promises(wall_thickness=Thickness(0.1, 0.3))) == [
+        "house: its inner walls are 0 m thick (must be 0.1)",
+        "house: its outer walls are 0 m thick (must be 0.3)",
+    ]
+
+
+def on_cells(house: House, cell: float) -> list[str]:
+    return check(replace(house, provenance=Provenance("", "", {"cell": cell}, 0, 0, {})), Promises())
+
+
+def test_a_house_on_a_grid_has_all_its_edges_on_it() -> None:
+    assert on_cells(flat(), 0.3) == []
+    rack = flat_with(piece("rack", 0.65, 1.2, 0.6, 0.6))
+    assert on_cells(rack, 0.3) == ["R1 (bedroom): rack stands 0.050 m off the grid of 0.3 m"]
+
+
+def test_a_main_room_on_a_grid_is_of_whole_cells() -> None:
+    found = [line for line in on_cells(with_bedroom(), 0.4) if line.startswith("main room")]
+    assert found == [f"main room: is 4.200 m {way}, not whole cells of 0.4 m" for way in ("wide", "deep")]
+    assert not [line for line in on_cells(with_bedroom(), 0.3) if line.startswith("main room")]
