@@ -1,5 +1,7 @@
 """Policies: the share of random actions."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import torch
@@ -71,9 +73,13 @@ NOTHING, STILL = torch.zeros(3, 40, 2), torch.zeros(3, dtype=torch.bool)
 def test_a_tracker_has_a_planner_for_each_environment_that_a_chooser_leads(monkeypatch, chooser):
     monkeypatch.setattr(policies, "Planner", Planners)
     asked = []
-    tracker = Tracker(DEFAULT, chooser=asked.append if chooser else None)
+
+    def choose(planner):
+        asked.append(planner)
+
+    tracker = Tracker(DEFAULT, chooser=choose if chooser else None)
     tracker.begin(3)
-    planner = tracker.look(NOTHING, STILL)
+    planner: Any = tracker.look(NOTHING, STILL)
     assert tracker.look(NOTHING, STILL) is planner
     assert len(planner.advice) == 3
     assert planner.fresh == [[True] * 3, [False] * 3]
@@ -88,4 +94,5 @@ def test_an_explorer_that_drives_has_a_planner_for_each_environment(monkeypatch)
     explorer.begin(3)
     assert len(explorer(NOTHING, STILL)) == 3
     assert len(explorer(NOTHING, STILL)) == 3
-    assert explorer.planner.fresh == [[True] * 3, [False] * 3]
+    planner: Any = explorer.planner
+    assert planner.fresh == [[True] * 3, [False] * 3]
