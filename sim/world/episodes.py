@@ -28,9 +28,6 @@ the episode's, and the seed is two of them.
 WHOLES = SEED + 2
 """Whole numbers of a state."""
 
-MOST_CELLS = 1 << 16, 1 << 16, 8
-"""Of a house, east and south, and headings."""
-
 HEADER = 7
 """Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
 targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
@@ -215,9 +212,11 @@ class Episodes(Observing):
             place = ti.cast(ti.round((state.target - corner) / step), ti.i32)
             slot, field = -1, ti.Vector([-1, 0, 0, 0, -1, 0])
             whole = corner + ti.cast(place, ti.f32) * step == state.target
-            if whole.all() and (state.origin == corner).all():
-                at = world.slots[2 * state.house] + place[0] * world.slots[2 * state.house + 1] + place[1]
-                slot = world.slots[at]
+            header = 3 * state.house
+            columns, rows = world.slots[header + 1], world.slots[header + 2]
+            is_within = 0 <= place[0] < columns and 0 <= place[1] < rows  # a user's target may lie anywhere
+            if whole.all() and is_within and (state.origin == corner).all():
+                slot = world.slots[world.slots[header] + place[0] * rows + place[1]]
             if slot >= 0:
                 field = world.known[slot]
             world.fields[e] = field

@@ -12,7 +12,7 @@ further than that. Profiles repeat, in a field and among fields: a distance is t
     profiles  512 numbers each, by column, row and heading; -1 where no path leads from
     distance  for each environment, in actions; -1 where no path leads to its target
     pending   whether an environment has a target without a field, whose distance is -2 until ``settle``
-    slots     for each house where its places begin and their number in a column; then of each place the
+    slots     for each house where its places begin, its columns and their rows; then of each place the
               number of the field of a target there, -1 for none
     known     rows of ``fields`` by these numbers
 """
@@ -83,10 +83,10 @@ class Distances:
     def _empty_slots(self) -> None:
         shapes = np.array([lattice.shape for lattice in self.world.lattices], np.int32)
         sizes = shapes.prod(axis=1, dtype=np.int64)
-        begin = 2 * len(shapes) + np.cumsum([0, *sizes])
+        begin = 3 * len(shapes) + np.cumsum([0, *sizes])
         slots = np.full(begin[-1], -1, np.int32)
         self._corners = list(zip(begin[:-1].tolist(), shapes[:, 1].tolist(), strict=True))
-        slots[: 2 * len(shapes)] = np.column_stack([begin[:-1], shapes[:, 1]]).ravel()
+        slots[: 3 * len(shapes)] = np.column_stack([begin[:-1], shapes]).ravel()
         self.world.replace_array("slots", Array.of(slots))
 
     def wait(self) -> None:
@@ -123,6 +123,8 @@ class Distances:
         fields = arrays["fields"].numpy()
         house, reals = arrays["wholes"].numpy()[:, HOUSE], arrays["reals"].numpy()
         waiting = np.flatnonzero(fields[:, 0] < 0)
+        if not len(waiting):  # the target that was sampled gave way to a user's, whose field is known
+            return
         keys = _keys(house[waiting], reals[waiting])
         missing = [key for key in dict.fromkeys(keys) if key not in self._known]
         if missing and self.bytes > MOST_BYTES:

@@ -56,6 +56,22 @@ def test_the_distance_is_the_oracles_number_of_steps(arguments):
     assert info["distance"].max() > 9
 
 
+def test_a_given_target_has_its_distance_whether_it_was_met_before_or_lies_outside():
+    envs = asking()
+    _, info = envs.reset(seed=1)
+    house, pose, target = info["house"], info["pose"], info["target"]
+    _, again = envs.reset(options={"house": house, "pose": pose, "target": target})
+    np.testing.assert_array_equal(again["distance"], info["distance"])
+    _, again = envs.reset(options={"house": house, "target": target})
+    np.testing.assert_array_equal(again["distance"], true_distances(envs))
+    for k in range(1, 60):  # on the lattice, further and further off
+        corners = [
+            envs.world.lattices[number].origin - np.float32(DEFAULT.step) * (1 + 9 * k) for number in house
+        ]
+        _, outside = envs.reset(options={"house": house, "target": np.array(corners, np.float32)})
+        assert (outside["distance"] == -1).all()
+
+
 def test_following_the_oracle_brings_the_target_one_step_nearer_each_time():
     envs = asking()
     _, info = envs.reset(seed=2)
