@@ -110,8 +110,7 @@ def house_list(houses: Houses) -> list[House]:
     houses = list(houses)
     if not houses:
         raise ValueError("no house to simulate: the bank is empty")
-    strange = next((h for h in houses if not isinstance(h, House)), None)
-    if strange is not None:
+    for strange in (each for each in houses if not isinstance(each, House)):
         raise ValueError(
             f"houses must be a path, a request or a list of House, not of {type(strange).__name__}"
         )

@@ -15,6 +15,10 @@ SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
 """Of an environment's options."""
 
 
+FARTHEST_M = 1e6
+"""Metres of a place from the origin: float32 has no centimetres further off."""
+
+
 @dataclass(frozen=True)
 class ResetOptions:
     """What a reset is asked for, by environment."""
@@ -122,10 +126,13 @@ def _array(name: str, value: Any) -> np.ndarray:
 
 def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     try:
-        array = _array(name, value).astype(np.float64)
+        array = _array(name, value)
+        if array.dtype.kind not in "iuf":
+            raise TypeError("no real numbers")
     except (TypeError, ValueError):
         raise ValueError(f"option {name}: finite numbers of shape {shape}, found {value!r}") from None
-    if array.shape != shape or not np.isfinite(array).all():
-        found = f"shape {array.shape}" if array.shape != shape else "some that are not finite"
+    array = array.astype(np.float64)
+    if array.shape != shape or not (np.abs(array) < FARTHEST_M).all():
+        found = f"shape {array.shape}" if array.shape != shape else "some that are not finite, or too far off"
         raise ValueError(f"option {name}: finite numbers of shape {shape}, found {found}")
     return array

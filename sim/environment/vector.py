@@ -1,6 +1,7 @@
 """Many houses at once: a Gymnasium ``VectorEnv``."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -255,13 +256,17 @@ class HouseVectorEnv(VectorEnv):
         """
         self._require_open()
         given = require_mapping(options)
-        if self._passing and seed is not None and "reset_mask" not in given and self._passing.go_to(0):
-            self._pictures.forget()
-        asked = read_options(given, self.world, first=not self._ready)
-        if seed is None and not self._ready:
-            seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
-        if seed is not None:
-            self._take_seeds(read_seeds(seed, self.num_envs), asked.mask)
+        seeds = None if seed is None else read_seeds(seed, self.num_envs)
+        with self._unless_refused():
+            if self._passing and seeds and "reset_mask" not in given and self._passing.go_to(0):
+                self._pictures.forget()
+            asked = read_options(given, self.world, first=not self._ready)
+        if seeds is None and not self._ready:
+            seeds = read_seeds(
+                int(self.np_random.integers(2**63)) if self._seed is None else self._seed, self.num_envs
+            )
+        if seeds is not None:
+            self._take_seeds(seeds, asked.mask)
         self.world.reset(asked.wholes, asked.reals)
         flags = self._outputs.flags()
         flags[:, asked.mask] = False
@@ -366,9 +371,11 @@ class HouseVectorEnv(VectorEnv):
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        if self._passing and "passed" in state and self._passing.go_on_from(state["passed"]):
-            self._pictures.forget()
-        require_state(dict(state), self.state, len(self.houses), self.config)
+        state = dict(state)
+        with self._unless_refused():
+            if self._passing and "passed" in state and self._passing.go_on_from(state["passed"]):
+                self._pictures.forget()
+            require_state(state, self.state, self.geometries, self.config)
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]
@@ -399,6 +406,17 @@ class HouseVectorEnv(VectorEnv):
     def scene(self, index: int) -> "Scene":
         """What there is to see of one environment, for ``sim.film``."""
         return scene_of(self._outputs, index)
+
+    @contextmanager
+    def _unless_refused(self) -> Iterator[None]:
+        """Be in the houses that there were where what is asked is refused."""
+        before = self._passing and self._passing.steps
+        try:
+            yield
+        except BaseException:
+            if self._passing and before is not None:
+                self._passing.go_to(before)
+            raise
 
     def _require_open(self) -> None:
         if self.closed:

@@ -146,6 +146,10 @@ def test_what_cannot_be_had_is_said() -> None:
         same.set_houses(HouseRotation(HOUSES, 2, T))
     assert same.houses == HOUSES[:1]
     list(steps(state, PLAN[: T + 1]))
+    later = state.state
     with pytest.raises(ValueError, match="pose"):  # of the first period's houses, which a seed leads back to
         state.reset(seed=0, options={"house": np.full(E, 0), "pose": np.full((E, 3), 50.0)})
-    assert state.houses == HOUSES[:2]
+    with pytest.raises(ValueError, match="a state of other kinds"):
+        state.state = {"passed": np.array([0, 2, T])}
+    assert state.houses == HOUSES[2:4]
+    assert all(np.array_equal(state.state[name], later[name]) for name in later)

@@ -1,5 +1,6 @@
 """The environments as Gymnasium has them, and every wrong use of them."""
 
+import copy
 import os
 import pickle
 import re
@@ -74,8 +75,8 @@ def test_step_returns_fresh_arrays(envs):
     first = envs.step(np.full(COUNT, 2))
     kept = [np.copy(array) for array in first[:4]]
     envs.step(np.zeros(COUNT, int))
-    for array, copy in zip(first[:4], kept, strict=True):
-        np.testing.assert_array_equal(array, copy)
+    for array, same in zip(first[:4], kept, strict=True):
+        np.testing.assert_array_equal(array, same)
 
 
 def test_step_torch_returns_the_same_as_step_without_copies(envs):
@@ -241,6 +242,7 @@ def with_room(**changes) -> House:
 WRONG_HOUSES = {
     "the bank is empty": [],
     "a list of House, not of str": ["house"],
+    "a list of House, not of NoneType": [HOUSES[0], None],
     "house 1 of 2: the body cannot reach room R0 (bedroom)": [HOUSES[0], CRAMPED],
     "house 0 of 1: the main room is at (nan, ": [
         sample_houses.changed_star(HOUSES[0], floor=replace(HOUSES[0].star.floor, x=np.nan))
@@ -271,11 +273,27 @@ def test_a_wrong_state_is_refused_and_changes_nothing(envs, usual):
         "here they are": {name: array for name, array in good.items() if name != "flags"},
         "<f4": good | {"reals": good["reals"].astype(float)},
         "a state of another bank: a body is in house 3 of 3": good | {"wholes": lost},
+        "a body is outside its house": good | {"reals": good["reals"] + 200},
+        "a target is nowhere": good | {"reals": good["reals"] * np.array([1, 1, np.nan, 1], np.float32)},
+        "a body has no heading": good | {"wholes": good["wholes"] + np.eye(1, 10, 2, np.int32) * 8},
     }
     for message, state in wrong.items():
         envs.reset(seed=0)
         with unharmed(envs, usual, ValueError, message):
             envs.state = state
+
+
+def test_after_a_given_pose_and_a_step_an_environment_goes_on_from_its_state_and_as_a_copy(envs):
+    _, info = envs.reset(seed=0)
+    pose = info["pose"]
+    pose[:, 2] = np.pi  # west: cells count from the pose
+    envs.reset(options={"house": info["house"], "pose": pose})
+    envs.step(np.full(COUNT, 2))
+    copies, state = [pickle.loads(pickle.dumps(envs)), copy.deepcopy(envs)], envs.state
+    after = envs.step(np.full(COUNT, 2))[0]
+    envs.state = state
+    for each in (envs, *copies):
+        np.testing.assert_array_equal(each.step(np.full(COUNT, 2))[0], after)
 
 
 def test_the_grid_backend_refuses_other_banks_and_goes_on_as_before():

@@ -78,6 +78,8 @@ OF_MANY = {
     "option house: 2 integers, found int64 ()": {"house": 0},
     "option pose: finite numbers of shape (2, 3), found [[": {"house": [0, 0], "pose": [[1, 2, 3], [1, 2]]},
     "option target: finite numbers of shape (2, 2), found": {"target": "abc"},
+    "shape (2, 2), found [['1', '2'], ['3', '4']]": {"target": [["1", "2"], ["3", "4"]]},
+    "found some that are not finite, or too far off": {"target": [[1, 2], [3, 1e300]]},
 }
 
 
