@@ -36,7 +36,7 @@ PROFILE = TILE * TILE * 8
 """Numbers of a profile."""
 
 MOST_BYTES = 1 << 30
-"""Beyond, fields are forgotten, but for those in use."""
+"""Beyond, fields and surveys are forgotten, but for those in use."""
 
 FAR = 1 << 15
 """More actions than any path takes."""
@@ -100,8 +100,9 @@ class Distances:
 
     @property
     def bytes(self) -> int:
-        """Memory that fields and profiles take."""
-        return 4 * self._used + 2 * PROFILE * len(self._numbers)
+        """Memory that fields, profiles and surveys take."""
+        surveyed = sum(table.nbytes for _, table in self._surveys.values())
+        return 4 * self._used + 2 * PROFILE * len(self._numbers) + surveyed
 
     @property
     def fields(self) -> int:
@@ -128,7 +129,7 @@ class Distances:
         keys = _keys(house[waiting], reals[waiting])
         missing = [key for key in dict.fromkeys(keys) if key not in self._known]
         if missing and self.bytes > MOST_BYTES:
-            self._known, self._used, self._numbers = {}, 0, {}
+            self._known, self._used, self._numbers, self._surveys = {}, 0, {}, {}
             self._empty_slots()
             waiting = np.arange(len(fields))
             keys = _keys(house, reals)
