@@ -16,17 +16,27 @@ from typing import Any
 
 import msgspec
 
+from logic.spelling import printable
+
 
 class VitruviusError(Exception):
     """Any error that a user can act on: its text says what, where and what next."""
 
     exit_code = 70
 
+    keeps = ""
+    """Control characters that the text may have. All others are escaped: words of files are part of it."""
+
+    def __init__(self, message: object = "") -> None:
+        """Keep the message."""
+        super().__init__(printable(str(message), self.keeps))
+
 
 class GrammarError(VitruviusError):
     """A grammar is absent or one of its rule files is wrong."""
 
     exit_code = 5
+    keeps = "\n"
 
     def __init__(
         self, message: str, file: str | Path | None = None, line: int | None = None, column: int | None = None
@@ -97,6 +107,7 @@ class Unsatisfiable(VitruviusError):
     """
 
     exit_code = 3
+    keeps = "\n"
 
     def __init__(
         self,
@@ -124,6 +135,7 @@ class LimitReached(VitruviusError):
     """The stated budget, of inferences or seconds, ran out before a house or a proof was found."""
 
     exit_code = 4
+    keeps = "\n"
 
 
 class OutOfInferences(LimitReached):
@@ -142,6 +154,7 @@ class MissingProgram(VitruviusError):
     """A program that Vitruvius needs is not installed, or does not answer."""
 
     exit_code = 69
+    keeps = "\n"
 
 
 def to_record(error: VitruviusError) -> dict[str, Any]:

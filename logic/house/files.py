@@ -243,7 +243,7 @@ def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
         json.loads(line, object_pairs_hook=_require_once)
         if whole_pixels:
             record = json.loads(line, parse_float=lambda text: float(int(float(text))))
-            if "unit" in record:
+            if isinstance(record, dict) and "unit" in record:
                 raise ValueError(f"its lengths are in {record['unit']}, so there are no pixels to cut")
         return House.from_dict(record)
     except (ValueError, OverflowError) as error:

@@ -44,7 +44,7 @@ def read_cubicasa(content: bytes, _: Any) -> Sketch:
         raise RequestError(f"plan: {FORMAT} has no entities of its own: save it without")
     try:
         tree = ElementTree.fromstring(content)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError) as error:  # of an encoding that nobody knows
         raise RequestError(f"plan: {FORMAT} that is damaged: {error}") from None
     storeys = [each for each in _groups(tree) if "Floorplan" in each.get("class", "").split()]
     with_rooms = [each for each in storeys if any(_is_space(group) for group in _groups(each))]

@@ -37,10 +37,15 @@ def read_ifc(content: bytes, _: Any) -> Sketch:
     try:
         done = subprocess.run(command, input=content, capture_output=True, timeout=SECONDS, check=False)
         found = msgspec.json.decode(done.stdout, type=Solids)
-    except (subprocess.TimeoutExpired, msgspec.DecodeError):
+        if found.error:
+            raise RequestError(found.error)
+        return _sketch(found)
+    except (subprocess.TimeoutExpired, msgspec.DecodeError, UnicodeDecodeError, shapely.errors.ShapelyError):
         raise RequestError("plan: IFC that IfcOpenShell cannot read: export it again") from None
-    if found.error:
-        raise RequestError(found.error)
+
+
+def _sketch(found: Solids) -> Sketch:
+    """Return what the process of IfcOpenShell found, as rooms, doors and windows."""
     spaces = [
         Space(words[0], tuple(words), part)
         for words, shape in found.spaces
