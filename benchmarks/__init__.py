@@ -7,10 +7,18 @@ STUDIES = {
     "generator": ("benchmarks.generator.run:Generator", "Solve time against rooms, on any grammar."),
     "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
-    "fuzz": ("benchmarks.fuzz:Fuzz", "House files and grammars with random changes: a definite answer each."),
     "mutants": (
         "benchmarks.reliability.mutants:Mutants",
         "How many small mistakes in code and rules the tests notice.",
+    ),
+    "fuzz": ("benchmarks.reliability.fuzz:Fuzz", "Files of others with random changes, by every reader."),
+    "calls": (
+        "benchmarks.reliability.environments:Calls",
+        "Environments under random sequences of calls, made again.",
+    ),
+    "grammars": (
+        "benchmarks.reliability.grammars:RandomGrammars",
+        "Small random grammars: one of the four answers, twice.",
     ),
     "shards": ("benchmarks.generator.shards:Shards", "A set of houses under kills, beside one without."),
     "kills": ("benchmarks.reliability.kills:Kills", "Commands under kills: each file is whole or absent."),

@@ -1,1 +1,1 @@
-"""Studies of how well tests, checks and proofs notice what is wrong."""
+"""Studies of what must never happen: a wrong answer, a mistake that no test notices, a torn file."""

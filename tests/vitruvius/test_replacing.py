@@ -31,6 +31,7 @@ FOLDERS = (
         "explorers",
         "fuzz",
         "generator",
+        "grammars",
         "gpu",
         "homes",
         "imitation",

@@ -1,0 +1,330 @@
+"""All readers of files of others, and the two right answers to any content: a value, or an error of ours."""
+
+import os
+import shutil
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+CORPUS = Path(__file__).parents[2] / "tests" / "fixtures" / "corpus"
+"""Contents to begin with, small: a folder for each reader. Contents that once failed are among them."""
+
+READ, REFUSED = "read", "refused"
+
+
+class WrongAnswer(Exception):
+    """An error that a user cannot act on: of another class, of several lines, or without words."""
+
+
+class Reader(NamedTuple):
+    """A reader: the name of its file, and the function that reads the file at a path."""
+
+    file: str
+    read: Callable[[Path], Any]
+    is_json: bool = False
+    """True where contents are changed as JSON too, by value."""
+    refuses: tuple[type[Exception], ...] = ()
+    """Documented errors of Python's, which callers of the reader turn into lines."""
+
+
+def _houses(path: Path) -> None:
+    """Read houses: each is written as it was read."""
+    from logic import House
+    from logic.dataset.reading import load
+
+    for house in load(path):
+        assert House.from_dict(house.to_dict()) == house
+
+
+def _drawn(path: Path) -> None:
+    """Read houses, check them and draw them: a drawing is XML."""
+    from xml.etree import ElementTree
+
+    from logic import check, load
+    from logic.drawing.draw import plan_svg
+
+    for house in load(path):
+        check(house)
+        ElementTree.fromstring(plan_svg(house))
+
+
+def _map(path: Path) -> None:
+    """Read a map by its description; its picture lies beside it."""
+    shutil.copy(CORPUS / "picture" / "map.pgm", path.parent)
+    _houses(path)
+
+
+def _pixels(path: Path) -> None:
+    from logic import load
+
+    load(path, whole_pixels=True)
+
+
+def _plan(path: Path) -> None:
+    from logic.request.given_plan import read_plan
+
+    read_plan(path)
+
+
+def _ifc(path: Path) -> None:
+    """Read a plan, but for what IfcOpenShell does in a process of its own: it is not there."""
+    from unittest.mock import patch
+
+    from logic.readers import ifc
+
+    with patch.object(ifc.subprocess, "run", return_value=_Done(b'{"error": "plan: IFC without spaces"}')):
+        _plan(path)
+
+
+class _Done(NamedTuple):
+    stdout: bytes
+
+
+def _solids(path: Path) -> None:
+    """Read what the process of IfcOpenShell answers."""
+    from unittest.mock import patch
+
+    from logic.readers import ifc
+    from logic.readers.regular import regular
+
+    with patch.object(ifc.subprocess, "run", return_value=_Done(path.read_bytes())):
+        regular(ifc.read_ifc(b"", None), None, 0.01)
+
+
+def _brief(path: Path) -> None:
+    from logic.request.brief import alone, read_brief
+    from logic.request.brief_lines import requirements
+
+    brief = read_brief(path)
+    requirements(brief)
+    alone(brief)
+
+
+def _rules(path: Path) -> None:
+    """Lint a grammar of this file and, beside it, the other files of ``family``."""
+    from logic.grammar import SHIPPED, find
+    from logic.language.linter import findings
+
+    folder = path.parent
+    for file in (SHIPPED / "family").glob("*.[lp][lp]"):
+        if file.suffix != path.suffix:
+            shutil.copy(file, folder)
+    for each in findings(find(folder)):
+        assert each.text.strip(), each
+
+
+def _statements(path: Path) -> None:
+    """Read an answer set program as statements, and what includes and encodings there are."""
+    from logic.grammar import find
+
+    (path.parent / "sizes.pl").touch()
+    _ = find(path.parent).hash
+
+
+def _looks(path: Path) -> None:
+    from logic.house.looks import folder_looks
+
+    folder_looks(path.parent)
+
+
+def _promises(path: Path) -> None:
+    """Read promises as a grammar's ``promise/2`` states them."""
+    import json
+
+    from logic.house.promises import Promises, read_promises
+
+    stated = json.loads(path.read_bytes())
+    if isinstance(stated, dict):
+        read_promises(stated, Promises())
+
+
+def _set(path: Path) -> None:
+    """Read a set's description, and where it is read, how it is divided."""
+    from logic.dataset.sets import read_set
+
+    if found := read_set(path.parent):
+        found.divided()
+
+
+def _manifest(path: Path) -> None:
+    """Read a set by its manifest, and each of its houses."""
+    from logic.dataset.reading import HouseSet
+
+    _beside(path, "set.json", "train-00000-of-00001.jsonl")
+    list(HouseSet(path.parent))
+
+
+def _rows(path: Path) -> None:
+    """Read a set by a file of rows; what rows are made of."""
+    from logic.dataset.reading import HouseSet
+
+    _beside(path, "set.json", "manifest.json")
+    data = path.parent / "data"
+    data.mkdir(exist_ok=True)
+    path.rename(data / "train-00000-of-00001.jsonl")
+    list(HouseSet(path.parent))
+
+
+def _parquet(path: Path) -> None:
+    from logic.dataset.formats import read
+    from logic.dataset.rows import house_of
+
+    for row in read(path):
+        house_of(row, {}, None)
+
+
+def _beside(path: Path, *names: str) -> None:
+    """Put a set's other files beside one of them."""
+    for name in names:
+        place = path.parent / ("data" if name.endswith(".jsonl") else "") / name
+        place.parent.mkdir(exist_ok=True)
+        shutil.copy(CORPUS / "of-a-set" / name, place)
+
+
+def _checkpoint(path: Path) -> None:
+    from agent.runs.checkpoint import load
+
+    load(path)
+
+
+def _keras(path: Path) -> None:
+    from agent.runs.keras import import_keras
+
+    import_keras(path, "mine")
+
+
+def _trace(path: Path) -> None:
+    from agent.recording.trace import load
+
+    load(path)
+
+
+def _scores(path: Path) -> None:
+    """Read an evaluation, and show it as a report does."""
+    from agent.evaluation.scores import load
+
+    load(path)
+
+
+def _games(path: Path) -> None:
+    from agent.play.results import load
+
+    load(path)
+
+
+def _settings(path: Path) -> None:
+    from vitruvius.settings import read
+
+    read(path)
+
+
+def _task(path: Path) -> None:
+    """Read a task from a JSON text, as checkpoints and evaluations have them."""
+    from sim.tasks.tasks import task
+
+    task(path.read_text("utf-8", "replace"))
+
+
+def _report(path: Path) -> None:
+    """Write the report of a folder with this file, and for words about a run, of a run beside it."""
+    from agent.report.folder import report
+
+    if path.name == "about.json":
+        shutil.copy(CORPUS / "report-runs" / "metrics.jsonl", path.parent)
+    report(path.parent)
+
+
+READERS = {
+    "houses": Reader("mine.jsonl", _houses, is_json=True),
+    "packed": Reader("mine.jsonl.gz", _houses),
+    "drawn": Reader("mine.jsonl", _drawn, is_json=True),
+    "pixels": Reader("mine.json", _pixels, is_json=True),
+    "map": Reader("map.yaml", _map),
+    "picture": Reader("map.pgm", lambda path: _houses(_described(path))),
+    "free-walls": Reader("mine.json", _houses, is_json=True),
+    "geojson": Reader("mine.geojson", _plan, is_json=True),
+    "houseexpo": Reader("mine.json", _plan, is_json=True),
+    "resplan": Reader("mine.json", _plan, is_json=True),
+    "cubicasa": Reader("mine.svg", _plan),
+    "imdf": Reader("mine.json", _plan, is_json=True),
+    "archive": Reader("mine.zip", _plan),
+    "ifc": Reader("mine.ifc", _ifc),
+    "solids": Reader("mine.json", _solids, is_json=True),
+    "other-plans": Reader("mine.dxf", _plan),
+    "brief": Reader("mine.json", _brief, is_json=True),
+    "statements": Reader("rooms.lp", _statements),
+    "answer-sets": Reader("rooms.lp", _rules),
+    "prolog": Reader("sizes.pl", _rules),
+    "looks": Reader("looks.json", _looks, is_json=True),
+    "promises": Reader("promises.json", _promises, is_json=True, refuses=(ValueError, RecursionError)),
+    "set": Reader("set.json", _set, is_json=True),
+    "manifest": Reader("manifest.json", _manifest, is_json=True),
+    "rows": Reader("rows.jsonl", _rows, is_json=True),
+    "parquet": Reader("rows.parquet", _parquet, refuses=(ValueError, OSError)),
+    "checkpoint": Reader("mine.safetensors", _checkpoint),
+    "keras": Reader("mine.h5", _keras),
+    "trace": Reader("mine.trace.json", _trace, is_json=True),
+    "scores": Reader("evaluation.json", _scores, is_json=True),
+    "games": Reader("mine.jsonl", _games, is_json=True),
+    "settings": Reader("mine.toml", _settings),
+    "task": Reader("mine.json", _task, is_json=True, refuses=(ValueError,)),
+    "report-traces": Reader("mine.trace.json", _report, is_json=True),
+    "report-scores": Reader("evaluation.json", _report, is_json=True),
+    "report-runs": Reader("metrics.jsonl", _report, is_json=True),
+    "report-about": Reader("about.json", _report, is_json=True),
+}
+"""By name. The files of ``tests/fixtures/corpus/NAME`` are contents to begin with."""
+
+
+def _described(picture: Path) -> Path:
+    """Put a description beside a map's picture."""
+    path = picture.with_name("map.yaml")
+    path.write_text(
+        "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+    )
+    return path
+
+
+def begin(name: str) -> list[bytes]:
+    """Return the contents that a reader's corpus holds, the smallest first."""
+    return sorted((file.read_bytes() for file in (CORPUS / name).iterdir()), key=len)
+
+
+def answer(reader: Reader, content: bytes, folder: Path) -> str:
+    """Return ``READ`` or ``REFUSED``, as the reader answers a file of this content in an empty folder.
+
+    Raises ``WrongAnswer`` for an error of several lines, and any other error that reading raises.
+    """
+    from logic.errors import VitruviusError
+
+    path = folder / reader.file
+    path.write_bytes(content)
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            reader.read(path)
+    except reader.refuses:
+        return REFUSED
+    except VitruviusError as error:
+        text = str(error).strip()
+        if error.exit_code == VitruviusError.exit_code:
+            raise WrongAnswer(f"{type(error).__name__} has no exit code: {text[:300]}") from error
+        if not text or "\n" in text:
+            raise WrongAnswer(f"not one line: {text[:300]!r}") from error
+        return REFUSED
+    finally:
+        for each in folder.iterdir():
+            shutil.rmtree(each) if each.is_dir() else os.unlink(each)
+    return READ
+
+
+@contextmanager
+def scratch() -> Iterator[Path]:
+    """Make a folder in memory, where the system has such a place, for a while."""
+    from tempfile import TemporaryDirectory
+
+    memory = Path("/dev/shm")
+    with TemporaryDirectory(dir=memory if memory.is_dir() and os.access(memory, os.W_OK) else None) as folder:
+        yield Path(folder)
