@@ -261,7 +261,7 @@ def _topology(texts: Mapping[Path, str]) -> tuple[tuple[Path, ...], str]:
                 raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
             named.append(name)
             first = ":".join(map(str, (file.name, *place[1:])))
-    if not named:
+    if not named or (named[0] == STAR.stem and STAR.stem not in own):
         return (STAR,), STAR.stem
     return (*plans, GUARD if named[0] in own else known[named[0]]), named[0]
 

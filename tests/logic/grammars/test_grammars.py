@@ -60,6 +60,14 @@ def test_little_is_read_of_a_rule_file_of_many_gigabytes(tmp_path: Path, name: s
     assert caught.value.file == folder / name
 
 
+def test_a_grammar_may_name_the_star_that_it_is_without_a_name(tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(BASE, tmp_path / "mine"))
+    rooms = folder / "rooms.lp"
+    rooms.write_text("topology(star).\n" + rooms.read_text())
+    made = [next(iter(in_process.generate(3, grammar=grammar, seed=1))) for grammar in (folder, "family")]
+    assert made[0].rooms == made[1].rooms
+
+
 def test_the_clinic_grammar_has_room_types_that_family_lacks() -> None:
     family, clinic = (
         {room.type for house in in_process.generate(12, grammar=name, count=5) for room in house.counted}
