@@ -25,6 +25,8 @@ class Reader(NamedTuple):
     read: Callable[[Path], Any]
     is_json: bool = False
     """True where contents are changed as JSON too, by value."""
+    begins: tuple[str, ...] = ()
+    """Readers whose contents it begins with, in place of its own."""
     refuses: tuple[type[Exception], ...] = ()
     """Documented errors of Python's, which callers of the reader turn into lines."""
 
@@ -236,10 +238,16 @@ def _report(path: Path) -> None:
     report(path.parent)
 
 
+def _info(path: Path) -> None:
+    from vitruvius.info.recognise import recognised
+
+    recognised(str(path))
+
+
 READERS = {
     "houses": Reader("mine.jsonl", _houses, is_json=True),
     "packed": Reader("mine.jsonl.gz", _houses),
-    "drawn": Reader("mine.jsonl", _drawn, is_json=True),
+    "drawn": Reader("mine.jsonl", _drawn, is_json=True, begins=("houses",)),
     "pixels": Reader("mine.json", _pixels, is_json=True),
     "map": Reader("map.yaml", _map),
     "picture": Reader("map.pgm", lambda path: _houses(_described(path))),
@@ -270,12 +278,17 @@ READERS = {
     "games": Reader("mine.jsonl", _games, is_json=True),
     "settings": Reader("mine.toml", _settings),
     "task": Reader("mine.json", _task, is_json=True, refuses=(ValueError,)),
-    "report-traces": Reader("mine.trace.json", _report, is_json=True),
-    "report-scores": Reader("evaluation.json", _report, is_json=True),
+    "report-traces": Reader("mine.trace.json", _report, is_json=True, begins=("trace",)),
+    "report-scores": Reader("evaluation.json", _report, is_json=True, begins=("scores",)),
     "report-runs": Reader("metrics.jsonl", _report, is_json=True),
     "report-about": Reader("about.json", _report, is_json=True),
+    "info-json": Reader("mine.json", _info, is_json=True, begins=("trace", "scores", "resplan", "imdf")),
+    "info-lines": Reader("mine.jsonl", _info, is_json=True, begins=("houses", "games")),
+    "info-agent": Reader("mine.safetensors", _info, begins=("checkpoint",)),
+    "info-keras": Reader("mine.h5", _info, begins=("keras",)),
+    "info-settings": Reader("mine.toml", _info, begins=("settings",)),
 }
-"""By name. The files of ``tests/fixtures/corpus/NAME`` are contents to begin with."""
+"""By name. The files of ``tests/fixtures/corpus/NAME`` are contents to begin with, or those of ``begins``."""
 
 
 def _described(picture: Path) -> Path:
@@ -289,8 +302,9 @@ def _described(picture: Path) -> Path:
 
 
 def begin(name: str) -> list[bytes]:
-    """Return the contents that a reader's corpus holds, the smallest first."""
-    return sorted((file.read_bytes() for file in (CORPUS / name).iterdir()), key=len)
+    """Return the contents that a reader begins with, the smallest first."""
+    folders = READERS[name].begins or (name,)
+    return sorted((file.read_bytes() for each in folders for file in (CORPUS / each).iterdir()), key=len)
 
 
 def answer(reader: Reader, content: bytes, folder: Path) -> str:
