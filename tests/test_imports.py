@@ -79,6 +79,9 @@ FOLDERS = {
 }
 """Folders and modules at the top of each package, from the lowest up: each imports those before it alone."""
 
+TRY_COMMANDS = {"benchmarks.reliability.kills", "benchmarks.reliability.readers"}
+"""Studies that try the command line itself: every reader of it, and commands under kills."""
+
 OF_LOGIC = {"House", "generate", "load"}
 """What the simulator takes of ``logic`` by its public name."""
 
