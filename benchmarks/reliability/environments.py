@@ -87,13 +87,15 @@ class Call:
 class Player:
     """Environments of a kind and a mode, and the calls that are made of them."""
 
-    def __init__(self, kind: str, mode: str, banks: Sequence[list[House]]) -> None:
-        """``banks``: lists of houses that environments take in turn."""
+    def __init__(self, kind: str, mode: str, banks: Sequence[list[House]], by_ray: bool = False) -> None:
+        """``banks``: lists of houses that environments take in turn. ``by_ray``: calls are made again in the
+        loop of a GPU, by environment and ray.
+        """
         self.kind, self.mode, self.banks = KINDS[kind], mode, banks
         self.calls = Counter[str]()
-        self.envs, self.again, self.alone = self._made(COUNT), self._made(COUNT), self._made(1)
+        self.envs, self.again, self.alone = self._made(COUNT), self._made(COUNT, by_ray), self._made(1)
 
-    def _made(self, number: int) -> HouseVectorEnv:
+    def _made(self, number: int, by_ray: bool = False) -> HouseVectorEnv:
         return HouseVectorEnv(
             self._houses(0),
             number,
@@ -102,6 +104,7 @@ class Player:
             backend=self.kind.backend,
             autoreset_mode=self.mode,
             max_episode_steps=self.kind.steps,
+            by_ray=by_ray,
         )
 
     def _houses(self, bank: int) -> list[House] | HouseRotation:
@@ -463,7 +466,7 @@ class Calls:
     def _played(self, kind: str, mode: str, seconds: float) -> tuple[Counter[str], list[str]]:
         calls, failures, end = Counter[str](), list[str](), time.monotonic() + seconds
         banks = banks_of(kind)
-        player = Player(kind, mode, banks)
+        player = Player(kind, mode, banks, by_ray=True)
         for seed in count(self.seed):
             if time.monotonic() > end or len(failures) >= 5:
                 break
@@ -473,5 +476,5 @@ class Calls:
                 place = traceback.extract_tb(error.__traceback__)[-1]
                 failures.append(f"seed {seed}: {type(error).__name__}: {str(error)[:300]} ({place.name})")
                 calls += player.calls
-                player = Player(kind, mode, banks)
+                player = Player(kind, mode, banks, by_ray=True)
         return calls + player.calls, failures
