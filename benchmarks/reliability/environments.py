@@ -40,7 +40,7 @@ FAR_M = (-0.5, 50.0, 1e5, 1e30, 1e300, np.nan, np.inf)
 """Places that no house has, metres."""
 
 
-class Kind(NamedTuple):
+class CallKind(NamedTuple):
     """Arguments of environments; kernels are compiled for each, and for each mode."""
 
     preset: Config
@@ -55,23 +55,23 @@ class Kind(NamedTuple):
 ALL = ("rays", "bump", "last_action", "odometry", "goal", "geodesic")
 
 KINDS = {
-    "default": Kind(DEFAULT),
-    "distances": Kind(Config(geodesic=True), "mixed"),
-    "observed": Kind(Config(observe=ALL, flat=True, rays=4, ray_spacing=45, drift=0.02), "secondary"),
-    "terms": Kind(Config(observe=("rays", "geodesic"), rays=8, ray_spacing=45), {
+    "default": CallKind(DEFAULT),
+    "distances": CallKind(Config(geodesic=True), "mixed"),
+    "observed": CallKind(Config(observe=ALL, flat=True, rays=4, ray_spacing=45, drift=0.02), "secondary"),
+    "terms": CallKind(Config(observe=("rays", "geodesic"), rays=8, ray_spacing=45), {
         "task": "mixed", "terms": {"progress": 0.1, "bump": -1, "targets": 2},
     }),
-    "late": Kind(Config(latency=3, noise=0.02, dropout=0.1, slip=0.2, rays=8, ray_spacing=15)),
-    "doors": Kind(Config(closed_doors=2, sees_kind=True, rays=8, ray_spacing=15), "secondary"),
-    "rotation": Kind(Config(rays=8, ray_spacing=15), rotates=True),
-    "paper": Kind(PRESETS["paper"], "main"),
-    "points": Kind(Config(rays=3, ray_spacing=15), {"points": [[0.0, 0.0]]}),
-    "grid": Kind(Config(geodesic=True, rays=8, ray_spacing=15), backend="grid"),
-    "free": Kind(Config(observe=("rays", "speed", "goal", "odometry"), rays=8), backend="free"),
-    "free-sideways": Kind(
+    "late": CallKind(Config(latency=3, noise=0.02, dropout=0.1, slip=0.2, rays=8, ray_spacing=15)),
+    "doors": CallKind(Config(closed_doors=2, sees_kind=True, rays=8, ray_spacing=15), "secondary"),
+    "rotation": CallKind(Config(rays=8, ray_spacing=15), rotates=True),
+    "paper": CallKind(PRESETS["paper"], "main"),
+    "points": CallKind(Config(rays=3, ray_spacing=15), {"points": [[0.0, 0.0]]}),
+    "grid": CallKind(Config(geodesic=True, rays=8, ray_spacing=15), backend="grid"),
+    "free": CallKind(Config(observe=("rays", "speed", "goal", "odometry"), rays=8), backend="free"),
+    "free-sideways": CallKind(
         Config(rays=8, latency=2, angle_noise=3.0, drive=Drive(sideways=0.4, clips=True)), backend="free"
     ),
-    "free-commands": Kind(Config(rays=8, drive=Drive(commands=COMMANDS)), backend="free"),
+    "free-commands": CallKind(Config(rays=8, drive=Drive(commands=COMMANDS)), backend="free"),
 }  # fmt: skip
 
 

@@ -43,7 +43,7 @@ EVERY_S = 2.0
 
 
 @dataclass
-class Figures:
+class FuzzFigures:
     """The answers to the contents of a reader."""
 
     runs: int = 0
@@ -62,7 +62,7 @@ class Figures:
         most = f"slowest {self.slowest:.2f} s, {self.memory} MiB"
         return f"{self.runs:,} in {self.seconds:.0f} s: {answers}; {most}; {len(self.failures)} failures"
 
-    def add(self, other: "Figures") -> None:
+    def add(self, other: "FuzzFigures") -> None:
         """Add the figures of another process."""
         self.runs, self.seconds = self.runs + other.runs, self.seconds + other.seconds
         self.answers += other.answers
@@ -70,13 +70,13 @@ class Figures:
         self.failures |= other.failures
 
 
-class Trial:
+class FuzzTrial:
     """A reader in this process, the contents that it has answered, and what came of them."""
 
     def __init__(self, name: str, out: Path, folder: Path) -> None:
         """Failures are kept in ``out``; ``folder`` is empty."""
         self.name, self.reader, self.out, self.folder = name, READERS[name], out, folder
-        self.figures, self.begun, self._noted = Figures(), time.monotonic(), 0.0
+        self.figures, self.begun, self._noted = FuzzFigures(), time.monotonic(), 0.0
 
     def __call__(self, content: bytes) -> None:
         """Read a content."""
@@ -125,12 +125,12 @@ def main() -> None:
     name, out, seconds, seed = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4])
     os.nice(10)
     with scratch() as folder:
-        trial = Trial(name, out, folder)
+        trial = FuzzTrial(name, out, folder)
         (_led if find_spec("atheris") else _blind)(trial, seconds, seed)
         trial.note()
 
 
-def _blind(trial: Trial, seconds: float, seed: int) -> None:
+def _blind(trial: FuzzTrial, seconds: float, seed: int) -> None:
     rng, contents = random.Random(f"{trial.name} {seed}"), begin(trial.name)
     for content in contents:
         trial(content)
@@ -140,7 +140,7 @@ def _blind(trial: Trial, seconds: float, seed: int) -> None:
         trial(changed(rng.choice(contents), rng, trial.reader.is_json, contents))
 
 
-def _led(trial: Trial, seconds: float, seed: int) -> None:
+def _led(trial: FuzzTrial, seconds: float, seed: int) -> None:
     """Fuzz by atheris, which ends the process."""
     atheris: Any = import_module("atheris")
     contents = begin(trial.name)
@@ -210,9 +210,9 @@ class Fuzz:
                     print(f"  {kind}: {kept}", flush=True)
         return int(failed)
 
-    def _fuzzed(self, name: str, seconds: float) -> Figures:
+    def _fuzzed(self, name: str, seconds: float) -> FuzzFigures:
         """Fuzz a reader in processes: a content that ends one is a failure, and the next process goes on."""
-        total, end, number = Figures(), time.monotonic() + seconds, self.seed
+        total, end, number = FuzzFigures(), time.monotonic() + seconds, self.seed
         out = self.out / name
         shutil.rmtree(out, ignore_errors=True)
         out.mkdir(parents=True)
@@ -233,14 +233,14 @@ class Fuzz:
         return total
 
 
-def _noted(out: Path) -> Figures:
+def _noted(out: Path) -> FuzzFigures:
     path = out / "figures.json"
     if not path.exists():
-        return Figures()
+        return FuzzFigures()
     noted: dict[str, Any] = json.loads(path.read_bytes())
     path.unlink()
     noted["answers"] = Counter(noted["answers"])
-    return Figures(**noted)
+    return FuzzFigures(**noted)
 
 
 def _ended(out: Path, name: str) -> dict[str, str] | None:

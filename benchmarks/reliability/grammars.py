@@ -203,7 +203,7 @@ def asked(folder: Path, seed: int) -> str:
 
 
 @dataclass
-class Figures:
+class AnswerFigures:
     """The answers to random grammars."""
 
     answers: Counter[str] = field(default_factory=Counter)
@@ -242,8 +242,8 @@ class RandomGrammars:
             print(f"  {each}")
         return int(bool(figures.failures))
 
-    def _figures(self) -> Figures:
-        figures, end = Figures(), time.monotonic() + self.seconds
+    def _figures(self) -> AnswerFigures:
+        figures, end = AnswerFigures(), time.monotonic() + self.seconds
         with scratch() as yard:
             folder = yard / "mine"
             folder.mkdir()

@@ -18,7 +18,7 @@ class WrongAnswer(Exception):
     """An error that a user cannot act on: of another class, of several lines, or without words."""
 
 
-class Reader(NamedTuple):
+class FuzzReader(NamedTuple):
     """A reader: the name of its file, and the function that reads the file at a path."""
 
     file: str
@@ -245,48 +245,48 @@ def _info(path: Path) -> None:
 
 
 READERS = {
-    "houses": Reader("mine.jsonl", _houses, is_json=True),
-    "packed": Reader("mine.jsonl.gz", _houses),
-    "drawn": Reader("mine.jsonl", _drawn, is_json=True, begins=("houses",)),
-    "pixels": Reader("mine.json", _pixels, is_json=True),
-    "map": Reader("map.yaml", _map),
-    "picture": Reader("map.pgm", lambda path: _houses(_described(path))),
-    "free-walls": Reader("mine.json", _houses, is_json=True),
-    "geojson": Reader("mine.geojson", _plan, is_json=True),
-    "houseexpo": Reader("mine.json", _plan, is_json=True),
-    "resplan": Reader("mine.json", _plan, is_json=True),
-    "cubicasa": Reader("mine.svg", _plan),
-    "imdf": Reader("mine.json", _plan, is_json=True),
-    "archive": Reader("mine.zip", _plan),
-    "ifc": Reader("mine.ifc", _ifc),
-    "solids": Reader("mine.json", _solids, is_json=True),
-    "other-plans": Reader("mine.dxf", _plan),
-    "brief": Reader("mine.json", _brief, is_json=True),
-    "statements": Reader("rooms.lp", _statements),
-    "answer-sets": Reader("rooms.lp", _rules),
-    "prolog": Reader("sizes.pl", _rules),
-    "looks": Reader("looks.json", _looks, is_json=True),
-    "promises": Reader("promises.json", _promises, is_json=True, refuses=(ValueError, RecursionError)),
-    "set": Reader("set.json", _set, is_json=True),
-    "manifest": Reader("manifest.json", _manifest, is_json=True),
-    "rows": Reader("rows.jsonl", _rows, is_json=True),
-    "parquet": Reader("rows.parquet", _parquet, refuses=(ValueError, OSError)),
-    "checkpoint": Reader("mine.safetensors", _checkpoint),
-    "keras": Reader("mine.h5", _keras),
-    "trace": Reader("mine.trace.json", _trace, is_json=True),
-    "scores": Reader("evaluation.json", _scores, is_json=True),
-    "games": Reader("mine.jsonl", _games, is_json=True),
-    "settings": Reader("mine.toml", _settings),
-    "task": Reader("mine.json", _task, is_json=True, refuses=(ValueError,)),
-    "report-traces": Reader("mine.trace.json", _report, is_json=True, begins=("trace",)),
-    "report-scores": Reader("evaluation.json", _report, is_json=True, begins=("scores",)),
-    "report-runs": Reader("metrics.jsonl", _report, is_json=True),
-    "report-about": Reader("about.json", _report, is_json=True),
-    "info-json": Reader("mine.json", _info, is_json=True, begins=("trace", "scores", "resplan", "imdf")),
-    "info-lines": Reader("mine.jsonl", _info, is_json=True, begins=("houses", "games")),
-    "info-agent": Reader("mine.safetensors", _info, begins=("checkpoint",)),
-    "info-keras": Reader("mine.h5", _info, begins=("keras",)),
-    "info-settings": Reader("mine.toml", _info, begins=("settings",)),
+    "houses": FuzzReader("mine.jsonl", _houses, is_json=True),
+    "packed": FuzzReader("mine.jsonl.gz", _houses),
+    "drawn": FuzzReader("mine.jsonl", _drawn, is_json=True, begins=("houses",)),
+    "pixels": FuzzReader("mine.json", _pixels, is_json=True),
+    "map": FuzzReader("map.yaml", _map),
+    "picture": FuzzReader("map.pgm", lambda path: _houses(_described(path))),
+    "free-walls": FuzzReader("mine.json", _houses, is_json=True),
+    "geojson": FuzzReader("mine.geojson", _plan, is_json=True),
+    "houseexpo": FuzzReader("mine.json", _plan, is_json=True),
+    "resplan": FuzzReader("mine.json", _plan, is_json=True),
+    "cubicasa": FuzzReader("mine.svg", _plan),
+    "imdf": FuzzReader("mine.json", _plan, is_json=True),
+    "archive": FuzzReader("mine.zip", _plan),
+    "ifc": FuzzReader("mine.ifc", _ifc),
+    "solids": FuzzReader("mine.json", _solids, is_json=True),
+    "other-plans": FuzzReader("mine.dxf", _plan),
+    "brief": FuzzReader("mine.json", _brief, is_json=True),
+    "statements": FuzzReader("rooms.lp", _statements),
+    "answer-sets": FuzzReader("rooms.lp", _rules),
+    "prolog": FuzzReader("sizes.pl", _rules),
+    "looks": FuzzReader("looks.json", _looks, is_json=True),
+    "promises": FuzzReader("promises.json", _promises, is_json=True, refuses=(ValueError, RecursionError)),
+    "set": FuzzReader("set.json", _set, is_json=True),
+    "manifest": FuzzReader("manifest.json", _manifest, is_json=True),
+    "rows": FuzzReader("rows.jsonl", _rows, is_json=True),
+    "parquet": FuzzReader("rows.parquet", _parquet, refuses=(ValueError, OSError)),
+    "checkpoint": FuzzReader("mine.safetensors", _checkpoint),
+    "keras": FuzzReader("mine.h5", _keras),
+    "trace": FuzzReader("mine.trace.json", _trace, is_json=True),
+    "scores": FuzzReader("evaluation.json", _scores, is_json=True),
+    "games": FuzzReader("mine.jsonl", _games, is_json=True),
+    "settings": FuzzReader("mine.toml", _settings),
+    "task": FuzzReader("mine.json", _task, is_json=True, refuses=(ValueError,)),
+    "report-traces": FuzzReader("mine.trace.json", _report, is_json=True, begins=("trace",)),
+    "report-scores": FuzzReader("evaluation.json", _report, is_json=True, begins=("scores",)),
+    "report-runs": FuzzReader("metrics.jsonl", _report, is_json=True),
+    "report-about": FuzzReader("about.json", _report, is_json=True),
+    "info-json": FuzzReader("mine.json", _info, is_json=True, begins=("trace", "scores", "resplan", "imdf")),
+    "info-lines": FuzzReader("mine.jsonl", _info, is_json=True, begins=("houses", "games")),
+    "info-agent": FuzzReader("mine.safetensors", _info, begins=("checkpoint",)),
+    "info-keras": FuzzReader("mine.h5", _info, begins=("keras",)),
+    "info-settings": FuzzReader("mine.toml", _info, begins=("settings",)),
 }
 """By name. The files of ``tests/fixtures/corpus/NAME`` are contents to begin with, or those of ``begins``."""
 
@@ -307,7 +307,7 @@ def begin(name: str) -> list[bytes]:
     return sorted((file.read_bytes() for each in folders for file in (CORPUS / each).iterdir()), key=len)
 
 
-def answer(reader: Reader, content: bytes, folder: Path) -> str:
+def answer(reader: FuzzReader, content: bytes, folder: Path) -> str:
     """Return ``READ`` or ``REFUSED``, as the reader answers a file of this content in an empty folder.
 
     Raises ``WrongAnswer`` for an error of several lines, and any other error that reading raises.

@@ -27,7 +27,7 @@ LATE, ENDED = "the tests do not end", "the process of the tests ends"
 OURS = ("logic", "sim", "agent", "vitruvius", "tests")
 
 
-class Trial:
+class MutantTrial:
     """A plugin of pytest: which tests fail; and where all are measured, their seconds and what they enter."""
 
     def __init__(self) -> None:
@@ -87,7 +87,7 @@ class TrialServer:
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Answer until there is no more question."""
-        trial = Trial()
+        trial = MutantTrial()
         session.config.pluginmanager.register(trial)
         for line in sys.stdin:
             question = json.loads(line)
@@ -98,7 +98,7 @@ class TrialServer:
 class Anew:
     """A plugin of pytest that runs some tests of a new session."""
 
-    def __init__(self, trial: Trial, order: Sequence[str]) -> None:
+    def __init__(self, trial: MutantTrial, order: Sequence[str]) -> None:
         """Take the tests, in their order."""
         self.trial, self.order = trial, order
 
@@ -115,7 +115,7 @@ def chosen(session: pytest.Session, order: Sequence[str]) -> list[pytest.Item]:
     return [items[name] for name in order if name in items]
 
 
-def answer(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> dict[str, Any]:
+def answer(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]) -> dict[str, Any]:
     """Fork, run tests in the child, and end it where it takes longer than the seconds of the question."""
     read, write = os.pipe()
     child = os.fork()
@@ -167,7 +167,7 @@ def _parts(read: int, end: float) -> Iterator[bytes]:
     raise TimeoutError
 
 
-def _try(session: pytest.Session, trial: Trial, question: dict[str, Any]) -> int:
+def _try(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]) -> int:
     """In the child: change what the parent has imported, and run the tests; return the number not reached."""
     order = question["order"]
     if question["measure"]:

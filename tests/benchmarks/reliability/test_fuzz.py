@@ -6,9 +6,9 @@ import pytest
 
 from benchmarks.reliability import fuzz
 from benchmarks.reliability.environments import Calls
-from benchmarks.reliability.fuzz import Fuzz, Trial
+from benchmarks.reliability.fuzz import Fuzz, FuzzTrial
 from benchmarks.reliability.grammars import RandomGrammars
-from benchmarks.reliability.readers import Reader, begin
+from benchmarks.reliability.readers import FuzzReader, begin
 from logic.errors import RequestError, VitruviusError
 
 
@@ -21,11 +21,11 @@ def broken(path: Path) -> None:
 
 
 def test_a_content_that_fails_is_kept_the_smallest_of_its_kind(tmp_path, monkeypatch):
-    monkeypatch.setitem(fuzz.READERS, "broken", Reader("mine.txt", broken))
+    monkeypatch.setitem(fuzz.READERS, "broken", FuzzReader("mine.txt", broken))
     out, folder = tmp_path / "out", tmp_path / "in"
     out.mkdir()
     folder.mkdir()
-    trial = Trial("broken", out, folder)
+    trial = FuzzTrial("broken", out, folder)
     for content in (b"right", b"odd one", b"odd", b"odd other", b"two"):
         trial(content)
     assert trial.figures.answers == {"read": 1, "failed": 4}
