@@ -7,8 +7,10 @@ import json
 import os
 import random
 import re
+import runpy
 import shutil
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -119,7 +121,6 @@ def _started(words: str) -> int:
     import agent.report.folder
     import agent.runs.runs
     import logic.drawing.draw  # noqa: F401
-    from vitruvius import cli
 
     if process := os.fork():
         return process
@@ -129,7 +130,8 @@ def _started(words: str) -> int:
         for stream in (0, 1, 2):
             os.dup2(nothing, stream)
         agent.runs.runs.SAVE_EVERY = 0.0
-        cli.main(words.split())
+        sys.argv = ["vitruvius", *words.split()]
+        runpy.run_module("vitruvius.cli", run_name="__main__")
     except SystemExit as end:
         os._exit(end.code if isinstance(end.code, int) else 1)
     finally:
