@@ -26,8 +26,11 @@ def test_the_page_is_short_and_names_no_host():
 
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
     from agent.runs import released
-    from logic import grammar
+    from logic import grammar, opener
     from logic.house import files, parts
+    from logic.readers.regular import MAX_CORNERS as of_rooms
+    from logic.readers.sketch import MAX_CORNERS, MAX_CROSSINGS
+    from logic.request import brief, given_plan
     from sim import geometry
 
     mebi = 1 << 20
@@ -36,6 +39,13 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
         f"{files.MOST_BYTES >> 30} GiB unpacked, {files.MOST_LINE // mebi} MiB a house",
         f"{parts.MOST_ROOMS:,} rooms, {parts.MOST_PIECES} pieces a room, {parts.FARTHEST:,.0f} m",
         f"{geometry.FARTHEST:.0f} m to be simulated",
+        f"{opener.MAX_BYTES // mebi} MiB, {opener.MAX_DEPTH} levels",
+        f"{opener.MAX_VALUES:,} values, and numbers of {opener.MAX_DIGITS} digits",
+        f"{brief.MOST_BYTES // mebi} MiB unpacked, {brief.MOST_ROOMS} rooms",
+        f"{given_plan.MOST_BYTES // mebi} MiB unpacked; of an archive {opener.MAX_MEMBERS:,} files",
+        f"{parts.MOST_OPENINGS:,} doors and windows; {MAX_CORNERS:,} corners",
+        f"cross {MAX_CROSSINGS:,} times, and {of_rooms:,} along the axes",
+        f"{parts.MOST_FURNITURE:,} pieces in all rooms",
         f"{released.MOST_BYTES // mebi} MiB, {released.MOST_HEADER // mebi} MiB of header",
     ):
         assert words in PAGE

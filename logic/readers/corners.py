@@ -5,6 +5,7 @@ from itertools import pairwise
 from math import hypot
 from typing import NamedTuple
 
+import numpy as np
 import shapely
 from shapely import Polygon
 
@@ -141,10 +142,8 @@ def _largest(shape: shapely.Geometry) -> Polygon:
     """The largest box in a polygon, or in several, whose sides lie on lines of its corners."""
     corners = shapely.get_coordinates(shape)
     xs, ys = (sorted({round(float(each), 9) for each in corners[:, k]}) for k in (0, 1))
-    grid = [
-        [bool(shapely.contains_xy(shape, (a + b) / 2, (c + d) / 2)) for a, b in pairwise(xs)]
-        for c, d in pairwise(ys)
-    ]
+    middles = ([(a + b) / 2 for a, b in pairwise(each)] for each in (xs, ys))
+    grid = shapely.contains_xy(shape, *np.meshgrid(*middles)).tolist()
     best = (0.0, shapely.box(0, 0, 0, 0))
     for top in range(len(grid)):
         free = [True] * len(grid[0])

@@ -3,7 +3,7 @@
 A unit has a category and names by language; an opening is a line in a wall.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import cos, radians, sin, sqrt
 from typing import Any
 from zipfile import ZipFile
@@ -13,8 +13,9 @@ import shapely
 from shapely.geometry import shape
 
 from logic.errors import RequestError
+from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
 from logic.opener import archive_of, from_json, member_of
-from logic.readers.sketch import Passage, Sketch, Space, polygons
+from logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
 
 FORMAT = "IMDF"
 
@@ -40,7 +41,12 @@ def is_imdf(content: bytes, record: Any) -> bool:
 def read_imdf(content: bytes, record: Any) -> Sketch:
     """Units are rooms and openings doors, on the plane that touches the earth in their midst."""
     features = _unpacked(content) if content.startswith(ZIP) else record["features"]
-    units = [each for each in features if _kind(each) == "unit"]
+    units, openings = ([each for each in features if _kind(each) == kind] for kind in ("unit", "opening"))
+    if len(units) > MOST_ROOMS or len(openings) > MOST_OPENINGS:
+        raise RequestError(
+            f"plan: it has {len(units):,} units and {len(openings):,} openings: at most {MOST_ROOMS:,} and "
+            f"{MOST_OPENINGS:,} are read"
+        )
     levels = {str(_properties(each).get("level_id")) for each in units}
     if len(levels) > 1:
         raise RequestError(
@@ -48,9 +54,10 @@ def read_imdf(content: bytes, record: Any) -> Sketch:
             "level_id"
         )
     spaces = [space for each in units for space in _spaces(each)]
-    doors = [Passage(_geometry(each)) for each in features if _kind(each) == "opening"]
+    doors = [Passage(_geometry(each)) for each in openings]
     if not spaces:
         raise RequestError("plan: IMDF has units with polygons: it has none")
+    _require_plain(spaces)
     lon, lat = shapely.union_all([each.shape for each in spaces]).centroid.coords[0]
     if not (abs(lon) <= 180 and abs(lat) < 89):
         raise RequestError(f"plan: IMDF is in degrees of longitude and latitude: {lon:g}, {lat:g} are none")
@@ -59,6 +66,13 @@ def read_imdf(content: bytes, record: Any) -> Sketch:
     return Sketch(
         FORMAT, spaces, [Passage(shapely.transform(each.shape, flat)) for each in doors], [], north_up=True
     )
+
+
+def _require_plain(spaces: Sequence[Space]) -> None:
+    try:
+        require_plain([each.shape for each in spaces])
+    except ValueError as error:
+        raise RequestError(f"plan: {FORMAT}: {error}") from None
 
 
 def _plane(lon: float, lat: float) -> Any:

@@ -1,7 +1,7 @@
 """Lines of walls: the two faces of a wall between rooms, and all that lies on one line, get one place."""
 
 from collections.abc import Sequence
-from itertools import pairwise, permutations
+from itertools import pairwise
 from statistics import median
 from typing import NamedTuple
 
@@ -67,13 +67,23 @@ def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face
         return group
 
     numbered = [(face, number) for number, group in enumerate(groups) for face in group]
-    for (one, its), (other, others) in permutations(numbered, 2):
+    far, near = ([each for each in numbered if each[0].is_far == side] for side in (True, False))
+    lines = [_along(axis, face.place, face.place, face) for face, _ in near]
+    reaches = [_along(axis, face.place - 2 * noise, face.place + MOST_WALL, face) for face, _ in far]
+    for which, beside in shapely.STRtree(lines).query(reaches, "dwithin", 1e-6).T if near and far else ():
+        (one, its), (other, others) = far[which], near[beside]
         if its != others and _is_wall(one, other, noise) and not _between(one, other, axis, shapes, tree):
             joined[root(others)] = root(its)
     together: dict[int, list[Face]] = {}
     for face, number in numbered:
         together.setdefault(root(number), []).append(face)
     return list(together.values())
+
+
+def _along(axis: int, place: float, end: float, face: Face) -> Polygon:
+    """Return the box along a face, from a place to another."""
+    ends = (place, face.start, end, face.end) if axis == 0 else (face.start, place, face.end, end)
+    return shapely.box(*ends)
 
 
 def _faces(room: int, shape: Polygon, axis: int) -> list[Face]:

@@ -28,6 +28,9 @@ from logic.spelling import numbered
 NARROW = 0.6
 """Metres: a part of a room that is narrower, such as a niche, is no room."""
 
+MAX_CORNERS = 1 << 13
+"""Of all rooms, along the axes."""
+
 TURNED = 0.25
 """Degrees: a plan turned by less is not turned back."""
 
@@ -94,6 +97,8 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
     names = unlike(space.name or space.words[0] or "room" for space in spaces)
     named = list(zip(names, spaces, strict=True))
     shapes = [squared(name, upright(space.shape), noise) for name, space in named]
+    if (corners := sum(len(each.exterior.coords) for each in shapes)) > MAX_CORNERS:
+        raise RequestError(f"plan: its rooms have {corners:,} corners: at most {MAX_CORNERS:,} are read")
     on_lines = [moved(*each) for each in zip(shapes, common_lines(shapes, noise), strict=True)]
     for name, shape in zip((name for name, _ in named), on_lines, strict=True):
         if not shape.is_valid or shape.area < 0.1:

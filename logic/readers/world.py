@@ -25,7 +25,7 @@ from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
 from logic.opener import from_json
 from logic.readers.features import features, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline
-from logic.readers.sketch import FAR, polygons, require_plain
+from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
@@ -73,7 +73,9 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
     # Of our own files with thick walls: their doors are lines in the middle of these.
     thick = record.get("wall_thickness")
     deep = inner_wall(thick) / 2 if thick else 0.0
-    for number, feature in enumerate(features(record)):
+    if len(all_features := features(record)) > MAX_CORNERS:
+        raise ValueError(f"it has {len(all_features):,} features: at most {MAX_CORNERS:,} are read")
+    for number, feature in enumerate(all_features):
         shape, properties = _shape(feature, f"features[{number}]")
         kind, dimensions = properties.get("kind"), shapely.get_dimensions(shape)
         if kind in ("window", "area") or dimensions < 1:

@@ -10,7 +10,7 @@ from msgspec import UNSET
 
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
-from logic.house.parts import LONGEST_NAME, Room
+from logic.house.parts import LONGEST_NAME, MOST_ROOMS, Room
 from logic.readers.features import GEOMETRIES, features, inner_wall
 from logic.readers.regular import unlike
 from logic.readers.sketch import FAR
@@ -55,6 +55,8 @@ def from_geojson(
         polygon = _polygon(feature, number, passed)
         if polygon:
             found.append(polygon)
+    if len(found) > MOST_ROOMS:
+        raise RequestError(f"plan: it has {numbered(len(found), 'room')}: at most {MOST_ROOMS:,} are read")
     if not found:
         others = f", but {_counted(passed)}" if passed else ""
         raise RequestError(f"plan: it has no polygon that is a room{others}")

@@ -180,6 +180,13 @@ TEXTS: dict[str, Callable[[], str | bytes]] = {
     "a roomNumber of a million": lambda: LINE.replace('"roomNumber": 4', '"roomNumber": 1000000'),
     "pieces deep in pieces": lambda: changed("R0.children", [nested(400)]),
     "too many pieces": lambda: changed("R0.children", 20_000 * [piece()]),
+    "a long number": lambda: LINE.replace("4.2", "4." + "2" * 1_000_000, 1),
+    "pieces in pieces": lambda: changed("R0.children", [nested(200)]),
+    "a request of deep lists": lambda: changed(
+        "provenance.request", {"a": json.loads("[" * 500 + "]" * 500)}
+    ),
+    "numbers of many digits": lambda: LINE.replace("4.2", "4.2" + "0" * 400),
+    "too many pieces in all rooms": lambda: furnished(64),
     "a line of 40 MB": lambda: LINE[:-1] + f', "note": "{"a" * 40_000_000}"}}',
     "a million lines that say why": lambda: '{"stopped": "x"}\n' * 300_000,
     "a floor of 5000 m": lambda: changed("floor.width", 5000.0),
@@ -205,14 +212,17 @@ SHAPES: dict[str, Callable[[], str | bytes]] = {
     "a piece of a nanometre": lambda: changed("R0.children", [piece(width=1e-9, height=1e-300)]),
     "a room far away": lambda: changed("R0.x", 900.0),
     "a house of no room": lambda: rooms(0).replace(", }", "}"),
-    "a long number": lambda: LINE.replace("4.2", "4." + "2" * 1_000_000, 1),
-    "pieces in pieces": lambda: changed("R0.children", [nested(200)]),
-    "a request of deep lists": lambda: changed(
-        "provenance.request", {"a": json.loads("[" * 500 + "]" * 500)}
-    ),
-    "numbers of many digits": lambda: LINE.replace("4.2", "4.2" + "0" * 400),
 }
 """Houses that are read: what is wrong with them is for ``check`` to say."""
+
+
+def furnished(rooms: int) -> str:
+    """A house of so many rooms side by side, each with as many pieces as a room may have."""
+    record = copy.deepcopy(PLAN)
+    room = record["rooms"][0] | {"children": 256 * [piece()]}
+    record |= {"topology": "", "doors": [], "windows": [], "hub": None}
+    record["rooms"] = [room | {"name": f"R{k}", "x": 10.0 * k} for k in range(rooms)]
+    return json.dumps(record)
 
 
 def bomb(size: int, letter: bytes = b"\0") -> bytes:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.hostile import answer_sets, bombs, checkpoints, files, folders, houses, prolog, subjects
+from tests.hostile import answer_sets, bombs, checkpoints, files, folders, houses, plans, prolog, subjects
 from tests.hostile.case import SECRET, Case, Yard
 from tests.hostile.subjects import Answer, Reader
 from tests.hostile.watch import Ear, forget_peak, peak, watched
@@ -43,6 +43,7 @@ SUBJECTS = (
     Subject(subjects.rules, [*prolog.CASES, *answer_sets.CASES, *files.CASES, *bombs.READ]),
     Subject(subjects.bomb, bombs.ENDED),
     Subject(houses.shown, houses.CASES, ("vitruvius.cli", "logic.drawing.draw", "matplotlib")),
+    Subject(plans.read, plans.CASES, ("pyswip", "logic.request.given_plan", "tests.hostile.plans")),
     Subject(checkpoints.loaded, checkpoints.CASES, TORCH, 32 << 30),
     Subject(folders.resumed, folders.CASES, TORCH, 32 << 30),
 )

@@ -134,6 +134,14 @@ def test_a_wrong_record_is_refused_by_the_name_of_its_field(path: str, value: An
         House.from_dict(changed_record(HOUSE.to_dict(), path, value))
 
 
+def test_the_furniture_of_all_rooms_together_is_bounded() -> None:
+    record = replace(HOUSE, format="vitruvius-2").to_dict()
+    room = record["rooms"][0] | {"children": 250 * [PIECE | {"children": []}]}
+    rooms = [room | {"name": f"room {k}"} for k in range(40)]
+    with pytest.raises(ValueError, match="more than 8,192 pieces together"):
+        House.from_dict(record | {"rooms": rooms, "topology": "", "hub": None, "doors": [], "windows": []})
+
+
 def test_a_gap_in_the_rooms_names_is_refused() -> None:
     record = HOUSE.to_dict()
     record["R9"] = record.pop("R1")

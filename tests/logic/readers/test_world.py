@@ -17,6 +17,7 @@ from shapely import LineString, Polygon
 from logic import House, HouseFileError, PlanWarning, load
 from logic.exports.geojson import to_geojson
 from logic.house.parts import MOST_WALLS
+from logic.readers.world import CELL, _free
 from sim import DEFAULT, HouseVectorEnv
 from tests.plans import flat
 from tests.thick import faces, thickened
@@ -180,6 +181,30 @@ def test_walls_have_a_length_and_are_no_more_than_a_file_may_have(tmp_path: Path
     many = feature(LineString([(8 * k / MOST_WALLS, k % 2) for k in range(MOST_WALLS - 2)]))
     with pytest.raises(HouseFileError, match=r"it has 65,537 walls: at most 65,536 are read"):
         world(tmp_path, room, many)
+
+
+@pytest.mark.parametrize("name", ["plan.geojson", "plan.json"])
+def test_an_outline_whose_sides_all_cross_each_other_is_refused_before_it_is_mended(
+    name: str, tmp_path: Path
+) -> None:
+    """Of 4,001 corners there were 8 million places where they cross: 4.7 GiB."""
+    turns = 2 * np.pi * 2000 / 4001 * np.arange(4001)
+    corners = np.stack([9 * np.cos(turns), 9 * np.sin(turns)], 1).tolist()
+    geojson = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
+    record = geojson if name.endswith("geojson") else {"verts": corners, "room_category": {}}
+    (tmp_path / name).write_text(json.dumps(record))
+    with pytest.raises(HouseFileError, match="cross each other too often"):
+        load(tmp_path / name)
+
+
+def test_cells_are_found_block_by_block_as_one_by_one() -> None:
+    inside = shapely.union_all(
+        [shapely.Point(3, 4).buffer(3), shapely.box(5, 0, 21, 7) - shapely.box(9, 1, 12, 6)]
+    )
+    left, top = 0.03 + CELL * np.arange(211), -0.02 + CELL * np.arange(75)
+    west, north = np.meshgrid(left, top)
+    one_by_one = shapely.intersects(inside, shapely.box(west, north, west + CELL, north + CELL))
+    np.testing.assert_array_equal(_free(inside, left, top), one_by_one)
 
 
 def test_info_shows_as_houses_what_is_no_plan_to_furnish(tmp_path: Path) -> None:
