@@ -28,7 +28,10 @@ STUDIES = {
     "homes": ("benchmarks.generator.homes:Homes", "What homes cost and are like, beside published ones."),
     "realism": ("benchmarks.realism.run:Realism", "Whether two sets of plans are alike; weights that fit."),
     "brief": ("benchmarks.briefs.run:BriefStudy", "A frozen bank of briefs: answered, scored, timed."),
-    "planted": ("benchmarks.briefs.planted:PlantedStudy", "Briefs that known plans keep at their limits."),
+    "planted": (
+        "benchmarks.briefs.planted:PlantedStudy",
+        "What known plans keep at their limits: no false proof.",
+    ),
     "watch": ("benchmarks.generator.watch:WatchStudy", "Seconds from the save of a rule file to its houses."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),

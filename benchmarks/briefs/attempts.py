@@ -82,7 +82,11 @@ class StageClock:
 
 def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> Attempt:
     """Houses of a brief, or the proof that there is none."""
-    request = Request(len(brief.rooms), brief=brief)
+    return attempt_at(builder, Request(len(brief.rooms), brief=brief), houses, seed)
+
+
+def attempt_at(builder: Builder, request: Request, houses: int = 1, seed: int = 0) -> Attempt:
+    """The same of any request."""
     clock, found, because, limit = StageClock(), [], None, ""
     with clock.of(builder):
         try:

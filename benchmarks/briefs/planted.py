@@ -5,26 +5,32 @@ and area of its brief is what the plan has: exactly, or as the least or the most
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import msgspec
 import numpy as np
 
-from benchmarks.briefs.attempts import Attempt, attempt, within
+from benchmarks.briefs.attempts import Attempt, attempt, attempt_at, within
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.boxes import SIDES, Box, area, around
 from benchmarks.briefs.make import Json, proven
 from benchmarks.briefs.plans import LEAST_VOID, KnownPlan, dissected, door_tree
-from benchmarks.briefs.run import ALONE, in_words, warm
+from benchmarks.briefs.run import ALONE, warm
 from benchmarks.briefs.score import judged
+from benchmarks.briefs.tightened import tightened
+from benchmarks.common.houses import INFERENCES
 from benchmarks.common.processes import say
 from logic.errors import RequestError
 from logic.generation.builder import Builder
+from logic.grammar import find
 from logic.house.files import opened
 from logic.request.brief import alone
+from logic.request.given_plan import read_plan
+from logic.request.request import Request
 
 DOORWAY, WINDOWED, CONTACT, LEAST_ROOM = 0.9, 1.0, 0.1, 0.9
 """Metres: of wall with a door, with a window, and that neighbours share; of a side of a room."""
@@ -35,16 +41,22 @@ ROUNDING = 1e-9
 WHAT, HOW = ("sizes", "areas", "mixed"), ("exact", "limits")
 """What a brief says of rooms, and how."""
 
+GIVEN, SEED = ("grammar", "plan"), 56
+"""What is made of a house, and the seed of the houses."""
+
+BASES = (("plain", 3), ("home", 5), ("plain", 5), ("clinic", 6))
+"""Grammars and numbers of rooms of the houses, in turn."""
+
 PLANTED = "planted.jsonl"
 """The file of the answers."""
 
 
 class PlantedRow(msgspec.Struct, frozen=True, omit_defaults=True):
-    """The answer to a planted brief."""
+    """The answer to a planted brief, grammar or plan."""
 
     number: int
     kind: str
-    """``sizes``, ``areas`` or ``mixed``; ``exact`` or ``limits``."""
+    """``grammar``, ``plan``; of a brief ``sizes``, ``areas`` or ``mixed``, ``exact`` or ``limits``."""
     rooms: int
     said: str
     """``house``, ``undecided`` or ``limit``; where it is wrong, ``false proof`` or ``wrong house``."""
@@ -63,10 +75,13 @@ class PlantedRow(msgspec.Struct, frozen=True, omit_defaults=True):
 
 @dataclass(frozen=True)
 class PlantedStudy:
-    """Answer briefs that known plans keep at their limits: no proof is right, and few are left undecided."""
+    """Answer briefs, grammars and plans that known houses keep at their limits: any proof is false."""
 
     briefs: int = 2000
-    """How many; those that have an answer in the folder are not asked again."""
+    """How many. What has an answer in the folder is not asked again."""
+
+    houses: int = 100
+    """How many houses have a grammar around them, which is asked for a house, and for one in their plan."""
 
     boxes: tuple[int, int] = (2, 8)
     """From how many rooms and voids to how many."""
@@ -90,25 +105,45 @@ class PlantedStudy:
             with opened(path) as file:
                 rows = [msgspec.json.decode(line, type=PlantedRow) for line in file if line.endswith(b"\n")]
             path.write_bytes(b"".join(map(line_of, rows)))  # without the line that a kill has cut
-        done, builder = {row.number for row in rows}, warm(ALONE, ())
-        for number in range(self.briefs):
-            if number not in done:
-                rows.append(self._answered(builder, number))
-                with path.open("ab") as file:
-                    file.write(line_of(rows[-1]))
+        for row in self._answers({(row.kind in GIVEN, row.number) for row in rows}):
+            rows.append(row)
+            say(f"{row.kind} {row.number}: {row.said}, {row.seconds} s")
+            with path.open("ab") as file:
+                file.write(line_of(row))
         counts = Counter((row.kind, row.said) for row in rows)
         for (kind, said), times in sorted(counts.items()):
             print(f"{kind:16}{said:12}{times:6}")
         return int(any(row.wrong for row in rows))
 
-    def _answered(self, builder: Builder, number: int) -> PlantedRow:
-        entry = planted(number, *self.boxes)
-        work = partial(attempt, builder, alone(entry.read))
-        late = f"{self.seconds} s of processor time"
-        found = within(self.seconds, work, Attempt) or Attempt(float(self.seconds), limit=late)
-        row = row_of(number, entry, found)
-        say(f"{entry.name}, {row.kind}: {row.said}, {in_words(found)}")
-        return row
+    def _answers(self, done: set[tuple[bool, int]]) -> Iterator[PlantedRow]:
+        """What is not done. SWI-Prolog holds one grammar at a time."""
+        builder = warm(ALONE, ())
+        for number in range(self.briefs):
+            if (False, number) not in done:
+                entry = planted(number, *self.boxes)
+                yield row_of(number, entry, self._tried(partial(attempt, builder, alone(entry.read))))
+        for number in range(self.houses):
+            if (True, number) not in done:
+                yield from self._of_a_house(number)
+
+    def _of_a_house(self, number: int) -> Iterator[PlantedRow]:
+        base, rooms = BASES[number % len(BASES)]
+        builder = Builder(find(base))
+        house = builder.house(Request(rooms), SEED, number, INFERENCES)
+        with TemporaryDirectory() as folder:
+            strict = Builder(find(tightened(builder, house, Path(folder) / "mine")))
+            types = Counter(room.type for room in house.rooms)
+            exact = {type_: (times, times) for type_, times in types.items()}
+            requests = Request(rooms, exact), Request(rooms, plan=read_plan(house))
+            for kind, request in zip(GIVEN, requests, strict=True):
+                found = self._tried(partial(attempt_at, strict, request))
+                said = "false proof" if found.because is not None else "house" if found.houses else "limit"
+                because = found.because or tuple(filter(None, [found.limit]))
+                yield PlantedRow(number, kind, rooms, said, round(found.seconds, 3), because)
+
+    def _tried(self, work: Callable[[], Attempt]) -> Attempt:
+        late = Attempt(float(self.seconds), limit=f"{self.seconds} s of processor time")
+        return within(self.seconds, work, Attempt) or late
 
 
 def line_of(row: PlantedRow) -> bytes:

@@ -10,13 +10,15 @@ from benchmarks.briefs.planted import PLANTED, PlantedRow, PlantedStudy, planted
 
 def test_a_study_that_was_killed_goes_on_where_it_ended(tmp_path: Path) -> None:
     path = tmp_path / PLANTED
-    assert PlantedStudy(briefs=2, boxes=(2, 3), out=tmp_path).run() == 0
+    assert PlantedStudy(briefs=2, houses=0, boxes=(2, 3), out=tmp_path).run() == 0
     first, second = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(first + second[:20])
-    assert PlantedStudy(briefs=3, boxes=(2, 3), out=tmp_path).run() == 0
+    assert PlantedStudy(briefs=3, houses=1, boxes=(2, 3), out=tmp_path).run() == 0
     rows = path.read_bytes().splitlines(keepends=True)
     assert rows[0] == first
-    assert [msgspec.json.decode(row, type=PlantedRow).number for row in rows] == [0, 1, 2]
+    answers = [msgspec.json.decode(row, type=PlantedRow) for row in rows]
+    assert [answer.number for answer in answers] == [0, 1, 2, 0, 0]
+    assert [answer.kind for answer in answers[3:]] == ["grammar", "plan"]
 
 
 def test_a_proof_is_false_and_so_is_a_house_that_breaks_a_line() -> None:
