@@ -47,6 +47,38 @@ GIVEN, SEED = ("grammar", "plan"), 56
 BASES = (("plain", 3), ("home", 5), ("plain", 5), ("clinic", 6))
 """Grammars and numbers of rooms of the houses, in turn."""
 
+SELDOM = 15
+"""Each so many-th brief is of one of these."""
+
+WALLS = (
+    KnownPlan(
+        ((0.0, 0.0, 3.0, 3.0), (3.0, 0.0, 5.0, 3.0), (0.0, 3.0, 2.1, 6.0), (2.1, 3.0, 5.0, 6.0)),
+        ("room",) * 4,
+        ((0, 1), (0, 2), (0, 3)),
+        0,
+    ),
+    KnownPlan(
+        ((0.0, 0.0, 3.0, 3.0), (3.0, 0.0, 5.0, 3.0), (0.0, 3.0, 2.9, 6.0), (2.9, 3.0, 5.0, 6.0)),
+        ("room",) * 4,
+        ((0, 1), (0, 2), (1, 3)),
+        0,
+    ),
+    KnownPlan(
+        ((2.0, 0.0, 2.9, 3.1), (0.0, 0.0, 2.0, 3.1), (2.9, 0.0, 5.0, 3.1), (0.0, 3.1, 5.0, 6.0)),
+        ("room",) * 4,
+        ((0, 3), (1, 3), (2, 3)),
+        0,
+    ),
+    KnownPlan(
+        ((0.0, 0.0, 3.0, 1.9), (0.0, 1.9, 3.0, 5.0), (3.0, 2.0, 5.0, 5.0)),
+        ("room",) * 3,
+        ((0, 1), (1, 2)),
+        0,
+        ((3.0, 0.0, 5.0, 2.0),),
+    ),
+)
+"""A door in 0.9 m of wall, neighbours by 0.1 m, an entrance in 0.9 m, an outer wall of 0.1 m at a void."""
+
 PLANTED = "planted.jsonl"
 """The file of the answers."""
 
@@ -170,12 +202,35 @@ def row_of(number: int, entry: BriefEntry, found: Attempt) -> PlantedRow:
 
 def planted(number: int, least: int = 2, most: int = 6) -> BriefEntry:
     """Planted brief ``number``, with from ``least`` to ``most`` boxes: each kind in turn."""
+    if number % SELDOM == 0:
+        return _of_walls(number, WALLS[number // SELDOM % len(WALLS)])
     rng = np.random.default_rng([56, number])
     what, how = WHAT[number % 3], HOW[number // 3 % 2]
     plan = _tiling(int(rng.integers(least, most + 1)), rng)
     brief = _read_off(plan, how == "exact", what, rng)
     name = f"planted-{number}"
     return proven(BriefEntry(name, "dissection", f"{what}, {how}", brief, "house"), plan)
+
+
+def _of_walls(number: int, walls: KnownPlan) -> BriefEntry:
+    """A brief of a plan that has a wall of just the least length, with all sizes exact."""
+    names = [f"Room {place}" for place in range(1, len(walls.boxes) + 1)]
+    sides = [[round(box[2] - box[0], 1), round(box[3] - box[1], 1)] for box in walls.boxes]
+    rooms: list[Json] = [
+        {"name": name, "size": [[side, side] for side in some]}
+        for name, some in zip(names, sides, strict=True)
+    ]
+    if walls.voids:
+        rooms[1]["outside"] = ["east"]
+    near = walls.pairs(CONTACT - ROUNDING, np.inf)
+    brief: Json = {
+        "rooms": rooms,
+        "doors": [[names[one], names[other]] for one, other in walls.doors],
+        "next_to": [[names[one], names[other]] for one, other in near],
+        "entrance": {"room": names[0], "side": walls.outer(0, DOORWAY - ROUNDING)[0]},
+        "outline": _outline(walls, True, np.random.default_rng(0)) | {"width": 5, "depth": walls.outline[3]},
+    }
+    return proven(BriefEntry(f"planted-{number}", "dissection", "walls, exact", brief, "house"), walls)
 
 
 def _tiling(boxes: int, rng: np.random.Generator) -> KnownPlan:
