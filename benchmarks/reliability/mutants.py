@@ -126,9 +126,6 @@ class Mutants:
     seed: int = 0
     """Seed of the sample."""
 
-    files: str = ""
-    """Only mutants of files whose path begins like this."""
-
     again: bool = False
     """Try again the mutants that survived, against the tests as they are now."""
 
@@ -150,8 +147,7 @@ class Mutants:
         rows = self._rows()
         with scratch() as copy:
             for kind in self.kinds:
-                chosen = [mutant for mutant in sample(kind, self.seed) if mutant.file.startswith(self.files)]
-                chosen = chosen[: self.each]
+                chosen = sample(kind, self.seed)[: self.each]
                 todo = [each for each in chosen if each not in rows or (self.again and not rows[each].by)]
                 if todo:
                     tests = Tests(copy, self.out, {each.file for each in todo}, self.measured)
@@ -370,7 +366,8 @@ def report(rows: Sequence[Row], explained: Mapping[str, str]) -> str:
         parts.append(table_rows([names, ["---"] * len(names), *lines]))
     survivors = sorted((row.mutant for row in rows if not row.by), key=lambda each: (each.file, each.line))
     lines = [(name_of(each), explained.get(name_of(each), "")) for each in survivors]
-    parts += ["## Survivors", *(f"- `{name}`{why and f': {why}'}" for name, why in lines)]
+    words = (f"- `{name}`{why and f': {why}'}" for name, why in lines)
+    parts += ["## Survivors", "\n".join(words)]
     return "\n\n".join(parts) + "\n"
 
 
