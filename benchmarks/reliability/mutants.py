@@ -147,8 +147,9 @@ class Mutants:
         rows = self._rows()
         with scratch() as copy:
             for kind in self.kinds:
-                chosen = sample(kind, self.seed)[: self.each]
-                todo = [each for each in chosen if each not in rows or (self.again and not rows[each].by)]
+                todo = [each for each in sample(kind, self.seed)[: self.each] if each not in rows]
+                if self.again:
+                    todo += [row.mutant for row in rows.values() if row.kind == kind and not row.by]
                 if todo:
                     tests = Tests(copy, self.out, {each.file for each in todo}, self.measured)
                     for number, mutant in enumerate(todo):
