@@ -70,7 +70,9 @@ def _boxes(categories: Any) -> list[tuple[Polygon, tuple[str, ...]]]:
     for word, boxes in categories.items():
         for each in _list(boxes):
             if (box := numbers(each, 4)) is None or box[0] >= box[2] or box[1] >= box[3]:
-                raise RequestError(f"plan: a box of {word} is no x1, y1, x2, y2 in metres: {str(each)[:60]}")
+                raise RequestError(
+                    f"plan: a box of {word} is no x1, y1, x2, y2 in metres: {str(each)[:60]!r}"
+                )
             shape = shapely.box(box[0], box[1], box[2], box[3])
             for place, (other, words) in enumerate(found):
                 if max(abs(a - b) for a, b in zip(shape.bounds, other.bounds, strict=True)) < SAME:

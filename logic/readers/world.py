@@ -22,7 +22,7 @@ from logic.errors import HouseFileError, PlanWarning, RequestError
 from logic.house.house import House
 from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
 from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
-from logic.opener import from_json
+from logic.opener import from_json, reason
 from logic.readers.features import features, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline
 from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
@@ -109,7 +109,7 @@ def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
     try:
         shape = shapely.force_2d(shapely.from_geojson(json.dumps(geometry)))
     except (GEOSException, ValueError) as error:
-        raise ValueError(f"{where}: {str(error)[:80]}") from None
+        raise ValueError(f"{where}: {reason(error)[:80]}") from None
     properties = feature.get("properties")
     if not (np.abs(shapely.get_coordinates(shape)) < FAR).all():
         raise ValueError(f"{where}: numbers are too large")

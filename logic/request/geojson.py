@@ -15,7 +15,7 @@ from logic.readers.features import GEOMETRIES, features, inner_wall
 from logic.readers.regular import unlike
 from logic.readers.sketch import FAR
 from logic.readers.units import metres_to
-from logic.spelling import numbered
+from logic.spelling import numbered, printable
 
 OTHER_KINDS = ("door", "window", "piece", "wall")
 """What our own exports call the parts of a house that are no rooms."""
@@ -94,7 +94,7 @@ def _polygon(feature: Any, number: int, passed: Counter[str]) -> Polygon | None:
         return None
     kind = geometry.get("type") if isinstance(geometry, Mapping) else None
     if kind not in GEOMETRIES or not isinstance(geometry, Mapping):
-        passed[str(kind) if kind else "feature without geometry"] += 1
+        passed[printable(str(kind))[:40] if kind else "feature without geometry"] += 1
         return None
     name = _name(properties, feature, number)
     type_ = properties.get("type")
@@ -136,7 +136,7 @@ def _ring(rings: Any, where: str) -> list[tuple[float, float]]:
         numbers = point[:2] if isinstance(point, Sequence) and not isinstance(point, str) else ()
         if len(numbers) < 2 or not all(type(each) in (int, float) and abs(each) <= FAR for each in numbers):
             raise RequestError(
-                f"{where}: a corner is two numbers, x and y, of {FAR:.0e} at most, not {str(point)[:40]}"
+                f"{where}: a corner is two numbers, x and y, of {FAR:.0e} at most, not {str(point)[:40]!r}"
             )
         points.append((float(numbers[0]), float(numbers[1])))
     if len(set(points)) < 4:
