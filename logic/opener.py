@@ -17,6 +17,7 @@ import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn, cast
+from xml.etree import ElementTree
 
 import msgspec
 
@@ -28,6 +29,9 @@ PACKED = b"\x1f\x8b"
 
 MAX_BYTES, MAX_DEPTH, MAX_DIGITS, MAX_VALUES = 1 << 26, 64, 128, 1 << 22
 """Of JSON: bytes, levels of lists and objects, digits of a number, and values."""
+
+MAX_ELEMENTS = 1 << 18
+"""Of XML."""
 
 MAX_MEMBERS = 1 << 10
 """Files of an archive."""
@@ -122,6 +126,42 @@ def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any
         raise ValueError("a text has half a letter of UTF-16") from None
     except RecursionError:
         raise ValueError(f"nested more than {MAX_DEPTH} deep") from None
+
+
+def from_xml(content: bytes) -> ElementTree.Element:
+    """Return the root of XML.
+
+    Raises ``ValueError``, in one line, for what is no XML, declares entities, or is beyond ``MAX_DEPTH`` or
+    ``MAX_ELEMENTS``.
+    """
+    if b"<!ENTITY" in content:
+        raise ValueError("it declares entities: save it without")
+    parser = ElementTree.XMLParser(target=_BoundedTree())
+    try:
+        parser.feed(content)
+        return parser.close()
+    except (ElementTree.ParseError, LookupError) as error:  # of an encoding that nobody knows
+        raise ValueError(reason(error)) from None
+
+
+class _BoundedTree(ElementTree.TreeBuilder):
+    """A tree that is neither deep nor large."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._depth = self._elements = 0
+
+    def start(self, tag: str, attrs: dict[str, str], /) -> ElementTree.Element:
+        self._depth, self._elements = self._depth + 1, self._elements + 1
+        if self._depth > MAX_DEPTH:
+            raise ValueError(f"nested more than {MAX_DEPTH} deep")
+        if self._elements > MAX_ELEMENTS:
+            raise ValueError(f"more than {MAX_ELEMENTS:,} elements")
+        return super().start(tag, attrs)
+
+    def end(self, tag: str, /) -> ElementTree.Element:
+        self._depth -= 1
+        return super().end(tag)
 
 
 def archive_of(content: bytes, most: int, members: int = MAX_MEMBERS) -> zipfile.ZipFile:

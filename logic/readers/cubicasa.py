@@ -10,12 +10,13 @@ from itertools import pairwise
 from math import log
 from statistics import median
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
+from logic.opener import from_xml
 from logic.readers.sketch import Passage, Sketch, Space, polygons
 
 FORMAT = "a plan of CubiCasa5K"
@@ -40,11 +41,9 @@ def is_cubicasa(content: bytes, _: Any) -> bool:
 
 def read_cubicasa(content: bytes, _: Any) -> Sketch:
     """Rooms by their classes; the unit by the sizes that labels say."""
-    if b"<!ENTITY" in content:
-        raise RequestError(f"plan: {FORMAT} has no entities of its own: save it without")
     try:
-        tree = ElementTree.fromstring(content)
-    except (ElementTree.ParseError, LookupError) as error:  # of an encoding that nobody knows
+        tree = from_xml(content)
+    except ValueError as error:
         raise RequestError(f"plan: {FORMAT} that is damaged: {error}") from None
     storeys = [each for each in _groups(tree) if "Floorplan" in each.get("class", "").split()]
     with_rooms = [each for each in storeys if any(_is_space(group) for group in _groups(each))]
@@ -70,15 +69,15 @@ def read_cubicasa(content: bytes, _: Any) -> Sketch:
     return Sketch(FORMAT, spaces, doors, list(windows), median(units) if units else PIXEL, guessed=guessed)
 
 
-def _groups(tree: ElementTree.Element) -> Iterator[ElementTree.Element]:
+def _groups(tree: Element) -> Iterator[Element]:
     return (each for each in tree.iter() if each.tag.rpartition("}")[2] == "g")
 
 
-def _is_space(group: ElementTree.Element) -> bool:
+def _is_space(group: Element) -> bool:
     return group.get("class", "").split()[:1] == ["Space"]
 
 
-def _polygon(group: ElementTree.Element) -> Polygon | None:
+def _polygon(group: Element) -> Polygon | None:
     """The polygon right in a group."""
     for child in group:
         if child.tag.rpartition("}")[2] == "polygon":
@@ -95,7 +94,7 @@ def _polygon(group: ElementTree.Element) -> Polygon | None:
     return None
 
 
-def _units(group: ElementTree.Element, polygon: Polygon) -> Iterator[float]:
+def _units(group: Element, polygon: Polygon) -> Iterator[float]:
     """Metres to a pixel by the sizes in a room's label, in the order in which both sides agree."""
     west, north, east, south = polygon.bounds
     for text in ("".join(each.itertext()) for each in group.iter() if each.tag.rpartition("}")[2] == "text"):

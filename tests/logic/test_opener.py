@@ -11,7 +11,16 @@ from time import perf_counter
 
 import pytest
 
-from logic.opener import MAX_DEPTH, MAX_DIGITS, MAX_MEMBERS, archive_of, content_of, from_json, member_of
+from logic.opener import (
+    MAX_DEPTH,
+    MAX_DIGITS,
+    MAX_MEMBERS,
+    archive_of,
+    content_of,
+    from_json,
+    from_xml,
+    member_of,
+)
 
 MOST = 1 << 10
 
@@ -140,3 +149,20 @@ def test_a_damaged_file_of_an_archive_is_refused() -> None:
     assert member_of(archive_of(whole, MOST), "0") == b"abc" * 99
     with pytest.raises(ValueError, match="0 of the archive is damaged"):
         member_of(archive_of(whole.replace(b"abc", b"abd", 1), MOST), "0")
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"<g>" * 65 + b"</g>" * 65, "nested more than 64 deep"),
+        (b"<g>" * 500_000, "nested more than 64 deep"),
+        (b"<s>" + b"<g/>" * (1 << 18) + b"</s>", "more than 262,144 elements"),
+        (b'<!DOCTYPE s [<!ENTITY a "aa">]><s>&a;</s>', "declares entities"),
+        (b"<s>", "no element found"),
+        (b'<?xml version="1.0" encoding="none"?><s/>', "unknown encoding"),
+    ],
+    ids=["deep", "deep and open", "many", "entities", "cut", "encoding"],
+)
+def test_xml_that_is_deep_large_or_damaged_is_refused(content: bytes, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        from_xml(content)
