@@ -259,6 +259,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     ".md": _words,
     ".safetensors": _checkpoint,
     ".pt.gz": _state,
+    ".lock": Path.read_bytes,
 }
 """By the ending of a name: what reads such a file, and raises an exception where it is torn."""
 
