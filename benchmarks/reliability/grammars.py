@@ -230,10 +230,7 @@ class RandomGrammars:
 
     def run(self) -> int:
         """Print the number of each answer; 1 if there is another one."""
-        from logic.house.replacing import study_folder
-
-        with study_folder(self.out, self.replace):
-            figures = self._figures()
+        figures = self._figures()
         words = ", ".join(f"{number:,} {name}" for name, number in sorted(figures.answers.items()))
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
         number = sum(figures.answers.values())
