@@ -47,7 +47,7 @@ def read_ifc(content: bytes, _: Any) -> Sketch:
 def _sketch(found: Solids) -> Sketch:
     """Return what the process of IfcOpenShell found, as rooms, doors and windows."""
     spaces = [
-        Space(words[0], tuple(words), part)
+        Space((words or [""])[0], tuple(words), part)
         for words, shape in found.spaces
         for part in polygons(shapely.from_wkt(shape))
     ]
