@@ -314,6 +314,8 @@ def answer(reader: FuzzReader, content: bytes, folder: Path) -> str:
     """
     from logic.errors import VitruviusError
 
+    if any(folder.iterdir()):
+        raise ValueError(f"{folder}: is not empty, and all that is in it would be removed")
     path = folder / reader.file
     path.write_bytes(content)
     try:
