@@ -86,7 +86,7 @@ def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> A
 
 
 def attempt_at(builder: Builder, request: Request, houses: int = 1, seed: int = 0) -> Attempt:
-    """The same of any request."""
+    """Answer any request as ``attempt`` does."""
     clock, found, because, limit = StageClock(), [], None, ""
     with clock.of(builder):
         try:

@@ -148,7 +148,7 @@ class PlantedStudy:
         return int(any(row.wrong for row in rows))
 
     def _answers(self, done: set[tuple[bool, int]]) -> Iterator[PlantedRow]:
-        """What is not done. SWI-Prolog holds one grammar at a time."""
+        """Yield what is not done. SWI-Prolog holds one grammar at a time."""
         builder = warm(ALONE, ())
         for number in range(self.briefs):
             if (False, number) not in done:
@@ -179,12 +179,12 @@ class PlantedStudy:
 
 
 def line_of(row: PlantedRow) -> bytes:
-    """A line of the file."""
+    """Return a line of the file."""
     return msgspec.json.encode(row) + b"\n"
 
 
 def row_of(number: int, entry: BriefEntry, found: Attempt) -> PlantedRow:
-    """What an answer to a planted brief is."""
+    """Judge an answer to a planted brief."""
     answer = judged(entry, found.answer(entry))
     faults = [*answer.faults, *(line.words for line in answer.lines if not line.kept)]
     if answer.said == "impossible":
@@ -201,7 +201,7 @@ def row_of(number: int, entry: BriefEntry, found: Attempt) -> PlantedRow:
 
 
 def planted(number: int, least: int = 2, most: int = 6) -> BriefEntry:
-    """Planted brief ``number``, with from ``least`` to ``most`` boxes: each kind in turn."""
+    """Return planted brief ``number``, with from ``least`` to ``most`` boxes: each kind in turn."""
     if number % SELDOM == 0:
         return _of_walls(number, WALLS[number // SELDOM % len(WALLS)])
     rng = np.random.default_rng([56, number])
@@ -213,7 +213,7 @@ def planted(number: int, least: int = 2, most: int = 6) -> BriefEntry:
 
 
 def _of_walls(number: int, walls: KnownPlan) -> BriefEntry:
-    """A brief of a plan that has a wall of just the least length, with all sizes exact."""
+    """Return a brief of a plan that has a wall of just the least length, with all sizes exact."""
     names = [f"Room {place}" for place in range(1, len(walls.boxes) + 1)]
     sides = [[round(box[2] - box[0], 1), round(box[3] - box[1], 1)] for box in walls.boxes]
     rooms: list[Json] = [
@@ -234,7 +234,7 @@ def _of_walls(number: int, walls: KnownPlan) -> BriefEntry:
 
 
 def _tiling(boxes: int, rng: np.random.Generator) -> KnownPlan:
-    """A random plan of so many boxes, of which one may be a void; all of its rooms are reached."""
+    """Return a random plan of so many boxes, of which one may be a void; all of its rooms are reached."""
     while True:
         side, stretch = (rng.uniform(4, 12) * boxes) ** 0.5, rng.uniform(0.7, 1.4)
         whole = (0.0, 0.0, round(side * stretch, 1), round(side / stretch, 1))
@@ -254,7 +254,7 @@ def _tiling(boxes: int, rng: np.random.Generator) -> KnownPlan:
 
 
 def _windows(plan: KnownPlan, rng: np.random.Generator) -> Iterator[tuple[int, str]]:
-    """A window in some rooms, not in the side by which the house is entered."""
+    """Yield a window in some rooms, not in the side by which the house is entered."""
     way_in = plan.entrance, plan.outer(plan.entrance, DOORWAY - ROUNDING)[0]
     for room in range(len(plan.boxes)):
         sides = [side for side in plan.outer(room, WINDOWED - ROUNDING) if (room, side) != way_in]
@@ -263,14 +263,14 @@ def _windows(plan: KnownPlan, rng: np.random.Generator) -> Iterator[tuple[int, s
 
 
 def _may_be_void(void: Box, rooms: list[Box]) -> bool:
-    """Whether it is as large as a void is, and takes no whole side of the outline."""
+    """Say whether it is as large as a void is, and takes no whole side of the outline."""
     return min(void[2] - void[0], void[3] - void[1]) >= LEAST_VOID - ROUNDING and around(rooms) == around(
         [void, *rooms]
     )
 
 
 def _read_off(plan: KnownPlan, exact: bool, what: str, rng: np.random.Generator) -> Json:
-    """A brief that a plan keeps at its limits."""
+    """Return a brief that a plan keeps at its limits."""
     names = [f"Room {number}" for number in range(1, len(plan.boxes) + 1)]
     entrance = plan.outer(plan.entrance, DOORWAY - ROUNDING)[0]
     rooms = []
@@ -322,7 +322,7 @@ def _outline(plan: KnownPlan, exact: bool, rng: np.random.Generator) -> Json:
 
 
 def _span(value: float, exact: bool, rng: np.random.Generator) -> list[float]:
-    """A range that ends at a length or an area, whole square centimetres: which end, or both."""
+    """Return a range that ends at a length or an area, whole square centimetres: which end, or both."""
     value = round(value, 4)
     share = rng.uniform(0.02, 0.5)
     ends = [value, value], [value, round(value * (1 + share), 4)], [round(value * (1 - share), 4), value]

@@ -15,7 +15,7 @@ ROUNDED = 1e6
 
 
 def tightened(builder: Builder, house: House, folder: Path) -> Path:
-    """A copy of a grammar with the least and the greatest of a house, by type of room, and the size of all.
+    """Return a copy of a grammar with the least and the greatest of a house, by type of room, and its size.
 
     The folder is not there yet, and the size of each type stands in a line of its own.
     """

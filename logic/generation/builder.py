@@ -82,7 +82,7 @@ class Builder:
         return msgspec.structs.replace(made, provenance=self._provenance(request, seed, index))
 
     def decides_areas(self, request: Request) -> bool:
-        """Whether houses of a request can be made of all sizes that the areas of their rooms allow.
+        """Say whether houses of a request can be made of all sizes that the areas of their rooms allow.
 
         On no grid, without units, in no given plan, and without areas of several rooms together.
         """

@@ -71,5 +71,5 @@ def test_a_grammar_that_a_house_keeps_at_its_limits_has_a_house_and_so_has_its_p
 
 
 def types_of(house: House) -> list[str]:
-    """The type of each room."""
+    """Return the type of each room."""
     return [room.type for room in house.rooms]
