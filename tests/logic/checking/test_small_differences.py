@@ -3,7 +3,7 @@
 import pytest
 from msgspec.structs import replace
 
-from logic import House, Piece, check
+from logic import Door, House, Piece, check
 from logic.house.parts import Provenance
 from logic.house.promises import Promises, Thickness
 from tests.logic.house.handmade import Sketch, built, piece, sketches
@@ -110,3 +110,36 @@ def test_a_main_room_on_a_grid_is_of_whole_cells() -> None:
     found = [line for line in on_cells(with_bedroom(), 0.4) if line.startswith("main room")]
     assert found == [f"main room: is 4.200 m {way}, not whole cells of 0.4 m" for way in ("wide", "deep")]
     assert not [line for line in on_cells(with_bedroom(), 0.3) if line.startswith("main room")]
+
+
+def with_a_part(width: float) -> House:
+    """The flat, where the kitchen R6 is a part of the living room R7: 3.6 m of wall between them."""
+    house = flat()
+    kitchen = replace(house.room("R6"), part_of="R7", children=())
+    doors = without(house, "R6", "R7").doors
+    rooms = tuple(kitchen if room.name == "R6" else room for room in house.rooms)
+    gap = Door(6.6, 4.8, 0.0, width, ("R6", "R7"), opening=True)
+    return replace(house, rooms=rooms, doors=(*doors, gap))
+
+
+def test_all_the_wall_between_a_room_and_its_part_is_open() -> None:
+    parts = Promises(parts={"kitchen": ("living",)})
+    assert check(with_a_part(3.6), parts) == []
+    found = [line for line in check(with_a_part(3.0), parts) if "part" in line]
+    assert found == ["R6 (kitchen): is a part of R7, and of 3.600 m of wall 3 are open (must be all)"]
+
+
+def test_a_room_is_a_part_of_a_room_of_a_type_that_is_promised() -> None:
+    said = ["R6 (kitchen): is no part of a room (must be of a hall)"]
+    for house in (with_a_part(3.6), flat()):
+        found = check(house, Promises(parts={"kitchen": ("hall",)}))
+        assert [line for line in found if "is no part" in line] == said
+
+
+def test_the_area_of_a_room_is_that_with_its_parts_where_that_is_promised() -> None:
+    """9.72 square metres of the kitchen, and 12.96 of the living room."""
+    parts = {"kitchen": ("living",)}
+    assert check(with_a_part(3.6), Promises(parts=parts, whole_area={"living": (22.6, 22.7)})) == []
+    assert check(with_a_part(3.6), Promises(parts=parts, whole_area={"living": (20.0, 22.6)})) == [
+        "R7 (living): is of 22.68 m² with its parts (20 to 22.6)"
+    ]
