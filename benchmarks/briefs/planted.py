@@ -27,7 +27,8 @@ from benchmarks.common.processes import say
 from logic.errors import RequestError
 from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.house.files import opened
+from logic.house.files import MOST_BYTES
+from logic.opener import opened
 from logic.request.brief import alone
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
@@ -134,7 +135,7 @@ class PlantedStudy:
         self.out.mkdir(parents=True, exist_ok=True)
         path, rows = self.out / PLANTED, []
         if path.exists():
-            with opened(path) as file:
+            with opened(path, MOST_BYTES) as file:
                 rows = [msgspec.json.decode(line, type=PlantedRow) for line in file if line.endswith(b"\n")]
             path.write_bytes(b"".join(map(line_of, rows)))  # without the line that a kill has cut
         for row in self._answers({(row.kind in GIVEN, row.number) for row in rows}):
