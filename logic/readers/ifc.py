@@ -21,7 +21,7 @@ FORMAT = "IFC"
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'IFC", re.IGNORECASE)
 
 SECONDS = 120
-"""How long IfcOpenShell may take."""
+"""Wall time that IfcOpenShell may take, on a busy machine too."""
 
 
 def is_ifc(content: bytes, _: Any) -> bool:

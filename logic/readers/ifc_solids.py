@@ -2,6 +2,7 @@
 damaged file may end. ``ifc.py`` writes it the file, and reads the answer.
 """
 
+import resource
 import sys
 from typing import Any
 
@@ -11,6 +12,9 @@ import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
+
+MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
+"""Address space and processor time of the process, as a solver process has."""
 
 Triangles = np.ndarray
 """(N, 3, 3) float64: corners in metres, z up."""
@@ -101,7 +105,9 @@ def _outline(solid: Triangles) -> shapely.Geometry:
 
 
 def main() -> None:
-    """From the standard input to the standard output."""
+    """Read a file from the standard input and write its solids, within the limits of this process."""
+    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
+    resource.setrlimit(resource.RLIMIT_CPU, (MAX_CPU_SECONDS, MAX_CPU_SECONDS))
     try:
         found = solids(sys.stdin.buffer.read())
     except RequestError as error:
