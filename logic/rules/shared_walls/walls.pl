@@ -22,7 +22,6 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
-:- use_module(library(yall)).
 :- use_module(areas).
 :- use_module('../brief/brief').
 :- use_module('../brief/thorough').
@@ -96,9 +95,11 @@ exact_system(Atoms, Plan, System, Items) :-
     ->  brief_system(Atoms, Plan, System, Items0)
     ;   wall_system(Atoms, [], Plan, System), Items0 = [] ),
     Plan = plan(_,Rooms),
-    exclude([room(R,_,_,_)]>>has_area(Atoms, R), Rooms, Others),
+    exclude(of_stated_area(Atoms), Rooms, Others),
     convlist(grammar_item, Others, Items1),
     append(Items0, Items1, Items).
+
+of_stated_area(Atoms, room(R,_,_,_)) :- has_area(Atoms, R).
 
 %   plan_boxes(+Atoms, +Lines, +Rooms, -Boxes): the rooms, the voids and the outline.
 
