@@ -120,7 +120,7 @@ TOTALS: dict[str, tuple[str, str, dict[str, Any], tuple[float, float]]] = {
     "near the most": ("home", "", {"rooms": 4}, (64.0, 66.0)),
     "a dissection": ("home", "dissection", {"rooms": 5}, (50.0, 51.0)),
     "rooms along a corridor": ("clinic", "", {"rooms": 9}, (250.0, 255.0)),
-    "on a grid": ("home", "", {"rooms": 4, "cell": 0.3}, (40.0, 42.0)),
+    "on a grid": ("home", "", {"rooms": 4, "cell": 0.5}, (40.0, 42.0)),
     "a star": ("family", "", {"rooms": 5}, (130.0, 131.0)),
     "one area of a star": ("family", "", {"rooms": 3}, (60.0, 60.0)),
     "near the least of a star": ("family", "", {"rooms": 4}, (20.0, 43.0)),
