@@ -4,10 +4,13 @@ import difflib
 import inspect
 import re
 import shlex
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from html import escape
 from typing import ParamSpec, TypeVar
+
+MAX_LETTERS, MAX_NAMES, MAX_LISTED = 100, 2_000, 200
+"""Letters of a name, and names, that are compared; names that a message lists."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -26,16 +29,26 @@ def closest(name: str, names: Iterable[str]) -> str | None:
         exact = difflib.SequenceMatcher(None, name, other).ratio()
         return ratio, exact, name[:1] == other[:1], -abs(len(other) - len(name))
 
-    best = max(sorted(names), key=likeness, default=None)
+    names = sorted(names)
+    if len(name) > MAX_LETTERS or len(names) > MAX_NAMES:
+        return None
+    best = max(names, key=likeness, default=None)
     return best if best is not None and likeness(best)[0] >= 0.65 else None
 
 
 def unknown(what: str, name: object, names: Iterable[str]) -> str:
     """As in ``there is no preset papre: did you mean paper? There are dqn, paper, pqn``."""
-    names = list(names)
+    names, shown = list(names), str(name)[: MAX_LETTERS + 1] or repr(name)
+    if len(shown) > MAX_LETTERS:
+        shown = f"{shown[:MAX_LETTERS]}..."
     close = closest(str(name), names)
     hint = f": did you mean {close}? There are " if close else ": there are "
-    return f"there is no {what} {name or repr(name)}{hint}{', '.join(names)}"
+    return f"there is no {what} {shown}{hint}{listed(names)}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """As in ``dqn, paper, pqn``: of very many names the first ones."""
+    return ", ".join(names[:MAX_LISTED]) + (", ..." if len(names) > MAX_LISTED else "")
 
 
 def numbered(number: int, noun: str) -> str:

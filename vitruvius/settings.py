@@ -22,8 +22,11 @@ from vitruvius.options import Option, options_of
 
 NONE = "none"
 
-MOST_BYTES = 1 << 20
+MOST_BYTES = 1 << 18
 """What is read of a file."""
+
+MAX_DOTS, MAX_INTEGER = 256, 1 << 63
+"""Dots in a line, as each makes a table in the last one, and the size of an integer."""
 
 BESIDE = "preset", "name", "houses"
 """Keys that are no fields of a config."""
@@ -62,9 +65,18 @@ def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, st
     Raises ``SettingsError``, by file and line.
     """
     text = _text(path)
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.count(".") > MAX_DOTS:
+            raise SettingsError(
+                f"{path}:{number}: more than {MAX_DOTS} dots in a line: no setting has so many"
+            )
     try:
         found = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+        if _has_long_integer(found):
+            raise ValueError("an integer of more than 64 bits")
+    except RecursionError:
+        raise SettingsError(f"{path}: no TOML: nested too deeply") from None
+    except ValueError as error:
         reason, _, place = str(error).partition(" (at line ")
         line = f":{place.partition(',')[0]}" if place[:1].isdigit() else ""
         raise SettingsError(f"{path}{line}: no TOML: {reason}") from None
@@ -108,6 +120,13 @@ def _text(path: Path) -> str:
         raise SettingsError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise SettingsError(f"{path}: no TOML: it is no text in UTF-8") from None
+
+
+def _has_long_integer(value: Any) -> bool:
+    """Return True where a value, or one inside it, is an integer that cannot even be printed in a line."""
+    if isinstance(value, dict | list):
+        return any(map(_has_long_integer, value.values() if isinstance(value, dict) else value))
+    return isinstance(value, int) and abs(value) > MAX_INTEGER
 
 
 def _line(text: str, key: str) -> int | None:

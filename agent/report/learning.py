@@ -72,7 +72,7 @@ class TrainingRun:
             with opened(here.metrics, MOST_METRICS, unpack=False) as file:
                 for line in file.read(MOST_METRICS).splitlines():
                     try:
-                        history.append(msgspec.json.decode(line, type=Progress))
+                        history.append(from_json(line, Progress))
                     except (ValueError, RecursionError):
                         continue
         return cls(name, config, history)

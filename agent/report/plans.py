@@ -66,9 +66,9 @@ def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[flo
     """
     found, houses, named = {}, len(bank), looks_of(bank[0]).name
     for mode, scored in file.targets.items():
-        runs = [run for each in scored.policies.values() for run in each.runs]
         best = yardstick(scored.policies)
-        if best not in scored.policies or any(len(run.targets) % houses for run in runs):
+        whole = [_is_whole(each, houses) for each in scored.policies.values()]
+        if best not in scored.policies or not all(whole):
             continue  # scores of another program, which need not be whole
         # Episode i is in house i % houses.
         counts = {
@@ -82,6 +82,12 @@ def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[flo
                 None if np.isnan(value) else round(float(value), 3) for value in ratio
             ]
     return found
+
+
+def _is_whole(policy: scores.PolicyScores, houses: int) -> bool:
+    """Return True where each run of a policy has as many episodes in each house as the others."""
+    lengths = {len(run.targets) for run in policy.runs}
+    return len(lengths) == 1 and max(lengths) > 0 and not max(lengths) % houses
 
 
 def plan_of(file: str, index: int, house: House) -> dict[str, Any]:

@@ -29,6 +29,9 @@ OTHERS = (0, 8, 9, 4, 6)
 LISTED = 30
 """Points of a line in the table below its plot, at most."""
 
+MIN_POSITIVE = 1e-100
+"""What lies on a logarithmic axis is above it: what is less counts as 0."""
+
 WIDTH, HEIGHT = 520, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 24, 12, 44
 """Pixels of a plot, and around its area."""
@@ -78,7 +81,7 @@ class _Scale:
     def __init__(self, axis: Axis, values: Iterable[float], start: float, end: float) -> None:
         shown = [each for each in (*values, axis.least, axis.most) if each is not None]
         if axis.log:
-            shown = [each for each in shown if each > 0]
+            shown = [each for each in shown if each > MIN_POSITIVE]
         self.log, self.start, self.end = axis.log, start, end
         low, high = min(shown, default=0.0), max(shown, default=1.0)
         if high <= low:
@@ -92,7 +95,7 @@ class _Scale:
 
     def at(self, value: float) -> float:
         """A value's pixel."""
-        if self.log and value <= 0:
+        if self.log and value <= MIN_POSITIVE:
             return self.start
         share = (self._of(value) - self.low) / (self.high - self.low)
         return self.start + share * (self.end - self.start)

@@ -4,6 +4,7 @@ The file is read as arrays: its description of the model is not run, and not nee
 """
 
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any, cast
 
@@ -40,16 +41,15 @@ def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
     try:
         require_file(path, MAX_BYTES)
         with h5py.File(path) as file:
-            found = list(_arrays(file))
+            found = list(islice(_arrays(file), len(expected) + 1))
     except FileNotFoundError:
         raise CheckpointError(f"{path}: there is no such file") from None
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise CheckpointError(f"{path}: no weights that Keras wrote: {reason(error)}") from None
     shapes = [array.shape[::-1] for _, array in found]
     if len(shapes) != len(expected):
-        raise CheckpointError(
-            f"{path}: {len(shapes)} arrays of weights; the paper's network has {len(expected)}"
-        )
+        more = "more" if len(shapes) > len(expected) else f"{len(shapes)}"
+        raise CheckpointError(f"{path}: {more} arrays of weights; the paper's network has {len(expected)}")
     for (label, _), shape, wanted in zip(found, shapes, expected.values(), strict=True):
         if shape != wanted:
             raise CheckpointError(f"{path}: {label} is {shape[::-1]}; the paper's network has {wanted[::-1]}")
@@ -69,7 +69,7 @@ def _arrays(file: Any) -> Iterator[tuple[str, np.ndarray]]:
         group = at(layers, _text(layer))
         for weight in group.attrs["weight_names"]:
             data = at(group, _text(weight))
-            if data.external:
+            if data.external or data.is_virtual:
                 raise ValueError(f"{_text(weight)} lies in another file")
             if data.size > 1_000_000:
                 raise ValueError(f"{_text(weight)} has {data.size:,} numbers")

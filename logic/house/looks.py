@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -20,7 +20,7 @@ from logic.grammar import SHIPPED, folder, shipped
 from logic.house.house import House
 from logic.house.parts import ORIGINAL
 from logic.opener import content_of, from_json
-from logic.spelling import closest
+from logic.spelling import closest, listed
 
 NAME = "looks.json"
 """Of the file, here and in a grammar's folder."""
@@ -119,7 +119,7 @@ def read_looks(file: Path, under: Looks) -> tuple[Looks, list[GrammarError]]:
     try:
         text = _text(file)
         data = from_json(text.encode(), pairs=_Pairs)
-        faults = list(_faults(data, under))
+        faults = list(islice(_faults(data, under), MAX_FAULTS))
     except GrammarError as error:
         return Looks(), [error]
     except json.JSONDecodeError as error:
@@ -168,6 +168,9 @@ class _Pairs(list[tuple[str, Any]]):
     """An object's keys and values, in their order."""
 
 
+MAX_FAULTS = 20
+"""Faults of a file that are looked for: each may compare a name with many."""
+
 Fault = tuple[Where, str]
 
 
@@ -178,7 +181,7 @@ def _faults(data: Any, under: Looks) -> Iterator[Fault]:
         yield (), f"an object is expected, of {', '.join(keys)}"
         return
     yield from _twice((), data)
-    symbols = {
+    symbols = set(under.symbols) | {
         name for key, pairs in data if key == "symbols" and isinstance(pairs, _Pairs) for name, _ in pairs
     }
     for key, pairs in data:
@@ -190,8 +193,7 @@ def _faults(data: Any, under: Looks) -> Iterator[Fault]:
             yield from _twice((key,), pairs)
             for name, value in pairs:
                 yield from (
-                    ((key, *where), f"{name}: {why}")
-                    for where, why in _wrong(key, name, value, symbols | set(under.symbols))
+                    ((key, *where), f"{name}: {why}") for where, why in _wrong(key, name, value, symbols)
                 )
 
 
@@ -255,7 +257,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 def _meant(name: str, names: Iterable[str]) -> str:
     names = sorted(names)
     close = closest(name, names)
-    return f": did you mean {close}?" if close else f": there are {', '.join(names)}"
+    return f": did you mean {close}?" if close else f": there are {listed(names)}"
 
 
 def _places(text: str) -> dict[Where, tuple[int, int]]:

@@ -155,6 +155,11 @@ class Reach:
     terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = True
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` for what is no name."""
+        if not isinstance(self.room, str):
+            raise TypeError(f"room: a room type, not {self.room!r}")
+
     def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
         return [room.box for room in house.rooms if room.type == self.room]

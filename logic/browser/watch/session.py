@@ -54,6 +54,12 @@ class Sheet(msgspec.Struct, frozen=True, omit_defaults=True):
     furniture: dict[str, int | tuple[int, int | None]] = {}
     brief: dict[str, Any] | None = None
 
+    def asked(self) -> dict[str, Any]:
+        """Return what is asked of each house, as ``Request.read`` takes it."""
+        return {
+            key: value for key, value in msgspec.to_builtins(self).items() if key not in ("seed", "count")
+        }
+
 
 class Session:
     """The rules of a directory as they are, told to all who listen, and questions about them."""
@@ -157,7 +163,7 @@ class Session:
         """House ``index`` and its plan, or why there is none."""
         late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         try:
-            request = Request.read(msgspec.to_builtins(sheet)).to_dict()
+            request = Request.read(sheet.asked()).to_dict()
             question = MakeHouse(request=request, seed=sheet.seed, index=index, inferences=INFERENCES)
             made = await pool.ask(lambda worker: worker.asked(question, Made, self._seconds, late))
             house = House.from_dict(made.house)
