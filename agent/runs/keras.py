@@ -48,8 +48,8 @@ def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
         raise CheckpointError(f"{path}: no weights that Keras wrote: {reason(error)}") from None
     shapes = [array.shape[::-1] for _, array in found]
     if len(shapes) != len(expected):
-        more = "more" if len(shapes) > len(expected) else f"{len(shapes)}"
-        raise CheckpointError(f"{path}: {more} arrays of weights; the paper's network has {len(expected)}")
+        number = f"{len(shapes)}" if len(shapes) < len(expected) else "more"
+        raise CheckpointError(f"{path}: {number} arrays of weights; the paper's network has {len(expected)}")
     for (label, _), shape, wanted in zip(found, shapes, expected.values(), strict=True):
         if shape != wanted:
             raise CheckpointError(f"{path}: {label} is {shape[::-1]}; the paper's network has {wanted[::-1]}")

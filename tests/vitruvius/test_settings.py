@@ -104,7 +104,12 @@ def test_the_command_line_wins_over_the_file_and_the_file_over_the_preset(tmp_pa
             ":3: num_minibatches must not exceed num_envs x num_steps, not 9",
         ),
         (b"\xff\xfe", ": no TOML: it is no text in UTF-8"),
-        (b"#" * (1 << 21), ": cannot be read: it holds more than 1 MiB"),
+        (b"#" * (1 << 21), ": cannot be read: it holds more than 256 KiB"),
+        (".".join(["a"] * 50_000) + " = 1\n", ":1: more than 256 dots in a line"),
+        ("steps = " + "[" * 100_000, ": no TOML: nested too deeply"),
+        ("steps = " + "9" * 5_000, ": no TOML: Exceeds the limit"),
+        ("steps = 0x" + "f" * 20_000, ": no TOML: an integer of more than 64 bits"),
+        (f"{'a' * 100_000} = 1\n", f":1: preset pqn: there is no setting {'a' * 100}...: there are"),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named_by_its_line(text: str | bytes, says: str, tmp_path: Path) -> None:

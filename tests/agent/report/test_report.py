@@ -265,3 +265,31 @@ def test_a_plot_is_sound_svg_within_its_box_for_any_numbers(log, values) -> None
         assert all(0 <= float(line.attrib[key]) <= width for key in ("x1", "x2"))
         assert all(0 <= float(line.attrib[key]) <= height for key in ("y1", "y2"))
     assert 2 <= len([line for line in svg.iter("line") if line.attrib["x1"] == line.attrib["x2"]]) <= 12
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [LINE | {"steps": 10**400}],
+        [LINE | {"targets": 1e99}, LINE | {"targets": -1e99}],
+        [LINE | {"loss": 5e-324}],
+    ],
+    ids=["steps", "targets", "loss"],
+)
+def test_numbers_of_a_run_that_no_plot_can_show_end_no_report(tmp_path, lines) -> None:
+    metrics(tmp_path, json.dumps(LINE), *map(json.dumps, lines))
+    assert b"How they learnt" in report(tmp_path, SECTIONS)
+
+
+@pytest.mark.parametrize("runs", [[], [[1], [1, 2]]], ids=["no runs", "runs of other lengths"])
+def test_scores_of_another_program_that_are_not_whole_end_no_report(tmp_path, runs) -> None:
+    save([HOUSE, HOUSE], tmp_path / "houses.jsonl")
+    measured(tmp_path, [HOUSE, HOUSE])
+    path = tmp_path / "evaluation.json"
+    content = json.loads(path.read_bytes())
+    (mode,) = content["targets"].values()
+    run = mode["policies"]["explorer"]["runs"][0]
+    mode["policies"]["explorer"]["runs"] = [run | {"targets": each} for each in runs]
+    content["targets"]['{"task": "reach", "room": 5}'] = mode
+    path.write_text(json.dumps(content))
+    assert b"The houses" in report(tmp_path, SECTIONS)

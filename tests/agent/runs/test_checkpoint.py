@@ -100,6 +100,13 @@ def test_other_tensors_are_refused(tmp_path):
     assert "not a checkpoint of this version" in refusal(spoiled(path, format="vitruvius-agent-1"))
 
 
+def test_a_checkpoint_that_names_too_many_houses_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("agent.runs.checkpoint.MAX_LEARNT_IN", 2)
+    path = tmp_path / "a.safetensors"
+    save(Checkpoint(network_of(CONFIG), CONFIG, 512, learnt_in=frozenset({1, 2, 3})), path)
+    assert "learnt_in must be at most 2 numbers" in refusal(path)
+
+
 def test_a_network_of_another_shape_is_refused(tmp_path):
     path = tmp_path / "agent.safetensors"
     other = QNetwork(rays=20).state_dict()

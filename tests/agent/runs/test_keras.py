@@ -125,7 +125,10 @@ def test_the_released_weights_do_in_the_papers_house_what_they_did_in_an_exact_t
     [
         ({"shapes": [(3, 25), (1000, 40), (40, 100), *SHAPES[3:]]}, r"dense_2/kernel:0 is \(1000, 40\)"),
         ({"layers": LAYERS[:-1]}, "10 arrays of weights; the paper's network has 12"),
-        ({"layers": [*LAYERS, "dense_7"], "shapes": [*SHAPES, (3, 3)]}, "14 arrays"),
+        (
+            {"layers": [*LAYERS, "dense_7"], "shapes": [*SHAPES, (3, 3)]},
+            "more arrays of weights; the paper's network has 12",
+        ),
         ({"value": np.nan}, "some weights are no finite numbers"),
     ],
     ids=["other shapes", "too few layers", "too many layers", "no numbers"],
@@ -133,6 +136,19 @@ def test_the_released_weights_do_in_the_papers_house_what_they_did_in_an_exact_t
 def test_a_file_of_another_network_is_refused(tmp_path, made, reason):
     keras_file(tmp_path / "weights.h5", **made)
     with pytest.raises(CheckpointError, match=reason):
+        import_keras(tmp_path / "weights.h5", "mine")
+
+
+def test_weights_of_another_file_are_refused(tmp_path):
+    keras_file(tmp_path / "other.h5")
+    keras_file(tmp_path / "weights.h5")
+    layout = h5py.VirtualLayout(shape=(3, 25), dtype="f4")
+    layout[...] = h5py.VirtualSource(tmp_path / "other.h5", "model_weights/dense_1/dense_1/kernel:0", (3, 25))
+    with h5py.File(tmp_path / "weights.h5", "a") as file:
+        group = file["model_weights/dense_1"]
+        del group["dense_1/kernel:0"]
+        group.create_virtual_dataset("dense_1/kernel:0", layout)
+    with pytest.raises(CheckpointError, match="kernel:0 lies in another file"):
         import_keras(tmp_path / "weights.h5", "mine")
 
 
