@@ -67,7 +67,7 @@ def bundle() -> dict[str, object]:
         "shipped": {
             f"{name}/{file.name}": _text(file) for name in shipped() for file in _rule_files(SHIPPED / name)
         },
-        "includes": {"lines": LINES, "examples": EXAMPLES},
+        "includes": {"lines": {each: line.pattern for each, line in LINES.items()}, "examples": EXAMPLES},
         "others": {name: _others(SHIPPED / name) for name in names},
         "topologies": _topologies(),
         "adjacent": _path(ADJACENT),
@@ -76,7 +76,7 @@ def bundle() -> dict[str, object]:
         "given": GIVEN,
         "walls": WALLS,
         "short": {"step": STEP, "bits": BITS},
-        "name": NAME,
+        "name": NAME.pattern,
         "mostTries": MOST_TRIES,
         "mostRooms": MOST_ROOMS,
         "inferences": INFERENCES,
