@@ -15,6 +15,7 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from hashlib import sha256
+from itertools import zip_longest
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType
 from typing import Any
@@ -51,7 +52,7 @@ class MutantTrial:
     def run(self, items: Sequence[pytest.Item], measure: float) -> None:
         """Run tests until the first fails; or measure them for so many seconds."""
         end = time.monotonic() + measure
-        for item, following in zip(items, [*items[1:], None], strict=True):
+        for item, following in zip_longest(items, items[1:]):
             if measure and time.monotonic() > end:
                 break
             seen, here = set[CodeType](), f"{os.getcwd()}{os.sep}"

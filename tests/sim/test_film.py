@@ -11,7 +11,7 @@ from logic.drawing.plan import drawn_extent
 from logic.house.looks import DEFAULT as LOOKS
 from logic.house.promises import Thickness
 from sim import DEFAULT, HouseVectorEnv
-from sim.film import BODY, TARGET, Camera, View, film
+from sim.film import BODY, PAPER, SHARP, TARGET, Camera, View, film, framed, largest, mosaic
 from tests import sample_houses
 
 INKS = Inks()
@@ -118,3 +118,32 @@ def test_all_of_the_outer_walls_is_in_the_picture() -> None:
             column, row = view.at(*corner)
             assert 0 <= column <= view.size[0]
             assert 0 <= row <= view.size[1]
+
+
+def test_the_longer_side_of_a_picture_is_as_asked_and_its_lengths_are_whole_pixels() -> None:
+    west, north, east, south = drawn_extent(HOUSE)
+    for width in (200, 600):
+        view = View(HOUSE, width)
+        assert max(view.shown) == width == max(view.size) / SHARP
+        pixels = np.subtract(view.at(east, south), view.at(west, north)) / SHARP
+        margins = np.subtract(view.shown, pixels)
+        assert margins == pytest.approx([32, 62], abs=0.51)
+        assert view.at(west, north) == pytest.approx((16 * SHARP, 16 * SHARP))
+        assert view.box(west, north, east, south) == [*view.at(west, north), *view.at(east, south)]
+        assert view.px(1.0) == round(SHARP * pixels[0] / (east - west))
+        assert view.px(0.0) == 1
+
+
+def test_pictures_of_one_frame_have_the_house_in_the_middle() -> None:
+    frame = largest([HOUSE, structs.replace(HOUSE, wall_thickness=Thickness(0.1, 0.9))], 300)
+    assert frame == tuple(np.max([View(HOUSE, 300).shown, frame], axis=0))
+    whole = np.asarray(framed(Image.new("RGB", (2, 3), "black"), (6, 9)))
+    assert [tuple(each) for each in np.argwhere(~whole.any(axis=2))][:: 2 * 3 - 1] == [(3, 2), (5, 3)]
+    assert whole[0, 0].tolist() == [*PAPER]
+
+
+def test_a_mosaic_has_pictures_in_rows_and_paper_in_the_rest() -> None:
+    frames = [np.full((2, 3, 3), shade, np.uint8) for shade in range(5)]
+    assert mosaic(frames)[::2, ::3, 0].tolist() == [[0, 1, 2], [3, 4, 255]]
+    assert mosaic(frames, columns=2)[::2, ::3, 0].tolist() == [[0, 1], [2, 3], [4, 255]]
+    assert mosaic(frames[:1]).shape == (2, 3, 3)

@@ -12,7 +12,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 from logic import House, Room
-from sim import DEFAULT, Config, HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
+from sim import DEFAULT, HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.baselines.searcher import Searcher
 from sim.config import DRIVE, PAPER
 from sim.drive import Drive
@@ -322,32 +322,6 @@ def test_what_it_lacks_is_refused_in_a_line_and_so_is_what_others_lack(arguments
 def test_baselines_of_a_lattice_are_refused_in_a_line(baseline):
     with pytest.raises(ValueError, match="counts steps on a lattice: take the backend continuous or grid"):
         baseline(make(houses=[EMPTY]))
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"time_step": 0}, "drive: time_step 0 s, speed 0.7 m/s: both above 0"),
-        ({"reverse": -1}, "drive: reverse -1 m/s, sideways 0.0 m/s, turn_speed 3.0 rad/s: not negative"),
-        ({"acceleration": 0}, "drive: acceleration 0, turn_acceleration 12.0: both above 0"),
-        ({"turn_speed": 40.0}, "drive: 40.0 rad/s are more than half a turn in a step"),
-        ({"at_contact": "bounce"}, "drive: at_contact is 'bounce': there are slide, stop"),
-        ({"commands": ((0.9, 0.0),)}, "drive: command (0.9, 0.0): (v, w) within the greatest speeds"),
-        (
-            {"commands": ((float("nan"), 0.0),)},
-            "drive: command (nan, 0.0): (v, w) within the greatest speeds",
-        ),
-    ],
-)
-def test_impossible_motions_are_refused(values, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        Drive(**values)
-
-
-@pytest.mark.parametrize(("name", "value"), [("latency", 256), ("angle_noise", 46.0), ("ray_spacing", 0)])
-def test_impossible_sensors_are_refused(name, value):
-    with pytest.raises(ValueError, match=f"{name} is {value}"):
-        Config(**{name: value})
 
 
 def test_a_map_is_seen_as_the_continuous_backend_sees_it():

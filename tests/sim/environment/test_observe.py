@@ -192,22 +192,6 @@ def test_torchrl_has_both(config):
             np.testing.assert_array_equal(last, info["final_obs"][over])
 
 
-WRONG = {
-    "observe: there is no observation goall: did you mean goal?": {"observe": ("goall",)},
-    "observe is nothing: one at least, each once": {"observe": ()},
-    "observe is goal, goal: one at least, each once": {"observe": ("goal", "goal")},
-    "drift is -1.0: not negative": {"drift": -1.0},
-}
-
-
-@pytest.mark.parametrize("message", WRONG)
-def test_what_cannot_be_observed_is_said_in_one_line(message):
-    with pytest.raises(ValueError, match=message.partition(" ")[0]) as error:
-        Config(**WRONG[message])
-    assert message in str(error.value)
-    assert "\n" not in str(error.value)
-
-
 def test_what_a_backend_lacks_is_said_before_anything_starts():
     name = "tests.sim.environment.test_observe:Blind"
     with pytest.raises(ValueError, match="of backend Blind there is no observation geodesic: there are"):

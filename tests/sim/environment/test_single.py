@@ -393,22 +393,6 @@ def test_wrong_arguments_are_refused(message):
         HouseVectorEnv(**({"houses": HOUSES} | WRONG_ARGUMENTS[message]))
 
 
-@pytest.mark.parametrize(
-    ("message", "wrong"),
-    [
-        ("ray_spacing is 0 degrees", {"ray_spacing": 0}),
-        ("positive lengths", {"step": 0.0}),
-        ("0 rays and 1500 steps: 1 to 1,024 rays", {"rays": 0}),
-        ("1 to 1,024 rays", {"rays": 10**9}),
-        ("1 to 2,147,483,647 steps", {"steps": 2**31}),
-        ("unknown collision", {"collision": "none"}),
-    ],
-)
-def test_an_impossible_configuration_is_refused(message, wrong):
-    with pytest.raises(ValueError, match=message):
-        Config(**wrong)
-
-
 def test_step_and_render_before_the_first_reset_are_errors(bank):
     env = gymnasium.make("sim:Vitruvius/House-v0", houses=bank, max_episode_steps=None).unwrapped
     with pytest.raises(ResetNeeded):

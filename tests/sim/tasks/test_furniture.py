@@ -144,10 +144,11 @@ def test_a_habit_belongs_to_the_house_and_the_seed():
     np.testing.assert_array_equal(alone.listed, among.listed)
 
 
-@pytest.mark.parametrize("share", [0, 1.5])
-def test_a_share_is_at_most_all(share):
-    with pytest.raises(ValueError, match="share: above 0 and at most 1"):
-        HouseVectorEnv([HOUSE], targets={"task": "habit", "share": share})
+def test_a_share_is_above_none_and_at_most_all():
+    assert len(Habit(share=1).regions(HOUSE)) == 1
+    for share in (0, 1.01):
+        with pytest.raises(ValueError, match="share: above 0 and at most 1"):
+            Habit(share=share)
 
 
 SEES = replace(DEFAULT, kinds=("stove", "bed"), sees_kind=True)
