@@ -85,7 +85,12 @@ def python_edits(content: bytes) -> Iterator[Edit]:
         return
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
     symmetric = {arg for call in calls if ast.unparse(call.func) == "abs" for arg in call.args}
+    sizes = [arg for call in calls if ast.unparse(call.func).endswith(".reshape") for arg in call.args]
+    # NumPy computes any negative size.
+    computed = {size.operand for size in sizes if isinstance(size, ast.UnaryOp)}
     for node, returned in _nodes(tree, ""):
+        if node in computed:
+            continue
         for operator, changed, text in _changes(node, returned):
             if operator == "operands" and isinstance(node, ast.BinOp) and _is_distance(node, symmetric):
                 continue

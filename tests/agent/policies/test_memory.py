@@ -3,7 +3,9 @@
 import pytest
 import torch
 
+from agent.learning.config import QLearningConfig
 from agent.policies.memory import Memory
+from agent.policies.network import QNetwork
 from sim.actions import FORWARD, LEFT
 
 NO = torch.zeros(1, dtype=torch.bool)
@@ -35,3 +37,7 @@ def test_the_memory_is_empty_where_an_episode_begins():
     held = Memory((1, 4))(held, torch.ones(2, 40, 2), yes, actions, begun)
     assert held[0].eq(0).all()
     assert held[1].gt(0).any()
+
+
+def test_a_network_has_by_default_the_half_lives_of_a_default_run():
+    assert QNetwork().shape == (40, 2, QLearningConfig.half_lives)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sim import DEFAULT, PAPER, HouseVectorEnv, Oracle, shortest_path
+from sim.baselines.oracle import _Searches
 from sim.runtime import Array, Launch, ti
 from tests import sample_houses
 
@@ -221,3 +222,14 @@ def test_on_a_grid_an_episode_played_equals_one_stepped():
         stepped += reward
     np.testing.assert_array_equal(played, stepped)
     assert (played > 0).all()
+
+
+@pytest.mark.parametrize("closed_doors", [0, 4])
+def test_a_search_has_room_for_all_poses_in_front_of_closed_doors(closed_doors):
+    envs = HouseVectorEnv([HOUSE], num_envs=2, preset=replace(DEFAULT, closed_doors=closed_doors))
+    searches = _Searches(envs.world, 2)
+    poses, room = searches.arrays["distance"].shape, (1,)
+    assert poses == (8 * searches.arrays["moves"].shape[0],) > (2 * 8 * 200,)
+    assert [searches.arrays[name].shape for name in ("waiting", "found_at")] == 2 * [
+        poses if closed_doors else room
+    ]

@@ -20,7 +20,7 @@ from gymnasium.vector import AutoresetMode
 from msgspec.structs import replace
 
 from logic import House, save
-from sim import Config, HouseVectorEnv
+from sim import HouseVectorEnv
 from tests import sample_houses
 from tests.programs import finished
 
@@ -366,7 +366,6 @@ def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_works():
 
 
 WRONG_ARGUMENTS = {
-    "ray_spacing is 2 degrees: it must divide 45": {"preset": Config(ray_spacing=2)},
     "there is no backend grids: did you mean grid? There are continuous, free, grid, or module:Class": {
         "backend": "grids"
     },
