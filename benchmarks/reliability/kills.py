@@ -22,7 +22,7 @@ from PIL import Image
 
 from logic import load
 from logic.dataset.sets import BESIDE
-from logic.errors import VitruviusError
+from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
 from logic.terminal import say
 
@@ -52,6 +52,9 @@ class Kills:
     each is whole or absent.
     """
 
+    commands: tuple[str, ...] = tuple(COMMANDS)
+    """Which commands."""
+
     kills: int = 100
     """Kills of each command."""
 
@@ -67,6 +70,8 @@ class Kills:
 
     def run(self) -> int:
         """Write the figures; 1 where a file is torn."""
+        if unknown := [name for name in self.commands if name not in COMMANDS]:
+            raise RequestError(f"--commands {unknown[0]}: there are {', '.join(COMMANDS)}")
         note = self.out / "kills.json"
         done: dict[str, list[Kill]] = {}
         if note.exists():
@@ -75,8 +80,8 @@ class Kills:
         work.mkdir(parents=True, exist_ok=True)
         with contextlib.chdir(work):
             _prepare()
-        for name, words in COMMANDS.items():
-            kills = done.setdefault(name, [])
+        for name in self.commands:
+            words, kills = COMMANDS[name], done.setdefault(name, [])
             with contextlib.chdir(work):
                 takes = _undisturbed(words) if len(kills) < self.kills else 0.0
             while len(kills) < self.kills:

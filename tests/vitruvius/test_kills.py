@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.reliability import kills
 from logic import save
+from logic.errors import RequestError
 from tests.logic.workers import in_process
 
 
@@ -16,6 +17,11 @@ def test_no_kill_tears_a_file(tmp_path: Path) -> None:
     done = msgspec.json.decode((tmp_path / "kills.json").read_bytes(), type=dict[str, list[kills.Kill]])
     assert set(done) == set(kills.COMMANDS)
     assert not all(each.ended for found in done.values() for each in found)
+
+
+def test_a_command_that_the_study_does_not_have_is_refused() -> None:
+    with pytest.raises(RequestError, match="--commands evaluat: there are convert, "):
+        kills.Kills(commands=("evaluat",)).run()
 
 
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.99])
