@@ -87,6 +87,7 @@ BELONGING: dict[str, tuple[str, ...]] = {
     "sim/drive.py": ("sim/test_config.py",),
     "sim/film.py": ("sim/test_film.py",),
     "sim/geometry.py": ("sim/test_geometry.py", "sim/test_plans.py", "sim/test_free_walls.py"),
+    "sim/tracing.py": ("sim/test_tracing.py",),
     "sim/huge_pages.py": ("sim/test_huge_pages.py",),
     "sim/*": ("sim/environment",),
     "agent/avoidance.py": ("agent/test_avoidance.py",),

@@ -171,9 +171,3 @@ def test_wrong_terms_are_said_to_be_in_one_line(message):
         HouseVectorEnv(HOUSES, targets={"task": "main", "terms": WRONG[message]})
     assert message in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_a_bank_is_not_swapped_for_a_task_of_other_terms():
-    envs = HouseVectorEnv(HOUSES)
-    with pytest.raises(ValueError, match="other terms: make a new environment"):
-        envs.set_houses(HOUSES, {"task": "main", "terms": {"step": -1.0}})

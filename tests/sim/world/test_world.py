@@ -148,12 +148,14 @@ def test_set_houses_with_other_targets_equals_a_new_environment():
     assert np.array_equal(moved.targets(20), made.targets(20))
 
 
-def test_set_houses_refuses_a_task_whose_episodes_end_otherwise():
+def test_set_houses_refuses_a_task_whose_episodes_end_or_earn_otherwise():
     envs = HouseVectorEnv(HOUSES, targets="main")
     envs.reset(seed=1)
     before = envs.targets(5)
     with pytest.raises(ValueError, match="episodes of that task end otherwise"):
         envs.set_houses(HOUSES, {"task": "reach", "room": "kitchen"})
+    with pytest.raises(ValueError, match="other terms: make a new environment"):
+        envs.set_houses(HOUSES, {"task": "main", "terms": {"step": -1.0}})
     with pytest.raises(ValueError, match="house 0 of 1"):
         envs.set_houses([House.of_star(Star(Rect(0, 0, 4, 4)))], "secondary")
     envs.reset(seed=1)
