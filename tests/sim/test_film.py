@@ -1,5 +1,7 @@
 """Pictures show what is there; films hold every frame."""
 
+import itertools
+
 import imageio_ffmpeg
 import numpy as np
 import pytest
@@ -121,9 +123,10 @@ def test_all_of_the_outer_walls_is_in_the_picture() -> None:
 
 
 def test_the_longer_side_of_a_picture_is_as_asked_and_its_lengths_are_whole_pixels() -> None:
-    west, north, east, south = drawn_extent(HOUSE)
-    for width in (200, 600):
-        view = View(HOUSE, width)
+    high = sample_houses.drawn("aaa\naAa\na+a\n...\n...\n...", cell=1.0)
+    for house, width in itertools.product((HOUSE, high), (200, 600)):
+        west, north, east, south = drawn_extent(house)
+        view = View(house, width)
         assert max(view.shown) == width == max(view.size) / SHARP
         pixels = np.subtract(view.at(east, south), view.at(west, north)) / SHARP
         margins = np.subtract(view.shown, pixels)

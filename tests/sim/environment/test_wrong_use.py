@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.error import ClosedEnvironmentError, Error
-from gymnasium.vector import AutoresetMode
 
 from logic import load
 from sim import DEFAULT, HouseEnv, HouseVectorEnv
@@ -193,18 +192,6 @@ def test_closed_environments_do_nothing() -> None:
     for use in uses:
         with pytest.raises(ClosedEnvironmentError):
             use()
-
-
-def test_options_of_stable_baselines_may_be_one_for_each() -> None:
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
-
-    envs = HouseVectorEnv(HOUSES * 2, 2, autoreset_mode=AutoresetMode.SAME_STEP)
-    theirs = StableBaselinesVecEnv(envs)
-    theirs.set_options([{"house": 1}, {"house": 0}])
-    theirs.reset()
-    assert [info["house"] for info in theirs.reset_infos] == [1, 0]
-    with pytest.raises(ValueError, match="a dictionary with the same keys for each of 2"):
-        theirs.set_options([{"house": 1}, {}])
 
 
 def test_a_packed_file_is_closed_when_it_is_read() -> None:

@@ -139,7 +139,8 @@ def test_set_houses_with_other_targets_equals_a_new_environment():
     moved.set_houses(HOUSES[1:], "secondary")
     made = HouseVectorEnv(HOUSES[1:], num_envs=8, targets="secondary")
     for envs in (moved, made):
-        envs.reset(seed=4)
+        _, info = envs.reset(seed=4)
+        assert np.array_equal(envs.targets(1)[:, 0], info["target"])
     assert np.array_equal(moved.targets(20), made.targets(20))
     moved.set_houses(HOUSES)  # and stay there
     made.set_houses(HOUSES)
