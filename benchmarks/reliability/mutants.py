@@ -81,6 +81,7 @@ BELONGING: dict[str, tuple[str, ...]] = {
         "logic/language/test_lengths.py",
     ),
     "logic/rules/*.pl": ("logic/rules/test_prolog.py", "logic/generation/test_shared_walls.py"),
+    "sim/backends/*/backend.py": ("sim/backends/test_fit.py",),
     "sim/*/*": ("{folder}",),
     "sim/cache.py": ("sim/test_cache.py",),
     "sim/config.py": ("sim/test_config.py",),

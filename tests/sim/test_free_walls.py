@@ -58,14 +58,6 @@ def test_a_wall_without_a_thickness_cannot_be_crossed(backend: str) -> None:
     assert np.abs(poses[..., 1][beside] - 1.8).min() > side - 1e-4
 
 
-@pytest.mark.parametrize("backend", ["continuous", "grid"])
-def test_a_wall_at_an_angle_is_refused_where_there_are_none(backend: str) -> None:
-    with pytest.raises(
-        ValueError, match=f"house 1 of 2 has walls at an angle: the {backend} backend has none"
-    ):
-        HouseVectorEnv([PLAIN, SLANTED], backend=backend)
-
-
 def test_a_wall_that_is_too_far_off_is_refused() -> None:
     far = structs.replace(THIN, free_walls=(FreeWall(0.0, 0.0, 0.0, 500.0, 0.1),))
     with pytest.raises(ValueError, match="house 0 of 1: wall 0 reaches further than 100 m"):

@@ -14,7 +14,7 @@ from gymnasium.vector import AutoresetMode
 from logic import House, Room
 from sim import DEFAULT, HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.baselines.searcher import Searcher
-from sim.config import DRIVE, PAPER
+from sim.config import DRIVE
 from sim.drive import Drive
 from sim.tasks.tasks import Collect
 from sim.tasks.terms import Terms
@@ -265,17 +265,6 @@ def test_commands_are_a_discrete_choice_of_the_same_motions():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (
-            {"preset": PAPER},
-            "body is 0.287 and 0.394 m: in the backend free a disc is as wide at all headings",
-        ),
-        ({"preset": "doors"}, "the backend free has no closed_doors"),
-        ({"preset": replace(DEFAULT, collision="original")}, "the backend free has no collision 'original'"),
-        ({"preset": replace(DEFAULT, random_start=False)}, "the backend free has no random_start=False"),
-        (
-            {"preset": replace(DEFAULT, geodesic=True)},
-            "the backend free has no distance to the target (geodesic)",
-        ),
         (
             {"preset": replace(DEFAULT, observe=("last_action",))},
             "of backend FreeMotion there is no observation last",

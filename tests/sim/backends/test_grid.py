@@ -3,12 +3,10 @@
 import re
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 
-from logic import House, generate
-from logic.house.parts import Provenance
+from logic import generate
 from sim import DEFAULT, HouseVectorEnv
 from sim.actions import HEADINGS
 from sim.baselines.oracle import Oracle
@@ -128,25 +126,6 @@ def test_a_pose_between_cells_is_refused():
     envs = HouseVectorEnv(HOUSES, backend="grid")
     with pytest.raises(ValueError, match=re.escape("not in the middle of a cell: the nearest one's is")):
         envs.reset(seed=0, options={"house": [0], "pose": [[1.0, 1.6, 0.0]]})
-
-
-def test_houses_off_the_grid_are_refused():
-    with pytest.raises(ValueError, match="no grid of cells as wide as the body"):
-        HouseVectorEnv([sample_houses.RANDOM[0]], backend="grid")
-    with pytest.raises(ValueError, match=r"house 0 of 1: the edge at .* m is off the grid of 0.35 m"):
-        HouseVectorEnv([replace_cell(HOUSES[0], 0.35)], backend="grid")
-
-
-def test_a_bank_of_houses_on_different_grids_is_refused():
-    made = [replace_cell(HOUSES[0], cell) for cell in (0.3, 0.45)]
-    with pytest.raises(ValueError, match=re.escape("grids of different cells, [0.3, 0.45] m")):
-        HouseVectorEnv(made, backend="grid")
-
-
-def replace_cell(house: House, cell: float) -> House:
-    """A house that says that it was made for a grid."""
-    origin = Provenance("drawn", "", {"cell": cell}, 0, 0, {})
-    return msgspec.structs.replace(house, provenance=origin)
 
 
 def test_generated_houses_run_unchanged_on_both_backends():

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from sim import DEFAULT, HouseVectorEnv
-from sim.backends.continuous import Continuous
-from sim.backends.grid import Grid
 from tests import sample_houses
 
 EXACT = replace(DEFAULT, sees_kind=True)
@@ -113,9 +111,3 @@ def test_without_kinds_the_distances_are_the_same(exact):
     np.testing.assert_array_equal(poses, exact[1])
     # Of hits at one distance the target comes last where kinds are observed and where not.
     np.testing.assert_array_equal(seen[..., 1], exact[0][..., 3])
-
-
-@pytest.mark.parametrize("backend", [Continuous, Grid])
-def test_rays_in_other_directions_than_a_lattice_has_are_refused(backend):
-    with pytest.raises(ValueError, match="ray_spacing is 2 degrees: it must divide 45"):
-        backend.fit(replace(DEFAULT, ray_spacing=2), HOUSES)
