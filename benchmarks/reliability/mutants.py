@@ -85,6 +85,7 @@ BELONGING: dict[str, tuple[str, ...]] = {
     "sim/baselines/oracle.py": ("sim/baselines/test_oracle.py",),
     "sim/environment/steps.py": ("sim/environment/test_steps.py",),
     "sim/environment/window.py": ("sim/environment/test_window.py",),
+    "sim/world/world.py": ("sim/world/test_world.py",),
     "sim/*/*": ("{folder}",),
     "sim/cache.py": ("sim/test_cache.py",),
     "sim/config.py": ("sim/test_config.py",),
