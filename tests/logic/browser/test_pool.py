@@ -74,3 +74,18 @@ def test_limits_of_all_kinds_are_limits_on_the_page_and_nothing_else_is():
     errors = Killed(""), OutOfInferences(""), LimitReached(""), GrammarError(""), RequestError("")
     kinds = [Session._problem(session, error)["kind"] for error in errors]
     assert kinds == ["LimitReached"] * 3 + ["GrammarError", "RequestError"]
+
+
+def test_a_request_without_a_path_is_refused() -> None:
+    """As ``OPTIONS *`` is, of RFC 9110."""
+    answers = list[Any]()
+
+    async def nothing(*_: Any) -> Any:
+        raise AssertionError("the guard lets it through")
+
+    async def send(message: Any) -> None:
+        answers.append(message)
+
+    scope = {"type": "http", "method": "OPTIONS", "path": "*", "headers": [(b"host", b"127.0.0.1")]}
+    asyncio.run(Guard(nothing, "token")(scope, nothing, send))
+    assert answers[0]["status"] == 403

@@ -24,7 +24,6 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from logic import generate
 from logic.browser.watch.pool import SIZE, Pool, Spares, Stale
-from logic.browser.watch.server import Guard
 from logic.drawing.canvas import svg
 from logic.drawing.draw import plan
 from logic.drawing.palettes import style
@@ -591,18 +590,3 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
     with ThreadPoolExecutor(1) as thread:  # In this one runs the browser's loop.
         thread.submit(asyncio.run, asked()).result()
     assert {each for each in children(os.getpid()) if is_alive(each)} <= before
-
-
-def test_a_request_without_a_path_is_refused() -> None:
-    """As ``OPTIONS *`` is, of RFC 9110."""
-    answers = list[Any]()
-
-    async def nothing(*_: Any) -> Any:
-        raise AssertionError("the guard lets it through")
-
-    async def send(message: Any) -> None:
-        answers.append(message)
-
-    scope = {"type": "http", "method": "OPTIONS", "path": "*", "headers": [(b"host", b"127.0.0.1")]}
-    asyncio.run(Guard(nothing, "token")(scope, nothing, send))
-    assert answers[0]["status"] == 403
