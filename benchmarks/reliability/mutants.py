@@ -56,21 +56,14 @@ HEAD = Path(__file__).with_name("head.md")
 
 BELONGING: dict[str, tuple[str, ...]] = {
     "logic/checking/*": ("logic/checking",),
-    "logic/generation/*": ("logic/generation", "logic/request/test_fixed_rooms.py"),
-    "logic/rules/brief/*": ("logic/generation/test_brief.py",),
-    "logic/rules/why/*.lp": ("logic/why/test_why.py",),
-    "logic/rules/room/*.lp": (
-        "logic/layout",
-        "logic/rules/test_capacity.py",
-        "logic/rules/test_furniture_relations.py",
-        "logic/generation/test_shared_walls.py",
+    "logic/generation/*": (
+        "logic/generation/test_frames.py",
+        "logic/generation/test_star_nogoods.py",
+        "logic/generation",
+        "logic/request/test_fixed_rooms.py",
     ),
-    "logic/rules/*.lp": (
-        "logic/layout",
-        "logic/generation/test_corridor.py",
-        "logic/generation/test_shared_walls.py",
-        "logic/generation/test_units.py",
-    ),
+    "logic/rules/brief/*.pl": ("logic/generation/test_brief.py",),
+    "logic/rules/*.lp": ("logic/rules/test_models.py",),
     "logic/rules/language/*.pl": ("logic/rules/test_prolog.py",),
     "logic/rules/agreement.pl": ("logic/rules/test_prolog.py",),
     "logic/rules/why/*.pl": ("logic/rules/test_prolog.py", "logic/why/test_why.py"),
@@ -295,7 +288,7 @@ class Tests:
         for path in paths:
             content = sha256()
             place = self.copy / path
-            for file in sorted((place if place.is_dir() else place.parent).rglob("*.p*")):
+            for file in sorted((place if place.is_dir() else place.parent).rglob("*")):
                 content.update(file.read_bytes() if file.is_file() else b"")
             key = f"{path} {content.hexdigest()[:12]}"
             if key not in self.known:

@@ -8,6 +8,7 @@ from typing import Any
 
 from logic.browser.watch import pool as pools
 from logic.browser.watch.pool import Pool
+from logic.browser.watch.server import Guard
 from logic.browser.watch.session import Session
 from logic.errors import GrammarError, Killed, LimitReached, OutOfInferences, RequestError
 from logic.workers.solver import Solver

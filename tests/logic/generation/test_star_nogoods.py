@@ -1,0 +1,49 @@
+"""Rooms of a star that do not fit: what is learnt from that, and when the maker gives up."""
+
+import numpy as np
+import pytest
+from clingo import Function, Number
+
+from logic.errors import LimitReached
+from logic.generation.builder import Builder
+from logic.generation.star import MOST_MISFITS, Nogoods, StarMaker
+from logic.grammar import find
+from logic.placement.placer import Misfit
+from logic.request.request import Request
+
+FOUR = Request(4)
+
+
+@pytest.fixture(scope="module")
+def maker() -> StarMaker:
+    found = Builder(find("family")).maker_of(FOUR)
+    assert isinstance(found, StarMaker)
+    return found
+
+
+def test_an_order_that_cannot_fit_is_excluded_with_its_sides_and_corners(maker: StarMaker) -> None:
+    nogoods = Nogoods()
+    layout = maker.layout(FOUR, np.random.default_rng(1), nogoods)
+    maker._learn_misfit(Misfit(True, 1), layout, FOUR, nogoods)
+    sides = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
+    assert nogoods.orders == [sides | dict.fromkeys(layout.corners, True)]
+    assert [each for each in nogoods.of.values() if each] == [nogoods.orders]
+    assert nogoods.misfits == 0
+
+
+def test_rooms_that_others_might_replace_are_counted_up_to_a_limit(maker: StarMaker) -> None:
+    nogoods = Nogoods()
+    layout = maker.layout(FOUR, np.random.default_rng(1), nogoods)
+    for _ in range(MOST_MISFITS - 1):
+        maker._learn_misfit(Misfit(False, 1), layout, FOUR, nogoods)
+    assert (nogoods.misfits, nogoods.orders) == (MOST_MISFITS - 1, [])
+    assert not any(nogoods.of.values())
+    with pytest.raises(LimitReached, match=f"^{MOST_MISFITS} times the sampled rooms did not leave"):
+        maker._learn_misfit(Misfit(False, 1), layout, FOUR, nogoods)
+
+
+@pytest.mark.parametrize(("name", "decides"), [("family", False), ("home", True)])
+def test_all_sizes_are_looked_at_where_rooms_share_walls_without_units(name: str, decides: bool) -> None:
+    builder = Builder(find(name))
+    assert builder.decides_areas(FOUR) is decides
+    assert not builder.decides_areas(Request(4, cell=0.5))
