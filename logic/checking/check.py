@@ -6,6 +6,7 @@ the promises of a grammar travel with its houses, those of the shipped ones stan
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,6 +43,9 @@ from logic.house.boxes import TOLERANCE
 from logic.house.house import House
 from logic.house.kinds import Kind
 from logic.house.promises import Promises
+
+MAX_VIOLATIONS = 1000
+"""Of a house, that are said: in a crowd, pieces and doors have millions."""
 
 STAR, ORIGINAL, SHARED_WALLS = {Kind.STAR}, {Kind.ORIGINAL}, {Kind.SHARED_WALLS}
 STARS, OURS, EVERY = STAR | ORIGINAL, STAR | SHARED_WALLS, {*Kind}
@@ -137,10 +141,15 @@ front faces, how wide passages are, nor the least area of the main room.
 
 
 def violations(house: House, promises: Promises) -> list[str]:
-    """What a house breaks of these promises, in words, each with its room, pieces and lengths."""
+    """What a house breaks of these promises, in words, each with its room, pieces and lengths; beyond
+    ``MAX_VIOLATIONS`` the last line says that there are more.
+    """
     # GEOS divides by zero where an offset of two parallel edges has no corner, and goes on; NumPy would warn.
     with np.errstate(divide="ignore", invalid="ignore"):
-        return [fault.text for fault in faults(house, promises)]
+        found = [fault.text for fault in islice(faults(house, promises), MAX_VIOLATIONS + 1)]
+    if len(found) > MAX_VIOLATIONS:
+        found[-1] = f"house: has more than {MAX_VIOLATIONS:,} violations, and the others are not listed"
+    return found
 
 
 def faults(house: House, promises: Promises, names: Collection[str] = ()) -> Iterator[Fault]:

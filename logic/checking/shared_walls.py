@@ -4,19 +4,22 @@ them share, an entrance, and windows in outer walls.
 
 from collections.abc import Collection, Iterator
 from itertools import combinations, pairwise
-from typing import Any
+from typing import Any, Generic, TypeVar
 
+import numpy as np
 import shapely
 
 from logic.checking.fault import Fault
 from logic.checking.figures import figure, number
 from logic.checking.names import named
 from logic.checking.room import out_of
-from logic.house.boxes import TOLERANCE, Box, distance, is_on_wall, overlap
+from logic.house.boxes import TOLERANCE, Box, is_on_wall, overlap
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect, Room, Window
 from logic.house.promises import PASSAGE, Promises
 from logic.spelling import numbered
+
+T = TypeVar("T", bound=Rect)
 
 COURT = 1.0
 """Metres: no court between rooms is narrower."""
@@ -103,6 +106,7 @@ def _floor(house: House) -> Any:
 def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
     rooms = {room.name: room for room in house.tiles}
+    tiles, openings = _Rects(rooms.values()), _Rects(house.doors)
     for door in house.doors:
         name, names = _between(house, door), _joined(door)
         joined = [rooms[each] for each in names]
@@ -113,7 +117,7 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             width = figure(door.length, least, digits=3)
             yield Fault(f"{name}: is {width} m wide (at least {number(least)})", names)
         if len(joined) == 1:
-            yield from _not_outer(house, door, joined[0], f"{name}:")
+            yield from _not_outer(house, tiles, door, joined[0], f"{name}:")
         elif not _is_shared(door, *joined):
             yield Fault(f"{name}: is not on a wall that they share", names)
         if promises.opens and not (
@@ -122,8 +126,12 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             yield Fault(f"{name}: {one} and {other} do not open into each other", names)
         if (promises.openings or promises.parts) and door.opening and not promises.are_open(one, other):
             yield Fault(f"{name}: has no leaf (must have one)", names)
-    for one, other in combinations(house.doors, 2):
-        if _meet(one, other) and not (one.opening and other.opening and _apart(one, other)):
+    leafless = np.array([door.opening for door in house.doors])
+    for index, one in enumerate(house.doors):
+        meet = openings.met_by(one)
+        if one.opening:  # At the end of an opening another wall may begin.
+            meet &= ~leafless | (openings.shared(one.box) > TOLERANCE)
+        for other in openings.where(meet, index + 1):
             text = f"{_between(house, one)}: meets the {_between(house, other)}"
             yield Fault(text, _joined(one) + _joined(other))
     if promises.entrance and not any(door.is_entrance for door in house.doors):
@@ -203,8 +211,10 @@ def plan_parts(house: House, promises: Promises) -> Iterator[Fault]:
 def plan_sizes(house: House, promises: Promises) -> Iterator[Fault]:
     """Rooms that are of another size than those of their type before them, in the house or in their unit."""
     for unit in _units(house, promises) if promises.public else [{room.name for room in house.rooms}]:
+        of_unit = [room for room in house.rooms if room.name in unit]
+        types = {room.type for room in of_unit}
         for type_, turned in promises.same_size.items():
-            rooms = [room for room in house.rooms if room.name in unit and room.type == type_]
+            rooms = [room for room in of_unit if room.type == type_] if type_ in types else []
             for one, other in pairwise(rooms):
                 a, b = (
                     sorted(size) if turned else list(size)
@@ -247,12 +257,16 @@ def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
 def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
     """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
     rooms = {room.name: room for room in house.tiles}
+    tiles, doors, windows = _Rects(rooms.values()), _Rects(house.doors), _Rects(house.windows)
     for index, window in enumerate(house.windows):
         room = rooms[window.room]
         name = f"{named(room)}: {_window(window)}"
-        yield from _not_outer(house, window, room, name, promises.outdoor)
-        for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
-            if any(_meet(window, other) for other in openings):
+        yield from _not_outer(house, tiles, window, room, name, promises.outdoor)
+        for kind, meet in (
+            ("a door", doors.met_by(window)),
+            ("another window", windows.met_by(window)[:index]),
+        ):
+            if meet.any():
                 yield Fault(f"{name} meets {kind}", (room.name,))
         for piece in room.pieces:
             if (
@@ -268,14 +282,46 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
             yield Fault(f"{named(room)}: has no window", (room.name,))
         if room.name in outside & lit:
             yield Fault(f"{named(room)}: has a window, and is outside", (room.name,))
-        if room.name in outside and not _at_outer_wall(house, room):
+        if room.name in outside and not _at_outer_wall(house, tiles, room):
             yield Fault(f"{named(room)}: has no outer wall, and is outside", (room.name,))
 
 
-def _at_outer_wall(house: House, room: Room) -> bool:
+class _Rects(Generic[T]):
+    """Rectangles and openings, all of which are compared with one at once."""
+
+    def __init__(self, rects: Collection[T]) -> None:
+        self._rects = [*rects]
+        self._boxes = np.array([rect.box for rect in rects], float).reshape(-1, 4)
+        self._along = np.array([_along(rect) for rect in rects])
+
+    def where(self, mask: Any, first: int = 0) -> Iterator[T]:
+        """Those of a mask (N,), from the first of these on."""
+        yield from (self._rects[index] for index in np.flatnonzero(mask[first:]) + first)
+
+    def apart(self, box: Box) -> np.ndarray:
+        """How far each is from a box along x and y (N, 2), metres; negative where they overlap."""
+        return np.maximum(self._boxes[:, :2] - box[2:], np.subtract(box[:2], self._boxes[:, 2:]))
+
+    def met_by(self, opening: Rect) -> np.ndarray:
+        """Which of these openings touch or overlap one in its wall (N,)."""
+        away = np.hypot(*self.apart(opening.box).clip(0).T)
+        return (away <= TOLERANCE) & (self._along == _along(opening))
+
+    def shared(self, segment: Box) -> np.ndarray:
+        """How much of a segment lies in each or on its boundary (N,), metres; negative where apart."""
+        along, across = (
+            np.minimum(segment[k + 2], self._boxes[:, k + 2]) - np.maximum(segment[k], self._boxes[:, k])
+            for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))
+        )
+        return np.where(across >= -TOLERANCE, along, across)
+
+
+def _at_outer_wall(house: House, tiles: _Rects[Room], room: Room) -> bool:
     """Whether no other room is behind a part of the room's boundary."""
-    others = shapely.union_all([shapely.box(*other.box) for other in house.tiles if other.name != room.name])
-    border = shapely.box(*room.grown(house.half_wall).box).exterior
+    whole = room.grown(house.half_wall).box
+    beside = tiles.where((tiles.apart(whole) <= PASSAGE).all(axis=1))
+    others = shapely.union_all([shapely.box(*other.box) for other in beside if other.name != room.name])
+    border = shapely.box(*whole).exterior
     return border.difference(others.buffer(TOLERANCE, join_style="mitre")).length > PASSAGE
 
 
@@ -284,32 +330,22 @@ def _is_shared(door: Door, one: Room, other: Room) -> bool:
     return any(is_on_wall(door, one, wall) and is_on_wall(door, other, (wall + 2) % 4) for wall in range(4))
 
 
-def _meet(one: Rect, other: Rect) -> bool:
-    """Whether two openings in one wall touch or overlap."""
-    return distance(one.box, other.box) <= TOLERANCE and _along(one) == _along(other)
-
-
-def _apart(one: Rect, other: Rect) -> bool:
-    """Whether two openings of one wall have no part of it in common: at their end another wall may begin."""
-    return _shared(one.box, other.box) <= TOLERANCE
-
-
 def _not_outer(
-    house: House, opening: Rect, room: Room, name: str, outdoor: Collection[str] = ()
+    house: House, tiles: _Rects[Room], opening: Rect, room: Room, name: str, outdoor: Collection[str] = ()
 ) -> Iterator[Fault]:
     """Why an opening of a room, of this name, does not lead outside, or to a room of the types that are."""
     if not any(is_on_wall(opening, room, wall) for wall in range(4)):
         yield Fault(f"{name} is not on a wall of the room", (room.name,))
-    others = [other for other in house.tiles if other.name != room.name]
-    into = [other for other in others if _shared(opening.box, other.box) > TOLERANCE]
+    entered = tiles.where(tiles.shared(opening.box) > TOLERANCE)
+    into = [other for other in entered if other.name != room.name]
     for other in into:
         if other.type not in outdoor:
             yield Fault(f"{name} leads into {named(other)}, not outside", (room.name, other.name))
     if house.wall_thickness and not into:
         outside = house.wall_thickness.outer - house.half_wall
         before = _outside(opening, room, outside)
-        for other in others:
-            if overlap(other.grown(outside).box, before) > TOLERANCE:
+        for other in tiles.where((tiles.apart(before) <= outside).all(axis=1)):
+            if other.name != room.name and overlap(other.grown(outside).box, before) > TOLERANCE:
                 yield Fault(f"{name} is behind an outer wall of {named(other)}", (room.name, other.name))
 
 
@@ -320,15 +356,6 @@ def _outside(opening: Rect, room: Room, off: float) -> Box:
     ends = sorted((box[axis] + way * off, box[axis] + way * (off + 0.01)))
     box[axis], box[axis + 2] = ends
     return box[0], box[1], box[2], box[3]
-
-
-def _shared(segment: Box, box: Box) -> float:
-    """How much of a segment lies in a box or on its boundary, metres; negative where it lies apart."""
-    along, across = (
-        min(segment[k + 2], box[k + 2]) - max(segment[k], box[k])
-        for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))
-    )
-    return along if across >= -TOLERANCE else across
 
 
 def _wall(one: Box, other: Box, thickness: float) -> float:

@@ -4,8 +4,9 @@ passage.
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 import shapely
-from shapely import Polygon
+from shapely import Polygon, STRtree
 from shapely.geometry.base import BaseGeometry
 
 from logic.checking.fault import Fault
@@ -43,17 +44,22 @@ def impassable(house: House, promises: Promises) -> Iterator[Fault]:
     passage = max(promises.passage, SLIVER)
     bodies, squares = spaces(house, BODY, passage)
     first = first_space(house, bodies, BODY)
-    covered = [(space, swept(space, BODY)) for space in bodies]
+    shapely.prepare(first)
+    covered = [swept(space, BODY) for space in bodies]
+    by_body, by_square = STRtree(bodies), STRtree(squares)
     for room in house.counted:
         if not _enters(first, room):
             yield _unentered(house, room)
             continue
         doors = house.doors_of(room.name)
         ways = shapely.union_all([doorway(door, BODY, house.half_wall) for door in doors])
-        reached = shapely.union_all([floor for space, floor in covered if space.intersects(ways)])
+        entered = np.sort(by_body.query(ways, "intersects"))
+        reached = shapely.union_all([covered[index] for index in entered])
+        whole = room.grown(house.half_wall).box
+        near = [squares[index] for index in np.sort(by_square.query(shapely.box(*whole)))]
         for said in (
             _unreached(room, doors, reached),
-            _narrow(room, doors, squares, passage, house.half_wall),
+            _narrow(room, doors, near, passage, house.half_wall),
         ):
             yield from (Fault(f"{named(room)}: {fault}", (room.name,)) for fault in said)
 

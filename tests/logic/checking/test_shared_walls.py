@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from logic import Door, House, Piece, Window, check
+from logic import Door, House, Piece, Room, Window, check
+from logic.checking import shared_walls
+from logic.house.parts import Rect
 from logic.house.promises import Promises
 from tests.plans import PLANS, flat, random_plan
 from tests.thick import thickened
@@ -243,3 +245,39 @@ def test_each_mistake_has_its_answer(words: str) -> None:
         promises = replace(HOME, narrowest={"corridor": 1.3})
     found = check(MISTAKES[words](), promises)
     assert any(re.match(words, line) for line in found), found
+
+
+def test_a_crowd_has_a_thousand_violations_and_a_line_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 512 doors in one place there are 130,816 pairs."""
+    (one, *_), asked = [door for door in FLAT.doors if not door.opening], []
+    monkeypatch.setattr(shared_walls, "_between", lambda *_: asked.append(1) or "door")
+    said = check(replace(FLAT, doors=(one,) * 512), HOME)
+    assert len(said) == 1001
+    assert "more than 1,000 violations" in said[-1]
+    assert len(asked) < 3000
+
+
+def test_the_check_compares_openings_and_rooms_by_array_not_pair_by_pair(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Rooms in a row, each with a window and a door to the next: four times as many are read four times."""
+    read, box = [0], Rect.box.fget
+    assert box
+
+    def counted(rect: Rect) -> Any:
+        read[0] += 1
+        return box(rect)
+
+    monkeypatch.setattr(Rect, "box", property(counted))
+
+    def reads(number: int) -> int:
+        rooms = tuple(Room(3.0 * k, 0, 3, 3, name=f"R{k}", type="bedroom") for k in range(number))
+        doors = tuple(Door(3.0 * k, 1, 0, 0.9, between=(f"R{k - 1}", f"R{k}")) for k in range(1, number))
+        windows = tuple(Window(3.0 * k + 1, 0, 1, 0, room=f"R{k}") for k in range(number))
+        read[0] = 0
+        house = House(rooms, doors, windows)
+        for each in (shared_walls.plan_doors, shared_walls.plan_windows):
+            assert list(each(house, Promises())) == []
+        return read[0]
+
+    assert reads(64) < 5 * reads(16)
