@@ -26,6 +26,9 @@ LETTERS = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
 MOST_CELLS = 1 << 25
 """Of a map: 5,792 by 5,792."""
 
+MOST_RUNS = 1 << 18
+"""Of a map, of cells that are alike: along its rows, and along its columns."""
+
 RUNS = re.compile(r"(?:[1-9]\d{0,7}[.#?])+")
 RUN = re.compile(r"(\d+)(.)")
 
@@ -53,6 +56,8 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         Raises ``ValueError`` for what is no map: see ``House.from_grid``.
         """
         cells = _values(values)
+        if (runs := _most_runs(cells)) > MOST_RUNS:
+            raise ValueError(_too_many_runs(runs))
         grid = cls(float(corner[0]), float(corner[1]), float(cell), tuple(map(_runs, cells)))
         if fault := grid.fault():
             raise ValueError(fault)
@@ -107,22 +112,44 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """Why it is no map that can be read, in words; empty where nothing is wrong."""
         if not 0 < self.cell <= FARTHEST:
             return f"its cells are {self.cell} m wide: more than 0 m"
-        for number, row in enumerate(self.rows):
-            if not RUNS.fullmatch(row):
-                return f"row {number} is no row of cells such as 12#30.2?"
-        (rows, columns), widths = self.shape, list(map(_width, self.rows))
-        if max(widths) * rows > MOST_CELLS:
-            return too_many(rows, max(widths))
-        if strange := next((width for width in widths if width != columns), 0):
-            return f"row {widths.index(strange)} has {strange} cells, row 0 has {columns}"
+        if wrong := _fault_of_rows(self.rows):
+            return wrong
         if not all(abs(value) <= FARTHEST for value in self.box):
             return f"it lies beyond {FARTHEST:g} m or is not a number"
+        if (runs := _most_runs(self.values)) > MOST_RUNS:
+            return _too_many_runs(runs)
         return "" if any("." in row for row in self.rows) else "it has no free cell"
+
+
+def _fault_of_rows(rows: tuple[str, ...]) -> str:
+    """Say why these are no rows of a map; empty where nothing is wrong."""
+    for number, row in enumerate(rows):
+        if not RUNS.fullmatch(row):
+            return f"row {number} is no row of cells such as 12#30.2?"
+    if (runs := sum(row.count(letter) for row in rows for letter in LETTERS)) > MOST_RUNS:
+        return _too_many_runs(runs)
+    widths = list(map(_width, rows))
+    if max(widths) * len(rows) > MOST_CELLS:
+        return too_many(len(rows), max(widths))
+    if strange := next((width for width in widths if width != widths[0]), 0):
+        return f"row {widths.index(strange)} has {strange} cells, row 0 has {widths[0]}"
+    return ""
 
 
 def too_many(rows: int, columns: int) -> str:
     """What is said of a map that is too large to be read."""
     return f"it has {columns:,} by {rows:,} cells: at most {MOST_CELLS:,} are read"
+
+
+def _too_many_runs(runs: int) -> str:
+    """Say that a map's cells change too often."""
+    return f"its rows or columns have {runs:,} runs of cells that are alike: at most {MOST_RUNS:,} are read"
+
+
+def _most_runs(cells: np.ndarray) -> int:
+    """The number of runs of cells that are alike along the rows, or along the columns if they have more."""
+    changes = (np.count_nonzero(cells[1:] != cells[:-1]), np.count_nonzero(cells[:, 1:] != cells[:, :-1]))
+    return max(changes[0] + cells.shape[1], changes[1] + cells.shape[0])
 
 
 def _values(values: Any) -> np.ndarray:

@@ -376,3 +376,15 @@ def test_floors_of_real_buildings_are_read(tmp_path: Path) -> None:
         values = np.select([pixels == 0, pixels == 254], [OCCUPIED, FREE], UNKNOWN)
         np.testing.assert_array_equal(house.occupancy.values, values)
         assert len(house.filled) < 4000 < occupancy.MOST_CELLS
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_map_whose_cells_change_too_often_is_refused(axis: int) -> None:
+    """A chessboard of 39 KB took 4.5 GB to be drawn; stripes have as many runs, along one axis alone."""
+    stripes = np.broadcast_to(np.arange(600) % 2 > 0, (600, 600))
+    cells = stripes if axis else stripes.T
+    with pytest.raises(ValueError, match="360,000 runs of cells that are alike: at most 262,144"):
+        House.from_grid(cells, 0.1)
+    row = "1.1#" * 300 if axis else ""
+    rows = [row or f"600{letter}" for letter in ".#" * 300]
+    assert "360,000 runs" in OccupancyGrid(0, 0, 0.1, tuple(rows)).fault()
