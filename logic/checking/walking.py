@@ -46,6 +46,7 @@ def impassable(house: House, promises: Promises) -> Iterator[Fault]:
     first = first_space(house, bodies, BODY)
     shapely.prepare(first)
     covered = [swept(space, BODY) for space in bodies]
+    unions: dict[tuple[int, ...], BaseGeometry] = {}
     by_body, by_square = STRtree(bodies), STRtree(squares)
     for room in house.counted:
         if not _enters(first, room):
@@ -53,12 +54,13 @@ def impassable(house: House, promises: Promises) -> Iterator[Fault]:
             continue
         doors = house.doors_of(room.name)
         ways = shapely.union_all([doorway(door, BODY, house.half_wall) for door in doors])
-        entered = np.sort(by_body.query(ways, "intersects"))
-        reached = shapely.union_all([covered[index] for index in entered])
+        entered = tuple(np.sort(by_body.query(ways, "intersects")).tolist())
+        if entered not in unions:
+            unions[entered] = shapely.union_all([covered[index] for index in entered])
         whole = room.grown(house.half_wall).box
         near = [squares[index] for index in np.sort(by_square.query(shapely.box(*whole)))]
         for said in (
-            _unreached(room, doors, reached),
+            _unreached(room, doors, unions[entered]),
             _narrow(room, doors, near, passage, house.half_wall),
         ):
             yield from (Fault(f"{named(room)}: {fault}", (room.name,)) for fault in said)

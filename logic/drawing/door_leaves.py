@@ -5,6 +5,8 @@ for it.
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from logic.house.boxes import TOLERANCE, Box, distance, excess, overlap
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Room
@@ -40,6 +42,7 @@ def door_leaves(house: House) -> list[Leaf]:
     steps, rooms = _steps(house), {room.name: room for room in house.rooms}
     pieces = {room.name: [piece.box for piece in room.pieces] for room in house.rooms}
     leaves: list[Leaf] = []
+    swings, into = np.empty((len(house.doors), 4)), np.empty(len(house.doors), object)
     for door in house.doors:
         if door.opening:
             continue
@@ -49,10 +52,13 @@ def door_leaves(house: House) -> list[Leaf]:
         )
         swept: list[tuple[float, float]] = []
         for leaf in ways:
-            swept.append(_swept(leaf, rooms[leaf.room].box, pieces[leaf.room], leaves))
+            others = swings[: len(leaves)][into[: len(leaves)] == leaf.room]
+            swept.append(_swept(leaf, rooms[leaf.room].box, pieces[leaf.room], others))
             if swept[-1] == (0, 0):
                 break
-        leaves.append(ways[swept.index(min(swept))])
+        leaf = ways[swept.index(min(swept))]
+        swings[len(leaves)], into[len(leaves)] = leaf.swing, leaf.room
+        leaves.append(leaf)
     return leaves
 
 
@@ -94,13 +100,16 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
     return ways
 
 
-def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: list[Leaf]) -> tuple[float, float]:
-    """How far a leaf would go through furniture and walls, then through the swings of other doors, metres."""
+def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: np.ndarray) -> tuple[float, float]:
+    """How far a leaf would go through furniture and walls, then through the swings of the ``others`` (N, 4),
+    metres.
+    """
     swing, length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
     point = (*leaf.hinge, *leaf.hinge)
     hit = [length - distance(point, piece) for piece in pieces if overlap(swing, piece) > TOLERANCE]
-    crossed = max((overlap(swing, other.swing) for other in others if other.room == leaf.room), default=0.0)
-    return max([excess(swing, room), *hit, TOLERANCE]) - TOLERANCE, max(crossed, TOLERANCE) - TOLERANCE
+    deep = np.minimum(others[:, 2:], swing[2:]) - np.maximum(others[:, :2], swing[:2])
+    crossed = float(deep.min(axis=1).max(initial=TOLERANCE))
+    return max([excess(swing, room), *hit, TOLERANCE]) - TOLERANCE, crossed - TOLERANCE
 
 
 def _from_corner(leaf: Leaf, room: Box) -> float:

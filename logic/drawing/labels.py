@@ -11,7 +11,6 @@ from logic.drawing.canvas import Block, Box, Line, Shape, Text, text_width
 from logic.drawing.door_leaves import Leaf
 from logic.drawing.palettes import Style, style
 from logic.drawing.plan import Frame, floor, has_mark, house_shapes
-from logic.house.boxes import overlap
 from logic.house.house import House
 from logic.house.parts import ORIGINAL, Room
 from logic.spelling import numbered
@@ -41,6 +40,7 @@ def room_names(
     """
     size = min(max(0.3 * frame.scale, 8.5, least), 15.0)
     swings = [frame.place(leaf.swing) for leaf in leaves]
+    ends = np.array(swings).reshape(-1, 4)
     sizes = size, least
     names = []
     for room in house.counted:
@@ -50,7 +50,8 @@ def room_names(
         fill, box = style.fill(room.type), frame.box(room)
         pieces = [frame.box(piece) for piece in room.pieces]
         area = sum(part.area for part in house.parts(room))
-        taken = pieces, [swing for swing in swings if overlap(swing, box) > 0]
+        over = (np.minimum(ends[:, 2:], box[2:]) - np.maximum(ends[:, :2], box[:2]) > 0).all(axis=1)
+        taken = pieces, [swings[index] for index in np.flatnonzero(over)]
         texts = [room.type, *([short[room.type]] if short.get(room.type) else [])]
         names.append(
             _name(texts, _area(area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))

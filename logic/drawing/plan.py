@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from msgspec import structs
 
 from logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Strokes, Text, text_width
@@ -96,19 +97,21 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     if not house.wall_thickness:
         shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
     shapes += _free_walls(house, frame, inks)
-    left = iter(leaves)
+    left, tiles = iter(leaves), boxes_of(house)
     for name, door in doors_by_name(house).items():
         leaf = None if door.opening else next(left, None)
-        shapes.append(Part(name, tuple(_door(house, door, leaf, frame, inks))))
+        shapes.append(Part(name, tuple(_door(house, tiles, door, leaf, frame, inks))))
     for room in house.counted:
         if room.part_of:  # The floor goes on where no wall is.
             joints = [door for door in house.doors if {*door.between} == {room.name, room.part_of}]
             fill = style.fill(house.whole(room).type)
             shapes += [
-                shape for door in joints for shape in floor(frame.place(opening(house, door)), fill, inks)
+                shape
+                for door in joints
+                for shape in floor(frame.place(opening(house, tiles, door)), fill, inks)
             ]
     for name, window in windows_by_name(house).items():
-        shapes.append(Part(name, tuple(_window(frame.place(opening(house, window)), inks))))
+        shapes.append(Part(name, tuple(_window(frame.place(opening(house, tiles, window)), inks))))
     return shapes
 
 
@@ -155,23 +158,26 @@ def wall_boxes(house: House) -> Iterator[Box]:
     """Walls without a thickness as thick as inner ones, without the doorways between rooms: metres."""
     half, walls = INNER / 2, house.walls
     for axis, lines in enumerate(walls):
+        across = np.array(walls[1 - axis])
         for at, low, high in lines:
-            first = low - half * crossing(at, low, walls[1 - axis])
-            last = high + half * crossing(at, high, walls[1 - axis])
+            first = low - half * crossing(at, low, across)
+            last = high + half * crossing(at, high, across)
             yield (at - half, first, at + half, last) if axis == 0 else (first, at - half, last, at + half)
 
 
-def opening(house: House, segment: Door | Window) -> Box:
-    """The place in its wall of a door or a window, as wide as it is: metres."""
+def boxes_of(house: House) -> np.ndarray:
+    """The boxes of a house's tiles (N, 4), metres."""
+    return np.array([tile.box for tile in house.tiles])
+
+
+def opening(house: House, tiles: np.ndarray, segment: Door | Window) -> Box:
+    """The place in its wall of a door or a window, as wide as it is: metres. ``tiles``: see ``boxes_of``."""
     across, (half, beyond) = int(segment.height == 0), _thickness(house)
     x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
     depths = []
     for way in (-1, 1):
         near = (x, y + 0.01 * way) if across else (x + 0.01 * way, y)
-        indoors = any(
-            box[0] < near[0] < box[2] and box[1] < near[1] < box[3]
-            for box in (room.box for room in house.tiles)
-        )
+        indoors = ((tiles[:, :2] < near) & (near < tiles[:, 2:])).all(axis=1).any()
         depths.append(half if indoors else beyond)
     west, north, east, south = segment.box
     if across:
@@ -210,9 +216,12 @@ def _hatch(box: Box, pattern: str) -> Iterator[tuple[Point, Point]]:
             yield from (((x, y), (x + 1, y)) for x in dots)
 
 
-def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks) -> Iterator[Shape]:
+def _door(
+    house: House, tiles: np.ndarray, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks
+) -> Iterator[Shape]:
     """The doorway, the open leaf with its swing, and at an entrance a mark."""
-    yield Block(frame.place(opening(house, door)), inks.paper)
+    place = frame.place(opening(house, tiles, door))
+    yield Block(place, inks.paper)
     if leaf is not None:
         (x, y), tip, jamb = leaf.hinge, leaf.tip, leaf.jamb
         controls = [
@@ -226,7 +235,7 @@ def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks)
     if door.is_entrance:
         (name,) = (name for name in door.between if name != OUTSIDE)
         size = min(0.3 * frame.scale, 7.5)
-        yield _entrance(frame.place(opening(house, door)), frame.box(house.room(name)), size, inks)
+        yield _entrance(place, frame.box(house.room(name)), size, inks)
 
 
 def _entrance(place: Box, room: Box, size: float, inks: Inks) -> Line:

@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from math import atan2
 from typing import NamedTuple
 
+import numpy as np
+
 from logic.drawing.palettes import Inks, style
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.house import House
@@ -129,13 +131,17 @@ def _cells(house: House, thickness: float) -> Iterator[Solid]:
 
 
 def _walls(house: House, thickness: float) -> Iterator[Solid]:
-    half = thickness / 2
-    for axis, lines in enumerate(house.walls):
+    half, walls = thickness / 2, house.walls
+    across = [np.array(lines) for lines in reversed(walls)]
+    panes, shut = (
+        np.array([each.box for each in openings]).reshape(-1, 4)
+        for openings in (house.windows, [door for door in house.doors if door.is_entrance])
+    )
+    for axis, lines in enumerate(walls):
         for line in lines:
             at, low, high = line
-            ends = _reaches(line, house.walls[1 - axis], half)
-            windows = _on(line, axis, [window.box for window in house.windows])
-            entrances = _on(line, axis, [door.box for door in house.doors if door.is_entrance])
+            ends = _reaches(line, across[axis], half)
+            windows, entrances = _on(line, axis, panes), _on(line, axis, shut)
             parts = [("wall", span, 0.0, WALL_HEIGHT) for span in remaining((low, high), windows + entrances)]
             for span in windows:
                 parts += [("wall", span, 0.0, SILL), ("window", span, SILL, HEAD)]
@@ -163,20 +169,16 @@ def _free_walls(house: House, thickness: float) -> Iterator[Solid]:
         yield Solid("wall", "wall", box, 0.0, WALL_HEIGHT, INKS.wall, atan2(-south, east))
 
 
-def _on(line: Line, axis: int, segments: list[Box]) -> list[Interval]:
-    """The spans of the segments that lie on a wall."""
+def _on(line: Line, axis: int, segments: np.ndarray) -> list[Interval]:
+    """The spans of the segments (N, 4) that lie on a wall."""
     at, low, high = line
-    return [
-        (box[1 - axis], box[3 - axis])
-        for box in segments
-        if abs(box[axis] - at) <= TOLERANCE
-        and abs(box[axis + 2] - at) <= TOLERANCE
-        and low - TOLERANCE <= box[1 - axis]
-        and box[3 - axis] <= high + TOLERANCE
-    ]
+    places, spans = segments[:, axis::2], segments[:, 1 - axis :: 2]
+    on = (abs(places - at) <= TOLERANCE).all(axis=1)
+    on &= (low - TOLERANCE <= spans[:, 0]) & (spans[:, 1] <= high + TOLERANCE)
+    return [(start, end) for start, end in spans[on].tolist()]
 
 
-def _reaches(line: Line, others: list[Line], half: float) -> Interval:
+def _reaches(line: Line, others: np.ndarray, half: float) -> Interval:
     """The ends of a wall, half its thickness farther where it meets a wall across it: so corners are whole,
     and doorways as wide as they are.
     """

@@ -6,6 +6,8 @@ Windows and the doors to the outside are shut: neither a ray nor a body passes t
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import Door, Rect, Room
 from logic.house.star import StarRoom
@@ -136,9 +138,7 @@ def remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
     return left
 
 
-def crossing(at: float, end: float, others: Iterable[Line]) -> bool:
-    """Whether a wall at ``at`` meets one across it where it ends."""
-    return any(
-        abs(other - end) <= TOLERANCE and low - TOLERANCE <= at <= high + TOLERANCE
-        for other, low, high in others
-    )
+def crossing(at: float, end: float, others: np.ndarray) -> bool:
+    """Whether a wall at ``at`` meets one of ``others`` (N, 3) across it where it ends."""
+    places, low, high = others.reshape(-1, 3).T
+    return bool(((abs(places - end) <= TOLERANCE) & (low - TOLERANCE <= at) & (at <= high + TOLERANCE)).any())

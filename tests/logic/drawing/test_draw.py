@@ -21,7 +21,7 @@ from logic.drawing.door_leaves import Leaf, door_leaves
 from logic.drawing.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
 from logic.drawing.labels import LEAST, abbreviations
 from logic.drawing.palettes import Inks, style
-from logic.drawing.plan import BEYOND, INNER, OUTER, Frame, opening, piece_shapes, wall_boxes
+from logic.drawing.plan import BEYOND, INNER, OUTER, Frame, boxes_of, opening, piece_shapes, wall_boxes
 from logic.house.boxes import distance, excess, overlap
 from logic.house.looks import DEFAULT as LOOKS
 from logic.house.part_names import doors_by_name, target_in, windows_by_name
@@ -100,7 +100,7 @@ def test_walls_are_drawn_with_a_gap_at_each_door(quarters: int) -> None:
 def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -> None:
     house, picture = PLANS[name], Picture(PLANS[name])
     for door in house.doors:
-        west, north, east, south = opening(house, door)
+        west, north, east, south = opening(house, boxes_of(house), door)
         x, y = (west + east) / 2, (north + south) / 2
         beyond = door.width / 2 + 0.1 * (door.width > 0), door.height / 2 + 0.1 * (door.height > 0)
         assert picture.shows(INKS.paper, x, y)
@@ -545,3 +545,13 @@ def test_what_cannot_be_drawn_leaves_no_file(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no house"):
         draw([], tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_plan_asks_a_house_for_its_tiles_no_oftener_where_it_has_more_doors(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked, tiles = [], House.tiles.fget
+    assert tiles
+    monkeypatch.setattr(House, "tiles", property(lambda house: asked.append(1) or tiles(house)))
+    plan_svg(PLANS["flat"])
+    assert len(asked) <= 2

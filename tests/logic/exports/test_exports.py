@@ -24,6 +24,7 @@ from logic import FreeWall, House, Room, save
 from logic.exports import FORMATS, export
 from logic.exports.solids import HEAD, SILL, WALL_HEIGHT, solids
 from logic.request.given_plan import read_plan
+from tests.plans import PLANS
 from tests.sample_houses import RANDOM, example
 from vitruvius.cli import main
 
@@ -271,3 +272,12 @@ def test_walls_at_an_angle_are_in_maps_of_ros_and_in_geojson(tmp_path: Path) -> 
     assert thick.exterior.is_ccw
     assert thin.length == pytest.approx(np.hypot(1, 0.3))
     assert len(read_plan(only(WITH_WALLS, tmp_path, "geojson")).rooms) == 1
+
+
+def test_solids_ask_a_house_for_its_walls_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The walls of 1,024 rooms were made anew for each of them."""
+    asked, walls = [], House.walls.fget
+    assert walls
+    monkeypatch.setattr(House, "walls", property(lambda house: asked.append(1) or walls(house)))
+    assert solids(PLANS["flat"])
+    assert len(asked) == 1
