@@ -27,7 +27,7 @@ def test_the_page_is_short_and_names_no_host():
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
     from agent.runs import released
     from logic import grammar, opener
-    from logic.house import files, parts
+    from logic.house import files, occupancy, parts
     from logic.readers.regular import MAX_CORNERS as of_rooms
     from logic.readers.sketch import MAX_CORNERS, MAX_CROSSINGS
     from logic.request import brief, given_plan
@@ -46,6 +46,7 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
         f"{parts.MOST_OPENINGS:,} doors and windows; {MAX_CORNERS:,} corners",
         f"cross {MAX_CROSSINGS:,} times, and {of_rooms:,} along the axes",
         f"{parts.MOST_FURNITURE:,} pieces in all rooms",
+        f"{occupancy.MOST_RUNS:,} runs of cells that are alike",
         f"{released.MOST_BYTES // mebi} MiB, {released.MOST_HEADER // mebi} MiB of header",
     ):
         assert words in PAGE

@@ -26,7 +26,7 @@ LETTERS = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
 MOST_CELLS = 1 << 25
 """Of a map: 5,792 by 5,792."""
 
-MOST_RUNS = 1 << 18
+MOST_RUNS = 1 << 20
 """Of a map, of cells that are alike: along its rows, and along its columns."""
 
 RUNS = re.compile(r"(?:[1-9]\d{0,7}[.#?])+")
