@@ -19,6 +19,8 @@ LEAST = 6.5
 """CSS pixels: no name is written smaller. A room that is too small for its name so has an abbreviation."""
 SWATCH = 14.0
 """CSS pixels: how wide a colour is in the key, and a row high."""
+MAX_SWINGS = 512
+"""Of doors over one room, that its name keeps clear of."""
 SPOTS = np.array(sorted(product([k / 8 for k in range(-8, 9)], repeat=2), key=lambda spot: math.hypot(*spot)))
 """Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first."""
 
@@ -51,7 +53,7 @@ def room_names(
         pieces = [frame.box(piece) for piece in room.pieces]
         area = sum(part.area for part in house.parts(room))
         over = (np.minimum(ends[:, 2:], box[2:]) - np.maximum(ends[:, :2], box[:2]) > 0).all(axis=1)
-        taken = pieces, [swings[index] for index in np.flatnonzero(over)]
+        taken = pieces, [swings[index] for index in np.flatnonzero(over)[:MAX_SWINGS]]
         texts = [room.type, *([short[room.type]] if short.get(room.type) else [])]
         names.append(
             _name(texts, _area(area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
