@@ -32,6 +32,8 @@ FOLDERS = (
         "fuzz",
         "generator",
         "grammars",
+        "kills",
+        "mutants",
         "gpu",
         "homes",
         "imitation",

@@ -1,6 +1,7 @@
 """The original program's weights: read as Keras wrote them, by a network that sees what theirs saw."""
 
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -145,7 +146,7 @@ def test_weights_of_another_file_are_refused(tmp_path):
     layout = h5py.VirtualLayout(shape=(3, 25), dtype="f4")
     layout[...] = h5py.VirtualSource(tmp_path / "other.h5", "model_weights/dense_1/dense_1/kernel:0", (3, 25))
     with h5py.File(tmp_path / "weights.h5", "a") as file:
-        group = file["model_weights/dense_1"]
+        group: Any = file["model_weights/dense_1"]
         del group["dense_1/kernel:0"]
         group.create_virtual_dataset("dense_1/kernel:0", layout)
     with pytest.raises(CheckpointError, match="kernel:0 lies in another file"):

@@ -17,6 +17,7 @@ from sim.actions import HEADINGS
 from sim.adapters.minigrid import MiniGridHouseEnv, Tile, tile
 from sim.backends.grid.cells import Cells
 from tests.sim.backends import test_grid
+from tests.sim.backends.test_fit import made_for
 from tests.sim.backends.test_grid import CELL
 from tests.thick import thickened
 
@@ -49,7 +50,7 @@ HOME = House(
     topology="ring",
 )
 THICK = thickened(HOME, CELL, 2 * CELL)
-HOUSES = [test_grid.replace_cell(house, CELL) for house in (*test_grid.HOUSES, HOME, THICK)]
+HOUSES = [made_for(CELL, house) for house in (*test_grid.HOUSES, HOME, THICK)]
 EACH_HOUSE = pytest.mark.parametrize("number", range(len(HOUSES)))
 
 

@@ -55,9 +55,9 @@ def test_cells_narrower_than_the_body_are_refused(house, message):
         Grid.fit(DEFAULT, [house])
 
 
-def made_for(cell):
+def made_for(cell, house=ON_GRID):
     """A house that says that it was made for a grid."""
-    return structs.replace(ON_GRID, provenance=Provenance("drawn", "", {"cell": cell}, 0, 0, {}))
+    return structs.replace(house, provenance=Provenance("drawn", "", {"cell": cell}, 0, 0, {}))
 
 
 def test_houses_off_their_grid_or_on_different_grids_are_refused():
