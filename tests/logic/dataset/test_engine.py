@@ -290,9 +290,10 @@ def test_a_cluster_here_listens_on_the_loopback_interface_alone() -> None:
     with cluster.connected(workers=1):
         sockets = set[str]()
         for each in (os.getpid(), *descendants(os.getpid())):
-            for descriptor in Path(f"/proc/{each}/fd").iterdir():
-                with contextlib.suppress(FileNotFoundError):
-                    sockets.add(os.readlink(descriptor))
+            with contextlib.suppress(OSError):  # of a process that has ended
+                for descriptor in os.listdir(f"/proc/{each}/fd"):
+                    with contextlib.suppress(FileNotFoundError):
+                        sockets.add(os.readlink(f"/proc/{each}/fd/{descriptor}"))
         tables = "".join(Path("/proc/net", name).read_text() for name in ("tcp", "tcp6"))
         table = [line.split() for line in tables.splitlines()]
         listening = [line[1] for line in table if line[3] == "0A" and f"socket:[{line[9]}]" in sockets]
