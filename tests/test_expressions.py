@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import deque
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -20,7 +21,7 @@ OURS = {"logic/language/reference.py", "logic/browser/playground/npm.py"}
 
 CALLS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
 
-LENGTHS = ((1_000, 0.1), (20_000, 0.1), (200_000, 0.5))
+LENGTHS = ((1_000, 0.2), (20_000, 0.3), (200_000, 1.0))
 """Characters, and seconds of processor time: a time that grows faster is noticed at the shorter ones."""
 
 
@@ -146,7 +147,7 @@ CATEGORIES = {
 }
 
 
-@pytest.mark.parametrize("expression", expressions(), ids=lambda each: f"{each.place} {each.call}")
+@pytest.mark.parametrize("expression", list(expressions()), ids=lambda each: f"{each.place} {each.call}")
 def test_an_expression_takes_a_time_that_grows_as_its_text(expression: Expression) -> None:
     """Of up to 200,000 characters that lead it on and then end otherwise."""
     pattern, call, flags, place = expression
@@ -162,6 +163,6 @@ def test_an_expression_takes_a_time_that_grows_as_its_text(expression: Expressio
             began = process_time()
             found = getattr(compiled, call)(*[text[:0]] * (call == "sub"), text)
             if call == "finditer":
-                list(found)
+                deque(found, maxlen=0)  # a list of all of them is looked through as garbage again and again
             took = process_time() - began
             assert took < most, f"{place}: {took:.2g} s, {length:,} characters: {start[:20]!r}, {unit[:20]!r}"
