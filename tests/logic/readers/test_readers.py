@@ -297,7 +297,7 @@ STOREYS = "".join(f'<g id="Floor-{k}" class="Floorplan Floor-{k}">{BATH}</g>' fo
         (svg(("Outdoor", HALL)), "has 0 rooms"),
         (svg(ROOM, ("Entry", COMB)), r"Entry has \d+ corners: at most 200 are read"),
         (svg(ROOM)[:-9], "that is damaged"),
-        (b'<!DOCTYPE s [<!ENTITY a "b">]>' + svg(ROOM), "no entities"),
+        (b'<!DOCTYPE s [<!ENTITY a "b">]>' + svg(ROOM), "declares entities"),
         (svg(more=STOREYS), r"2 storeys \(Floor-1, Floor-2\): keep the group of one"),
         (imdf(LIVING, HALL, degree=1e3), "degrees of longitude and latitude"),
         (imdf(LIVING, HALL, levels="01"), r"2 levels \(0, 1\): keep the features of one"),
