@@ -270,5 +270,6 @@ def test_a_house_file_without_a_format_is_read_and_another_programs_is_named(tmp
 def test_inputs_that_once_failed_are_read() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PlanWarning)
-        for file in sorted(CASES.glob("*/*.geojson")):
+        # Those of ``reasons`` are no plans: what is said of them is tried elsewhere.
+        for file in sorted(each for each in CASES.glob("*/*.geojson") if each.parent.name != "reasons"):
             assert len(read_plan(file).rooms) >= 2, file
