@@ -1,6 +1,5 @@
 """Shards as tasks of Ray: the same set as without it, whatever is lost or stopped on the way."""
 
-import contextlib
 import os
 import pickle
 import re
@@ -17,7 +16,6 @@ import pytest
 
 from logic import cluster
 from logic.errors import GrammarError, MissingProgram, Reason, Unsatisfiable, to_record
-from tests.hostile.watch import descendants
 from tests.logic.dataset.sets import command, content
 from tests.programs import PATIENCE, finished
 
@@ -286,16 +284,31 @@ def test_errors_cross_processes_whole() -> None:
         assert (str(again), to_record(again)) == (str(error), to_record(error))
 
 
+LISTENING = """
+import contextlib, os, sys
+from pathlib import Path
+from logic import cluster
+from tests.hostile.watch import descendants
+
+with cluster.connected(workers=1):
+    sockets = set()
+    for each in (os.getpid(), *descendants(os.getpid())):
+        with contextlib.suppress(OSError):  # of a process that has ended
+            for descriptor in os.listdir(f"/proc/{each}/fd"):
+                with contextlib.suppress(FileNotFoundError):
+                    sockets.add(os.readlink(f"/proc/{each}/fd/{descriptor}"))
+    tables = "".join(Path("/proc/net", name).read_text() for name in ("tcp", "tcp6"))
+    table = [line.split() for line in tables.splitlines()]
+    print(*(line[1] for line in table if line[3] == "0A" and f"socket:[{line[9]}]" in sockets))
+"""
+"""A program that starts Ray and prints the addresses on which its processes listen."""
+
+
 def test_a_cluster_here_listens_on_the_loopback_interface_alone() -> None:
-    with cluster.connected(workers=1):
-        sockets = set[str]()
-        for each in (os.getpid(), *descendants(os.getpid())):
-            with contextlib.suppress(OSError):  # of a process that has ended
-                for descriptor in os.listdir(f"/proc/{each}/fd"):
-                    with contextlib.suppress(FileNotFoundError):
-                        sockets.add(os.readlink(f"/proc/{each}/fd/{descriptor}"))
-        tables = "".join(Path("/proc/net", name).read_text() for name in ("tcp", "tcp6"))
-        table = [line.split() for line in tables.splitlines()]
-        listening = [line[1] for line in table if line[3] == "0A" and f"socket:[{line[9]}]" in sockets]
+    """In a process of its own: another test may have left Ray's sockets in this one."""
+    ended = subprocess.run(
+        [sys.executable, "-c", LISTENING], cwd=ROOT, capture_output=True, text=True, check=True, timeout=300
+    )
+    listening = ended.stdout.splitlines()[-1].split()
     assert listening
     assert all(address.partition(":")[0].endswith("0100007F") for address in listening), listening
