@@ -138,9 +138,9 @@ def connected(address: str | None = None, workers: int | None = None) -> Iterato
 
     if address:
         _require_answer(address)
-    else:  # It listens on this machine alone, to those who know the token.
+    else:  # The cluster listens on this machine alone, and answers only clients that know the token.
         os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
-        ray_constants.ENABLE_RAY_CLUSTER = False  # else Ray takes an address of the network for 127.0.0.1
+        ray_constants.ENABLE_RAY_CLUSTER = False  # else Ray replaces 127.0.0.1
     ends = signal.getsignal(signal.SIGTERM)
     with tempfile.TemporaryDirectory(prefix="ray-", ignore_cleanup_errors=True) as folder:
         own: dict[str, Any] = {

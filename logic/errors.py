@@ -25,10 +25,10 @@ class VitruviusError(Exception):
     exit_code = 70
 
     keeps = ""
-    """Control characters that the text may have. All others are escaped: words of files are part of it."""
+    """Control characters that a message may contain. All others are escaped: a message may quote a file."""
 
     def __init__(self, message: object = "") -> None:
-        """Keep the message."""
+        """Escape the control characters of the message."""
         super().__init__(printable(str(message), self.keeps))
 
 

@@ -114,8 +114,8 @@ def shipped() -> list[str]:
 
 
 def find_shipped(name: str) -> Grammar:
-    """Find a shipped grammar by the name that a file states. Raises ``GrammarError`` for another name: what a
-    file states is no path.
+    """Return the shipped grammar that a file names. Raises ``GrammarError`` for another name: a file may not
+    name a path.
     """
     if name not in shipped():
         raise GrammarError(unknown("grammar", name, shipped()))

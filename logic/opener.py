@@ -1,7 +1,7 @@
-"""The one way to files of others: regular files alone are read, and nothing is unpacked beyond a bound.
+"""Access to files from others: only regular files are read, and nothing is unpacked beyond a bound.
 
-A file that is refused raises ``OSError`` with ``strerror``, as an absent one does; content that is refused
-raises ``ValueError``. Both say why in one line, and the reader that asked puts the file's name before it.
+A refused file raises ``OSError`` with ``strerror``, as an absent file does; refused content raises
+``ValueError``. Both errors give the reason in one line, to which the calling reader adds the file's name.
 """
 
 import errno
@@ -25,19 +25,19 @@ STANDARD = Path("-")
 """The standard input where a file is read, the standard output where one is written."""
 
 PACKED = b"\x1f\x8b"
-"""How gzip's files begin."""
+"""First bytes of a gzip file."""
 
 MAX_BYTES, MAX_DEPTH, MAX_DIGITS, MAX_VALUES = 1 << 26, 64, 128, 1 << 22
-"""Of JSON: bytes, levels of lists and objects, digits of a number, and values."""
+"""Size of a JSON text: bytes, levels of lists and objects, digits of a number, and values."""
 
 MAX_ELEMENTS = 1 << 18
-"""Of XML."""
+"""Number of elements in an XML document."""
 
 MAX_MEMBERS = 1 << 10
-"""Files of an archive."""
+"""Number of files in an archive."""
 
 DAMAGED = (OSError, EOFError, zlib.error)
-"""What reading an open file raises: see ``reason``."""
+"""Errors that reading an open file raises: see ``reason``."""
 
 _STRING = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 _LONG = re.compile(rb"\d{129}")
@@ -45,19 +45,20 @@ _HUGE = re.compile(rb"[eE]\+?0*+\d{3}")
 _SURROGATE = re.compile(rb"\\u[dD][89a-fA-F]")
 _NO_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))
 _PLAIN_MEMBERS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""How members may be packed: other ways take as much memory as an archive asks."""
+"""Compression methods that are read: others take as much memory as an archive asks for."""
 
 
 def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO:
-    """Open a regular file of at most so many bytes, or the standard input, which may be a pipe; unpack it if
-    it is packed, whatever its name. ``most`` does not bound what the caller then unpacks: see ``content_of``.
+    """Open a regular file of at most ``most`` bytes, or the standard input, which may be a pipe.
 
-    Raises ``OSError`` for a folder, a pipe, a device and a socket, and never waits for one.
+    Gzip content is unpacked, whatever the file's name. ``most`` does not bound the unpacked content that the
+    caller then reads: see ``content_of``. Raises ``OSError`` for a folder, a pipe, a device and a socket,
+    without waiting for one.
     """
     if Path(path) == STANDARD:
         file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
     else:
-        # To wait for no other end of a pipe, and to take no terminal; confinement forbids ``open`` its calls.
+        # These flags wait for no pipe and take no terminal. Confinement denies calls that ``open`` makes.
         number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
         try:
             _require_bounded(os.fstat(number), path, most)
@@ -74,9 +75,9 @@ def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO:
 
 
 def content_of(path: str | Path, most: int, *, unpack: bool = True) -> bytes:
-    """Return what a file or the standard input holds, unpacked, at most so many bytes.
+    """Return the unpacked content of a file or of the standard input.
 
-    Raises ``OSError``, for what is damaged too.
+    Raises ``OSError``, also for damaged content and for more than ``most`` bytes.
     """
     try:
         with opened(path, most, unpack=unpack) as file:
@@ -91,24 +92,24 @@ def content_of(path: str | Path, most: int, *, unpack: bool = True) -> bytes:
 
 
 def require_file(path: str | Path, most: int) -> None:
-    """Raise ``OSError`` unless it is a regular file of at most so many bytes.
+    """Raise ``OSError`` unless a path is a regular file of at most ``most`` bytes.
 
-    For libraries that open a file by its name.
+    Readers call this before they pass the path to a library that opens the file itself.
     """
     _require_bounded(os.stat(path), path, most)
 
 
 def reason(error: Exception) -> str:
-    """Return in one line why a file cannot be read."""
+    """Return the reason of a read error in one line."""
     words = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return words.splitlines()[0]
 
 
 def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any] | None = None) -> Any:
-    """Return the value of JSON, of a type if one is given, as msgspec reads it; ``pairs`` makes objects.
+    """Return the value of a JSON text: of a type ``kind`` of msgspec, or with objects made by ``pairs``.
 
-    Raises ``ValueError``, in one line, for what is no JSON or beyond ``MAX_DEPTH``, ``MAX_DIGITS`` or
-    ``MAX_VALUES``.
+    Raises ``ValueError``, in one line, where the text is no JSON or exceeds ``MAX_BYTES``, ``MAX_DEPTH``,
+    ``MAX_DIGITS`` or ``MAX_VALUES``.
     """
     if len(content) > MAX_BYTES:
         raise ValueError(f"more than {_size(MAX_BYTES)} of JSON")
@@ -119,33 +120,33 @@ def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any
         if kind is not None:
             return msgspec.json.decode(content, type=kind)
         found = json.loads(content, parse_constant=_no_number, object_pairs_hook=pairs)
-        if _SURROGATE.search(content):  # half a letter cannot be written again
+        if _SURROGATE.search(content):  # half of a surrogate pair cannot be encoded
             json.dumps(found, ensure_ascii=False).encode()
         return found
     except UnicodeEncodeError:
-        raise ValueError("a text has half a letter of UTF-16") from None
+        raise ValueError("a text has half of a surrogate pair") from None
     except RecursionError:
         raise ValueError(f"nested more than {MAX_DEPTH} deep") from None
 
 
 def from_xml(content: bytes) -> ElementTree.Element:
-    """Return the root of XML.
+    """Return the root element of an XML document.
 
-    Raises ``ValueError``, in one line, for what is no XML, declares entities, or is beyond ``MAX_DEPTH`` or
-    ``MAX_ELEMENTS``.
+    Raises ``ValueError``, in one line, where the document is no XML, declares entities, or exceeds
+    ``MAX_DEPTH`` or ``MAX_ELEMENTS``.
     """
     if b"<!ENTITY" in content:
-        raise ValueError("it declares entities: save it without")
+        raise ValueError("it declares entities: save it without them")
     parser = ElementTree.XMLParser(target=_BoundedTree())
     try:
         parser.feed(content)
         return parser.close()
-    except (ElementTree.ParseError, LookupError) as error:  # of an encoding that nobody knows
+    except (ElementTree.ParseError, LookupError) as error:  # LookupError: unknown encoding
         raise ValueError(reason(error)) from None
 
 
 class _BoundedTree(ElementTree.TreeBuilder):
-    """A tree that is neither deep nor large."""
+    """Tree builder that refuses deep and large documents."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -165,11 +166,11 @@ class _BoundedTree(ElementTree.TreeBuilder):
 
 
 def archive_of(content: bytes, most: int, members: int = MAX_MEMBERS) -> zipfile.ZipFile:
-    """Return a zip archive whose files together hold at most so many bytes, unpacked.
+    """Return a zip archive of at most ``members`` files, which together unpack to at most ``most`` bytes.
 
-    Raises ``ValueError`` for another archive. ``zipfile`` reads no more of a file than the archive states.
+    Raises ``ValueError`` for other archives. ``zipfile`` unpacks no more of a file than the archive states.
     """
-    # Before its list is read, which takes more memory than the archive.
+    # Counted before ``zipfile`` reads the list of files, which takes more memory than the archive.
     if content.count(b"PK\x01\x02") > members:
         raise ValueError(f"an archive of more than {members:,} files")
     try:
@@ -180,12 +181,12 @@ def archive_of(content: bytes, most: int, members: int = MAX_MEMBERS) -> zipfile
     if sum(each.file_size for each in files) > most:
         raise ValueError(f"an archive whose files hold more than {_size(most)} together")
     if any(each.flag_bits & 1 or each.compress_type not in _PLAIN_MEMBERS for each in files):
-        raise ValueError("an archive that is encrypted or packed in an unusual way")
+        raise ValueError("an archive that is encrypted or has an unusual compression method")
     return archive
 
 
 def member_of(archive: zipfile.ZipFile, name: str) -> bytes:
-    """Return what a file of an archive holds. Raises ``ValueError`` where it is damaged."""
+    """Return the content of a file of an archive. Raises ``ValueError`` where the file is damaged."""
     try:
         return archive.read(name)
     except (*DAMAGED, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
@@ -210,7 +211,7 @@ def _size(most: int) -> str:
 
 
 def _require_plain(content: bytes) -> None:
-    """Raise ``ValueError`` for JSON that is too deep or too much, before anything is made of it."""
+    """Raise ``ValueError`` for JSON that is too deep or too large, before it is decoded."""
     plain = _STRING.sub(b"", content)
     brackets = plain.translate(None, _NO_BRACKETS)
     if plain.count(b",") + len(brackets) / 2 > MAX_VALUES:
@@ -219,7 +220,7 @@ def _require_plain(content: bytes) -> None:
         raise ValueError(f"a number of more than {MAX_DIGITS} digits, or of 1e100 or more")
     for _ in range(MAX_DEPTH):
         brackets = brackets.replace(b"[]", b"").replace(b"{}", b"")
-    # Brackets without their partners are no JSON, which its reader says, by line and column.
+    # The decoder reports unmatched brackets, with line and column.
     is_deep = b"[]" in brackets or b"{}" in brackets
     if is_deep or brackets.count(b"[") + brackets.count(b"{") > MAX_DEPTH:
         raise ValueError(f"nested more than {MAX_DEPTH} deep")

@@ -1,12 +1,13 @@
-"""Numbers of other libraries, such as NumPy's, in the place of which ours hold Python's."""
+"""Conversion of other libraries' numbers, such as NumPy's, to Python's."""
 
 from collections.abc import Mapping
 from typing import Any
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has it, with Python's numbers, texts and lists in the place of another library's
-    at any depth; what is none of these stays as it is.
+    """Return a value with another library's numbers, texts and lists replaced by Python's, at any depth.
+
+    Tuples become lists, as in JSON; all other values stay as they are.
     """
     if isinstance(value, Mapping):
         return {plain(key): plain(each) for key, each in value.items()}

@@ -10,7 +10,7 @@ from html import escape
 from typing import ParamSpec, TypeVar
 
 MAX_LETTERS, MAX_NAMES, MAX_LISTED = 100, 2_000, 200
-"""Letters of a name, and names, that are compared; names that a message lists."""
+"""Length of a name that is compared, number of names that are compared, and names that a message lists."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -47,7 +47,7 @@ def unknown(what: str, name: object, names: Iterable[str]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """As in ``dqn, paper, pqn``: of very many names the first ones."""
+    """Return names as in ``dqn, paper, pqn``: the first ``MAX_LISTED`` of them."""
     return ", ".join(names[:MAX_LISTED]) + (", ..." if len(names) > MAX_LISTED else "")
 
 
@@ -98,8 +98,8 @@ def printable(text: str, keep: str = "") -> str:
 
 
 def markup(text: object) -> str:
-    """Return text as HTML and SVG show it: its tags, entities and quotes are none of the page's.
+    """Return text escaped for HTML and SVG, so that its tags, entities and quotes are shown as text.
 
-    Every page and picture escapes the text of others by this function alone.
+    Every page and picture escapes text of files by this function alone.
     """
     return escape(printable(str(text)))

@@ -45,7 +45,7 @@ from logic.house.kinds import Kind
 from logic.house.promises import Promises
 
 MAX_VIOLATIONS = 1000
-"""Of a house, that are said: in a crowd, pieces and doors have millions."""
+"""Number of violations that are listed for a house: crowded pieces and doors have millions."""
 
 STAR, ORIGINAL, SHARED_WALLS = {Kind.STAR}, {Kind.ORIGINAL}, {Kind.SHARED_WALLS}
 STARS, OURS, EVERY = STAR | ORIGINAL, STAR | SHARED_WALLS, {*Kind}
@@ -141,14 +141,15 @@ front faces, how wide passages are, nor the least area of the main room.
 
 
 def violations(house: House, promises: Promises) -> list[str]:
-    """What a house breaks of these promises, in words, each with its room, pieces and lengths; beyond
-    ``MAX_VIOLATIONS`` the last line says that there are more.
+    """Return the promises that a house breaks, in words, each with its room, pieces and lengths.
+
+    After ``MAX_VIOLATIONS`` the list ends with a line that states that there are more.
     """
     # GEOS divides by zero where an offset of two parallel edges has no corner, and goes on; NumPy would warn.
     with np.errstate(divide="ignore", invalid="ignore"):
         found = [fault.text for fault in islice(faults(house, promises), MAX_VIOLATIONS + 1)]
     if len(found) > MAX_VIOLATIONS:
-        found[-1] = f"house: has more than {MAX_VIOLATIONS:,} violations, and the others are not listed"
+        found[-1] = f"house: has more than {MAX_VIOLATIONS:,} violations, and the rest are not listed"
     return found
 
 

@@ -43,7 +43,7 @@ def on_grid(promises: Promises, cell: float) -> Promises:
     )
     clearance = up(promises.door_clearance)
     thick = promises.wall_thickness and Thickness(*map(up, msgspec.structs.astuple(promises.wall_thickness)))
-    # A side is rounded by itself, so a share of the room's, an area and a relation are not kept to.
+    # The grid rounds each side separately, so shares of a room's side, areas and relations need not hold.
     rounded = {"room_size": rooms, "piece_size": pieces, "shares": {}, "tops": {}}
     rounded |= {"room_relations": {}, "piece_relations": {}}
     return msgspec.structs.replace(

@@ -109,7 +109,7 @@ def _share_violations(room: Room, piece: Piece, name: str, promises: Promises) -
 def out_of(
     name: str, length: float, depth: float, sizes: Sizes | None, relations: Iterable[Relation] = ()
 ) -> Iterator[str]:
-    """Yield which of two lengths is out of its bounds, and which of their relations does not hold."""
+    """Yield a line for each length out of its bounds, and for each relation of both that does not hold."""
     if sizes:
         for value, least, most, what in ((length, *sizes[:2], "long"), (depth, *sizes[2:], "deep")):
             if not least - TOLERANCE <= value <= most + TOLERANCE:
@@ -120,7 +120,7 @@ def out_of(
 
 
 def _in_words(a: float, b: float, c: float) -> str:
-    """Return a relation with positive factors alone, as in ``length + 0.33 <= depth``."""
+    """Return a relation as text without negative factors, as in ``length + 0.33 <= depth``."""
     terms = [(a, "length"), (b, "depth"), (-c, "")]
     sides = [
         " + ".join(

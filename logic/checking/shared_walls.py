@@ -129,7 +129,7 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
     leafless = np.array([door.opening for door in house.doors])
     for index, one in enumerate(house.doors):
         meet = openings.met_by(one)
-        if one.opening:  # At the end of an opening another wall may begin.
+        if one.opening:  # Another wall may begin at the end of an opening.
             meet &= ~leafless | (openings.shared(one.box) > TOLERANCE)
         for other in openings.where(meet, index + 1):
             text = f"{_between(house, one)}: meets the {_between(house, other)}"
@@ -139,7 +139,7 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def plan_corners(house: House, _: Promises) -> Iterator[Fault]:
-    """Yield doors and windows that reach past a corner of their rooms, into the wall across."""
+    """Yield a fault for each door or window that reaches past a corner of its room into the wall across."""
     rooms = {room.name: room for room in house.rooms}
     windows = [
         (window, (window.room,), f"{named(rooms[window.room])}: {_window(window)}")
@@ -150,13 +150,13 @@ def plan_corners(house: House, _: Promises) -> Iterator[Fault]:
         k = _along(opening)
         ends = [(rooms[name].box[k], rooms[name].box[k + 2]) for name in names]
         juts = max(max(start - opening.box[k], opening.box[k + 2] - end) for start, end in ends)
-        # Beyond half of the wall it is on no wall of the room.
+        # An opening that reaches farther is on no wall of the room.
         if TOLERANCE < juts <= house.half_wall + TOLERANCE:
             yield Fault(f"{its} reaches {figure(juts)} m into the wall across", names)
 
 
 def plan_degrees(house: House, promises: Promises) -> Iterator[Fault]:
-    """Yield rooms with too many or too few doors to others."""
+    """Yield a fault for each room with too many or too few doors to other rooms."""
     ends = {OUTSIDE, *(room.name for room in house.rooms if room.type in promises.public)}
     for room in house.rooms:
         if room.type in promises.degree:
@@ -164,12 +164,14 @@ def plan_degrees(house: House, promises: Promises) -> Iterator[Fault]:
             beyond = {name for door in house.doors_of(room.name) for name in door.between}
             count = len(beyond - ends - {room.name})
             if not least <= count <= most:
-                text = f"{named(room)}: has doors to {numbered(count, 'other room')} ({least} to {most})"
+                text = (
+                    f"{named(room)}: has doors to {numbered(count, 'other room')} (must be {least} to {most})"
+                )
                 yield Fault(text, (room.name,))
 
 
 def plan_outline(house: House, promises: Promises) -> Iterator[Fault]:
-    """Yield a house, or units of it, of another size than promised."""
+    """Yield a fault for a house, or for each of its units, of another size than promised."""
     if promises.house_size:
         for names in _units(house, promises) if promises.public else [{room.name for room in house.rooms}]:
             west, north, east, south = zip(*(house.room(name).box for name in names), strict=True)
@@ -287,7 +289,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 class _Rects(Generic[T]):
-    """Rectangles and openings, all of which are compared with one at once."""
+    """Rectangles that NumPy compares with one rectangle, all at once."""
 
     def __init__(self, rects: Collection[T]) -> None:
         self._rects = [*rects]
@@ -295,20 +297,20 @@ class _Rects(Generic[T]):
         self._along = np.array([_along(rect) for rect in rects])
 
     def where(self, mask: Any, first: int = 0) -> Iterator[T]:
-        """Those of a mask (N,), from the first of these on."""
+        """Yield the rectangles that a mask (N,) selects, from index ``first`` on."""
         yield from (self._rects[index] for index in np.flatnonzero(mask[first:]) + first)
 
     def apart(self, box: Box) -> np.ndarray:
-        """How far each is from a box along x and y (N, 2), metres; negative where they overlap."""
+        """Return the gap from each to a box along x and y (N, 2), metres; negative where they overlap."""
         return np.maximum(self._boxes[:, :2] - box[2:], np.subtract(box[:2], self._boxes[:, 2:]))
 
     def met_by(self, opening: Rect) -> np.ndarray:
-        """Which of these openings touch or overlap one in its wall (N,)."""
+        """Return which of these openings (N,) touch or overlap another opening in its wall."""
         away = np.hypot(*self.apart(opening.box).clip(0).T)
         return (away <= TOLERANCE) & (self._along == _along(opening))
 
     def shared(self, segment: Box) -> np.ndarray:
-        """How much of a segment lies in each or on its boundary (N,), metres; negative where apart."""
+        """Return the length of a segment in each or on its boundary (N,), metres; negative where apart."""
         along, across = (
             np.minimum(segment[k + 2], self._boxes[:, k + 2]) - np.maximum(segment[k], self._boxes[:, k])
             for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))

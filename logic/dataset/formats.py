@@ -25,7 +25,7 @@ GROUP = 256
 COMPRESSION = "zstd"
 
 MAX_ROW_BYTES = 1 << 23
-"""Of a row in JSON Lines."""
+"""Size of a row of JSON Lines."""
 
 
 @cache
@@ -110,9 +110,10 @@ def in_groups(rows: Iterable[Row]) -> Iterator[list[Row]]:
 
 
 def read(path: Path, first: int = 0) -> Iterator[Row]:
-    """The rows of a file from one on, a group at a time.
+    """Yield the rows of a file from number ``first`` on, one group at a time.
 
-    Raises ``OSError`` for what cannot be read, and ``ValueError`` for what is no such file or too large.
+    Raises ``OSError`` where the file cannot be read, and ``ValueError`` where it is too large or holds no
+    rows of a set.
     """
     if path.suffix == ".jsonl":
         with opened(path, MAX_FILE_BYTES, unpack=False) as file:
@@ -123,7 +124,7 @@ def read(path: Path, first: int = 0) -> Iterator[Row]:
 
 
 def lines(file: BinaryIO | GzipFile, first: int = 0) -> Iterator[Row]:
-    """The rows of open JSON Lines, from one on. Raises ``ValueError`` for what is none."""
+    """Yield the rows of open JSON Lines from number ``first`` on. Raises ``ValueError`` for other lines."""
     number = 0
     while line := file.readline(MAX_ROW_BYTES + 1):
         if len(line) > MAX_ROW_BYTES:

@@ -1,8 +1,8 @@
-"""Parquet of others: a file is bounded by its footer and by the heads of its pages before it is unpacked.
+"""Reader of Parquet files from others: it checks the footer and the page headers before it unpacks a page.
 
 A few kilobytes of Parquet may unpack to terabytes: pages are compressed, texts of a dictionary are repeated,
-texts begin with those before them (``DELTA_BYTE_ARRAY``). The footer may state other sizes than the heads of
-the pages, so the heads are read too: https://parquet.apache.org/docs/file-format/.
+and texts share the beginning of the previous text (``DELTA_BYTE_ARRAY``). The footer may state other sizes
+than the page headers, so the headers are read too: https://parquet.apache.org/docs/file-format/.
 """
 
 from collections.abc import Iterator
@@ -13,26 +13,26 @@ from typing import Any, BinaryIO
 from logic.opener import opened
 
 MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 26
-"""Of a file, and of its list of row groups."""
+"""Size of a file, and of its footer, which lists the row groups."""
 
 MAX_GROUP_BYTES, MAX_GROUP_VALUES = 1 << 27, 1 << 23
-"""Of a row group, unpacked: bytes, and values in all columns together."""
+"""Size of a row group, unpacked: bytes, and values in all columns together."""
 
-MAX_HEAD_BYTES = 1 << 16
-"""Of the head of a page, which may state a least and a greatest value."""
+MAX_HEADER_BYTES = 1 << 16
+"""Size of a page header, which may state a least and a greatest value."""
 
 ENCODINGS = {0, 2, 3, 8}
-"""Those that repeat nothing but the texts of a dictionary: plain, two names of dictionaries, run lengths."""
+"""Encodings that repeat nothing but texts of a dictionary: plain, dictionary (two numbers), run lengths."""
 
 DATA, INDEX, DICTIONARY, DATA_2 = range(4)
-"""Types of pages."""
+"""Page types."""
 
 
 def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]]:
-    """Yield the rows of a file from one on, a row group at a time.
+    """Yield the rows of a file from number ``first`` on, one row group at a time.
 
-    Raises ``OSError`` where it cannot be read, and ``ValueError`` for what is no Parquet of these columns or
-    beyond the bounds.
+    Raises ``OSError`` where the file cannot be read, and ``ValueError`` where it is no Parquet file of these
+    columns or exceeds a bound.
     """
     import pyarrow as pa
     from pyarrow.parquet import ParquetFile
@@ -56,24 +56,24 @@ def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]
 
 
 def _require_footer(file: BinaryIO | GzipFile) -> None:
-    """Raise ``ValueError`` where the footer is larger than the file or its bound."""
+    """Raise ``ValueError`` where the footer is larger than the file or than its bound."""
     size = file.seek(0, 2)
     file.seek(max(0, size - 8))
     length = int.from_bytes(file.read(8)[:4], "little")
     if not 12 <= 12 + length <= size:
-        raise ValueError("it is no Parquet, or cut short")
+        raise ValueError("it is no Parquet file, or it is truncated")
     if length > MAX_FOOTER_BYTES:
         raise ValueError(f"its list of row groups holds more than {MAX_FOOTER_BYTES >> 20} MiB")
 
 
 def _texts(file: Any) -> list[str]:
-    """Return the columns of texts, which are read as the places of a dictionary first."""
+    """Return the names of the text columns, which are first read as indices of a dictionary."""
     columns = [file.schema.column(number) for number in range(len(file.schema.names))]
     return [column.path for column in columns if column.physical_type == "BYTE_ARRAY"]
 
 
 def _require_group(file: BinaryIO | GzipFile, group: Any) -> None:
-    """Raise ``ValueError`` for a row group whose pages hold more than the bounds."""
+    """Raise ``ValueError`` for a row group whose pages exceed the bounds."""
     size = values = 0
     for number in range(group.num_columns):
         column = group.column(number)
@@ -84,42 +84,42 @@ def _require_group(file: BinaryIO | GzipFile, group: Any) -> None:
                 most = f"{MAX_GROUP_BYTES >> 20} MiB or {MAX_GROUP_VALUES:,} values"
                 raise ValueError(f"a row group holds more than {most}")
         if not group.num_rows <= column.num_values <= own:
-            raise ValueError(f"its pages of {column.path_in_schema} have other numbers of values than stated")
+            raise ValueError(f"its pages of {column.path_in_schema} hold more or fewer values than stated")
         values += own
 
 
 def _pages(file: BinaryIO | GzipFile, column: Any) -> Iterator[tuple[int, int]]:
-    """Yield the bytes, unpacked, and the number of values of each page of a column of a row group."""
+    """Yield the unpacked size in bytes and the number of values of each page of a column chunk."""
     place, size = column.data_page_offset, column.total_compressed_size
     if column.has_dictionary_page and 0 < column.dictionary_page_offset < place:
         place = column.dictionary_page_offset
     end = place + size
     while place < end:
         file.seek(place)
-        head = Thrift(file.read(MAX_HEAD_BYTES))
+        head = Thrift(file.read(MAX_HEADER_BYTES))
         try:
             page = head.struct()
             kind, unpacked, packed = (page[number] for number in (1, 2, 3))
             about = page[{DATA: 5, DICTIONARY: 7, DATA_2: 8}[kind]]
             encoding = about[4 if kind == DATA_2 else 2]
         except (KeyError, IndexError, TypeError, RecursionError):
-            raise ValueError(f"the head of a page at byte {place} is damaged") from None
+            raise ValueError(f"the page header at byte {place} is damaged") from None
         if encoding not in ENCODINGS:
-            raise ValueError(f"a page is encoded in an unusual way ({encoding})")
+            raise ValueError(f"a page has encoding {encoding}, which is not read")
         if unpacked < 0 or packed < 0 or about[1] < 0:
-            raise ValueError(f"the head of a page at byte {place} is damaged")
+            raise ValueError(f"the page header at byte {place} is damaged")
         yield unpacked, 0 if kind == DICTIONARY else about[1]
         place += head.place + packed
 
 
 def _require_texts(table: Any) -> None:
-    """Raise ``ValueError`` where texts that are read as the places of a dictionary are too long together."""
+    """Raise ``ValueError`` where the texts of a table, read as dictionary indices, are too long together."""
     if sum(map(_length, table.columns)) > MAX_GROUP_BYTES:
         raise ValueError(f"a row group holds more than {MAX_GROUP_BYTES >> 20} MiB of texts")
 
 
 def _length(array: Any) -> int:
-    """Return the bytes of all texts of an array."""
+    """Return the size of all texts of an array, bytes."""
     import pyarrow as pa
     from pyarrow import compute
 
@@ -134,14 +134,14 @@ def _length(array: Any) -> int:
 
 
 class Thrift:
-    """A record in Thrift's compact protocol, as far as the heads of pages use it."""
+    """Decoder of Thrift's compact protocol, as far as page headers use it."""
 
     def __init__(self, content: bytes) -> None:
         """Begin at the first byte."""
         self.content, self.place = content, 0
 
     def struct(self) -> dict[int, Any]:
-        """Return the fields of a record by their numbers. Raises ``IndexError`` where it is cut short."""
+        """Return the fields of a record by number. Raises ``IndexError`` where the record is truncated."""
         fields, number = dict[int, Any](), 0
         while head := self._byte():
             number = number + (head >> 4) if head >> 4 else self._whole()
@@ -162,7 +162,7 @@ class Thrift:
                 return self._skipped(self._number())
             case 12:
                 return self.struct()
-        raise TypeError("no head of a page has such a field")
+        raise TypeError("no page header has such a field")
 
     def _byte(self) -> int:
         self.place += 1

@@ -27,7 +27,7 @@ WORLDS = (".json", ".geojson")
 
 
 class Counts(msgspec.Struct, frozen=True):
-    """Numbers of a set."""
+    """Numbers of shards, rows, houses and limits in a set."""
 
     shards: int
     rows: int
@@ -35,7 +35,7 @@ class Counts(msgspec.Struct, frozen=True):
     limits: int
 
     def __str__(self) -> str:
-        """As in ``5 shards, 17 rows: 16 houses, 1 limit``."""
+        """Return the numbers as in ``5 shards, 17 rows: 16 houses, 1 limit``."""
         shards, rows = numbered(self.shards, "shard"), numbered(self.rows, "row")
         return f"{shards}, {rows}: {numbered(self.houses, 'house')}, {numbered(self.limits, 'limit')}"
 
@@ -81,19 +81,19 @@ class HouseSet(Sequence[House]):
                     yield self._house(row)
 
     def verified(self) -> Iterator[House]:
-        """Yield all houses, compared with the SHA-256 of their rows; raises ``HouseFileError`` for others."""
+        """Yield all houses. Raises ``HouseFileError`` for a house that differs from its row's SHA-256."""
         for shard in self._shards:
             for row in self._rows(shard):
                 if row.get("house") is not None:
                     house = self._house(row)
                     if house_sha256(house) != row["sha256"]:
                         raise HouseFileError(
-                            f"{self.folder / shard.file}: {row['id']}: is another house than its SHA-256 says"
+                            f"{self.folder / shard.file}: {row['id']}: its house differs from its SHA-256"
                         )
                     yield house
 
     def counts(self) -> Counts:
-        """Return the numbers of what it holds."""
+        """Return the numbers of shards, rows, houses and limits."""
         rows = sum(each.rows for each in self._shards)
         return Counts(len(self._shards), rows, len(self), rows - len(self))
 
@@ -124,12 +124,14 @@ class HouseSet(Sequence[House]):
         if group is None or group[:2] != (shard, first):
             self._group = group = shard, first, list(islice(self._rows(shard, first), GROUP))
         if place - first >= len(group[2]):
-            raise HouseFileError(f"{self.folder / shard.file}: has fewer rows than {MANIFEST} says")
+            raise HouseFileError(f"{self.folder / shard.file}: has fewer rows than {MANIFEST} states")
         return group[2][place - first]
 
     def _rows(self, shard: Held, first: int = 0) -> Iterator[Row]:
-        """The rows of a shard from one on. Its file is compared with the manifest before the first, its rows
-        after the last. Raises ``HouseFileError`` where they differ.
+        """Yield the rows of a shard from number ``first`` on.
+
+        The file is compared with the manifest before the first row, the rows after the last one. Raises
+        ``HouseFileError`` where they differ.
         """
         path = self.folder / shard.file
         try:
@@ -139,24 +141,24 @@ class HouseSet(Sequence[House]):
             else:
                 yield from _as_stated(read(path), shard)
         except FileNotFoundError:
-            raise HouseFileError(f"{path}: is gone: the set is made again by generate --shard") from None
+            raise HouseFileError(f"{path}: is missing: generate --shard makes it again") from None
         except OSError as error:
             raise HouseFileError(f"{path}: cannot be read: {error.strerror}") from None
         except ValueError as error:
             raise HouseFileError(f"{path}: is no shard of a set: {error}") from None
 
     def _compare(self, shard: Held) -> None:
-        """Compare the file of a shard with the manifest, once. Raises ``ValueError`` where it differs."""
+        """Compare the file of a shard with the manifest, once. Raises ``ValueError`` where they differ."""
         if shard.file in self._compared:
             return
         path = inside(self.folder, shard.file)
         size = path.stat().st_size
         with opened(path, MAX_FILE_BYTES, unpack=False) as file:
             if size != shard.bytes:
-                raise ValueError(f"it has {size:,} bytes, in {MANIFEST} {shard.bytes:,}")
+                raise ValueError(f"it has {size:,} bytes, but {MANIFEST} states {shard.bytes:,}")
             digest = hashlib.file_digest(file, "sha256")  # pyright: ignore[reportArgumentType]
             if digest.hexdigest() != shard.sha256:
-                raise ValueError(f"its content is not that of {MANIFEST}: its SHA-256 differs")
+                raise ValueError(f"its SHA-256 differs from the one in {MANIFEST}")
         self._compared.add(shard.file)
 
     def _house(self, row: Row) -> House:
@@ -165,12 +167,12 @@ class HouseSet(Sequence[House]):
         except ValueError as error:
             raise HouseFileError(f"{self.folder}: {row.get('id')}: is no row of a set: {error}") from None
         if house is None:
-            raise HouseFileError(f"{self.folder}: {row['id']}: is a limit, and {MANIFEST} says a house")
+            raise HouseFileError(f"{self.folder}: {row['id']}: is a limit, but {MANIFEST} states a house")
         return house
 
 
 def _as_stated(rows: Iterator[Row], shard: Held) -> Iterator[Row]:
-    """Pass on the rows of a shard. Raises ``ValueError`` at the end where the manifest says others."""
+    """Yield the rows of a shard. Raises ``ValueError`` after the last where the manifest states others."""
     number, limits, digest = 0, list[int](), hashlib.sha256()
     for number, row in enumerate(rows, 1):
         if row.get("house") is None:
@@ -178,7 +180,7 @@ def _as_stated(rows: Iterator[Row], shard: Held) -> Iterator[Row]:
         digest.update(f"{row.get('sha256') or ''}\n".encode())
         yield row
     if number != shard.rows:
-        raise ValueError(f"it has {number:,} rows, in {MANIFEST} {shard.rows:,}")
+        raise ValueError(f"it has {number:,} rows, but {MANIFEST} states {shard.rows:,}")
     if (limits, digest.hexdigest()) != (shard.limits, shard.rows_sha256):
         raise ValueError(f"its rows are not those of {MANIFEST}")
 
@@ -207,7 +209,7 @@ def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequ
 
 
 def _world(path: Path) -> House | None:
-    """Return the house that a file's plan is; None for another file, and for one that cannot be read."""
+    """Return the house of a file that holds a plan; None for another file or one that cannot be read."""
     try:
         return read_world(content_of(path, MOST_BYTES), path)
     except OSError:

@@ -46,10 +46,10 @@ BESIDE = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 """The name of a file while it is written, and after a kill."""
 
 MAX_RECORD_BYTES = 1 << 26
-"""Of ``set.json`` and of the manifest."""
+"""Size of ``set.json``, and of the manifest."""
 
 MAX_SHARDS = 10**5
-"""Of a set."""
+"""Number of shards of a set."""
 
 RULES = (".lp", ".pl", ".json")
 """What is copied of a grammar's folder."""
@@ -92,7 +92,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What the houses keep, by plain geometry."""
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for what no set is of."""
+        """Raise ``ValueError`` for values that no set has."""
         require_series(self.request)
         splits = [split for split in self.houses if split not in SPLITS]
         if splits or not self.houses:
@@ -189,9 +189,9 @@ def read_set(folder: Path) -> Set | None:
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """The manifest of a set; None where the set is not whole.
+    """Return the manifest of a set; None where the set is not complete.
 
-    Raises ``HouseFileError`` for a wrong file, and for one that has other shards than ``set.json`` says.
+    Raises ``HouseFileError`` for a wrong file, and for a manifest that contradicts ``set.json``.
     """
     of, found = read_set(folder), _read(folder / MANIFEST, Manifest)
     if of is None or found is None:
@@ -201,21 +201,21 @@ def read_manifest(folder: Path) -> Manifest | None:
         raise HouseFileError(f"{path}: is the manifest of another set than {SET} says")
     shards = [(each.place.as_posix(), each.split, len(each.indices)) for each in of.divided()]
     if shards != [(each.file, each.split, each.rows) for each in found.shards]:
-        raise HouseFileError(f"{path}: has other shards than {SET} says")
+        raise HouseFileError(f"{path}: states other shards than {SET}")
     for each in found.shards:
         if not all(one < next_ for one, next_ in pairwise([-1, *each.limits, each.rows])):
-            raise HouseFileError(f"{path}: its limits of {each.file} are no rows in their order")
+            raise HouseFileError(f"{path}: its limits of {each.file} are no row numbers in ascending order")
     limits = sum(len(each.limits) for each in found.shards)
     if (found.houses, found.limits) != (sum(of.houses.values()) - limits, limits):
-        raise HouseFileError(f"{path}: has other numbers of houses and limits than its shards")
+        raise HouseFileError(f"{path}: states other numbers of houses and limits than its shards have")
     return found
 
 
 def inside(folder: Path, name: str) -> Path:
-    """Return the place of a file or folder of a set. Raises ``HouseFileError`` for a link out of the set."""
+    """Return the path of a file or folder of a set. Raises ``HouseFileError`` for a link out of the set."""
     path = folder / name
     if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
-        raise HouseFileError(f"{path}: is a link out of the set's folder: copy the file there")
+        raise HouseFileError(f"{path}: is a link out of the set's folder: copy the file into the folder")
     return path
 
 

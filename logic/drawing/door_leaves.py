@@ -101,8 +101,8 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
 
 
 def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: np.ndarray) -> tuple[float, float]:
-    """How far a leaf would go through furniture and walls, then through the swings of the ``others`` (N, 4),
-    metres.
+    """Return how far a leaf would go through furniture and walls, and through the swings of the ``others``
+    (N, 4), metres.
     """
     swing, length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
     point = (*leaf.hinge, *leaf.hinge)

@@ -20,7 +20,7 @@ LEAST = 6.5
 SWATCH = 14.0
 """CSS pixels: how wide a colour is in the key, and a row high."""
 MAX_SWINGS = 512
-"""Of doors over one room, that its name keeps clear of."""
+"""Number of door swings over a room that the room's name avoids."""
 SPOTS = np.array(sorted(product([k / 8 for k in range(-8, 9)], repeat=2), key=lambda spot: math.hypot(*spot)))
 """Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first."""
 

@@ -166,12 +166,12 @@ def wall_boxes(house: House) -> Iterator[Box]:
 
 
 def boxes_of(house: House) -> np.ndarray:
-    """The boxes of a house's tiles (N, 4), metres."""
+    """Return the boxes of a house's tiles (N, 4), metres."""
     return np.array([tile.box for tile in house.tiles])
 
 
 def opening(house: House, tiles: np.ndarray, segment: Door | Window) -> Box:
-    """The place in its wall of a door or a window, as wide as it is: metres. ``tiles``: see ``boxes_of``."""
+    """Return the box of a door or a window, as thick as its wall, metres. ``tiles``: see ``boxes_of``."""
     across, (half, beyond) = int(segment.height == 0), _thickness(house)
     x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
     depths = []

@@ -1,4 +1,4 @@
-"""The floor of rooms, and walls that stand by themselves, as shapes of shapely; metres, y growing south."""
+"""Shapely geometries of a room's floor and of free-standing walls, in metres; y grows south."""
 
 from typing import Any
 
@@ -10,7 +10,10 @@ from logic.house.parts import FreeWall, Room
 
 
 def floor(house: House, room: Room) -> Any:
-    """Return where a room has floor: of a map all free cells, of a star's main room what the others leave."""
+    """Return the floor of a room.
+
+    A map's floor is all of its free cells; the floor of a star's main room leaves out the other rooms.
+    """
     if house.occupancy:
         return shapely.union_all([shapely.box(*box) for box in house.occupancy.blocks(FREE)])
     cut = shapely.union_all([shapely.box(*each.box) for each in house.cut_from(room)])
@@ -18,6 +21,6 @@ def floor(house: House, room: Room) -> Any:
 
 
 def outline(wall: FreeWall) -> shapely.Polygon | shapely.LineString:
-    """Return a wall at any angle as a polygon, or as a line where it has no thickness."""
+    """Return a wall at any angle as a polygon, or as a line if the wall has no thickness."""
     ends = (wall.x1, wall.y1), (wall.x2, wall.y2)
     return shapely.Polygon(wall.corners) if wall.thickness else shapely.LineString(ends)

@@ -1,7 +1,7 @@
 """GeoJSON (RFC 7946), in metres instead of degrees: x east, y north, as ``generate --plan`` reads it.
 
-Rooms come first; a feature's property ``kind`` is room, door, window, piece, wall: one that stands by itself,
-or area: a part of a map that has a name. The room of a map is its free cells.
+Rooms come first. A feature's property ``kind`` is room, door, window, piece, wall (a free-standing one) or
+area (a named part of a map). The room of a map consists of its free cells.
 """
 
 from pathlib import Path
@@ -61,7 +61,7 @@ def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
 
 
 def _cells(house: House) -> dict[str, Any]:
-    """The free floor of a map, its rings as RFC 7946 asks: anticlockwise, those of holes clockwise."""
+    """Return the free cells of a map. As RFC 7946 asks, outer rings run anticlockwise and holes clockwise."""
     cells = shapely.simplify(floor(house, house.rooms[0]), 0)
     northward = shapely.transform(cells, lambda corners: np.round(corners * (1, -1), 9) + 0.0)
     return dict(mapping(shapely.orient_polygons(northward)))

@@ -1,7 +1,7 @@
 """MJCF, the XML of MuJoCo (mujoco.readthedocs.io): the house, and in it a robot with range finders.
 
-z up; x east, y north; metres. MuJoCo's range finders do not see what is wholly transparent. So each wall that
-has no thickness is two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and a
+z up; x east, y north; metres. MuJoCo's range finders ignore boxes that are wholly transparent. A wall without
+thickness is therefore two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and a
 transparent one that bodies touch.
 """
 
@@ -47,7 +47,7 @@ def to_mjcf(house: House, name: str = "house") -> Element:
     The robot stands in the middle of the largest free place of the room where bodies start. It slides along
     ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east), each driven by a
     velocity. Sensor ``ray_i`` is the distance along ray i, metres, or -1 where nothing is. Raises
-    ``RequestError`` where the robot has no place.
+    ``RequestError`` where no room has a free place for the robot.
     """
     root = Element("mujoco", model=name)
     SubElement(root, "compiler", angle="radian")
@@ -59,7 +59,7 @@ def to_mjcf(house: House, name: str = "house") -> Element:
         is_whole = touched[each.name] == each and each.kind != "floor"
         seen = {} if is_whole else {"contype": "0", "conaffinity": "0"}
         _box(world, each, _rgba(each), name=each.name, **seen)
-        if touched[each.name] != each:  # without a dot in its name, as rooms and pieces have one
+        if touched[each.name] != each:  # no dot in this name: names of other parts have one
             _box(world, touched[each.name], "0 0 0 0", name=f"{each.name}_body")
     _robot(root, world, *_free_place(house))
     return root
@@ -106,8 +106,8 @@ def _numbers(*values: float) -> str:
 
 
 def _free_place(house: House) -> tuple[float, float]:
-    """Return the middle of the largest free circle in the room where bodies start, or in another room where
-    the robot does not fit there. In a map it lies on the largest floor that joins.
+    """Return the centre of the largest free circle in the room where bodies start, or in another room if the
+    robot does not fit there. In a map the circle lies on the largest connected floor.
     """
     taken = [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
     taken += [outline(wall).buffer(THIN) for wall in house.free_walls]

@@ -1,5 +1,5 @@
-"""A house as solid boxes: walls with a thickness and a height, openings cut out of them, furniture. Of a map
-the walls are all cells that are not free.
+"""A house as solid boxes: walls with a thickness and a height, openings cut out of them, furniture. In a map
+all cells that are not free are walls.
 
 Files of houses have no third dimension, so heights are chosen here, and those of furniture in ``looks.json``.
 """
@@ -50,7 +50,7 @@ PARTS = {
 
 
 class Solid(NamedTuple):
-    """A box along the axes, or one that is turned about its middle."""
+    """Box along the axes, or turned about its centre."""
 
     name: str
     """Of a room its name, of a piece ``R3.bed``; with a number behind it where there are several."""
@@ -64,7 +64,7 @@ class Solid(NamedTuple):
     colour: str
     """As in CSS, ``#rrggbb``."""
     turn: float = 0.0
-    """Radians, counter-clockwise as seen from above."""
+    """Angle in radians, counter-clockwise as seen from above."""
 
 
 def solids(house: House, thickness: float = 0.1) -> list[Solid]:
@@ -72,7 +72,7 @@ def solids(house: House, thickness: float = 0.1) -> list[Solid]:
 
     ``thickness``: metres, of walls that have none of their own; half of it lies on each side of the line
     where a wall stands.
-    Entrances and windows are shut. Names are unique, printable, and a function of the house.
+    Entrances and windows are shut. Names are unique and printable, and depend on the house alone.
     """
     if house.occupancy:
         walls = _cells(house, thickness)
@@ -95,7 +95,7 @@ def _floors(house: House) -> Iterator[Solid]:
     below = house.rooms[0] if house.occupancy else main
     for room in house.rooms:
         colour = INKS.paper if room is main else look.fill(house.whole(room).type).colour
-        # A floor that lies over another one, as the original's and the areas of a map do, is seen above it.
+        # A floor over another floor lies higher to be visible: rooms of the original, areas of a map.
         top = 0.001 if below and room is not below else 0.0
         yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)
 
@@ -116,7 +116,7 @@ def _thick_walls(house: House) -> Iterator[Solid]:
 
 
 def _cells(house: House, thickness: float) -> Iterator[Solid]:
-    """All cells of a map that are not free, and walls along its edge beside those that are."""
+    """Yield all cells of a map that are not free, and walls along its edge next to free cells."""
     west, north, east, south = house.rooms[0].box
     verticals, horizontals = house.walls
     boxes = [*house.filled]
@@ -170,7 +170,7 @@ def _free_walls(house: House, thickness: float) -> Iterator[Solid]:
 
 
 def _on(line: Line, axis: int, segments: np.ndarray) -> list[Interval]:
-    """The spans of the segments (N, 4) that lie on a wall."""
+    """Return the spans of the segments (N, 4) that lie on a wall."""
     at, low, high = line
     places, spans = segments[:, axis::2], segments[:, 1 - axis :: 2]
     on = (abs(places - at) <= TOLERANCE).all(axis=1)

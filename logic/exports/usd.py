@@ -1,5 +1,5 @@
-"""OpenUSD, by usd-core: a cube for each solid, under a scope for each kind, that bodies collide with. z up;
-x east, y north; metres.
+"""OpenUSD, by usd-core: a cube with collisions for each solid, under a scope for each kind. z up; x east,
+y north; metres.
 """
 
 # usd-core has no type stubs.
@@ -45,7 +45,7 @@ def write(house: House, path: Path) -> None:
 
 
 def _identifier(name: str, taken: Counter[str]) -> str:
-    """Return an identifier that is not taken, in ASCII, which all versions of OpenUSD read."""
+    """Return an unused identifier for a name, in ASCII, which all versions of OpenUSD read."""
     found = own = Tf.MakeValidIdentifier(name)
     while found in taken:
         taken[own] += 1

@@ -25,8 +25,8 @@ from logic.request.brief import Brief
 from logic.request.request import Request
 from logic.spelling import numbered
 
-MOST_UNDECIDED = 16
-"""Layouts of a house that are left undecided, before all are decided thoroughly, which takes longer."""
+MAX_UNDECIDED_LAYOUTS = 16
+"""Undecided layouts of a house, after which all are decided thoroughly, which takes longer."""
 
 
 class BriefMaker(SharedWallsMaker):
@@ -35,7 +35,7 @@ class BriefMaker(SharedWallsMaker):
     advice = "another seed, larger rooms, or fewer lines in the brief"
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, brief: Brief, thorough: bool = False) -> None:
-        """Find what stage 1 is to know of the brief. ``thorough``: see ``Placer.walls``."""
+        """Derive the facts of the brief for stage 1. ``thorough``: see ``Placer.walls``."""
         if loaded.depths:
             raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
         if loaded.has_area and brief.outline.voids:
@@ -83,10 +83,11 @@ class BriefMaker(SharedWallsMaker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str],
     ) -> list[Symbol]:
-        """As of any plan. Undecided ones come again, to be decided thoroughly, once there are no others left,
-        or once they are many.
+        """Return a layout as for any plan.
+
+        Undecided layouts come again, to be decided thoroughly, once they are many or no others are left.
         """
-        if self._thorough or len(self._undecided) < MOST_UNDECIDED:
+        if self._thorough or len(self._undecided) < MAX_UNDECIDED_LAYOUTS:
             try:
                 return super()._layout(request, rng, nogoods, unfurnishable)
             except LimitReached:
@@ -97,7 +98,7 @@ class BriefMaker(SharedWallsMaker):
         return super()._layout(request, rng, nogoods, unfurnishable)
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
-        """As of any plan; see ``_layout``."""
+        """Place walls as for any plan; thoroughly once ``_layout`` has no other layouts."""
         return self._placer.walls(layout, seed, inferences, thorough=self._thorough)
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:

@@ -67,7 +67,7 @@ class Builder:
     ) -> House:
         """Make house ``index``, a function of the grammar, the request, the seed and the index.
 
-        ``thorough``: of all sizes that areas allow, where ``decides_areas`` says so.
+        ``thorough`` considers all sizes that areas allow, and requires ``decides_areas``.
 
         Raises ``RequestError`` for an unknown type, ``NoLayout`` where it is proved that there is no such
         house, ``LimitReached`` past this number of Prolog inferences.
@@ -82,9 +82,9 @@ class Builder:
         return msgspec.structs.replace(made, provenance=self._provenance(request, seed, index))
 
     def decides_areas(self, request: Request) -> bool:
-        """Say whether houses of a request can be made of all sizes that the areas of their rooms allow.
+        """Return True if houses of a request can have all sizes that the areas of their rooms allow.
 
-        On no grid, without units, in no given plan, and without areas of several rooms together.
+        That holds without a grid, a given plan, units, and areas of several rooms together.
         """
         several = self.loaded.has_area or metres(self.placer, self.loaded.furniture)["wholes"]
         return not (

@@ -1,7 +1,7 @@
-"""Plans whose rooms have any size that their areas allow.
+"""Plans whose rooms may have any size that their areas allow.
 
-Others keep to a convex part of these sizes (``areas.pl``), which takes less time. Where that part has no
-house, it is found out here whether the other sizes have one.
+Other plans use a convex part of these sizes (``areas.pl``), which takes less time. Where that part contains
+no house, this module searches all sizes.
 """
 
 from collections.abc import Collection
@@ -22,10 +22,10 @@ from logic.spelling import numbered
 
 
 class ExactAreasMaker(SharedWallsMaker):
-    """Makes plans by one grammar without units and without areas of several rooms together."""
+    """Maker of plans by a grammar without units and without areas of several rooms together."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar) -> None:
-        """Tell stage 1 of sizes as they are stated."""
+        """Give stage 1 the sizes as the grammar states them."""
         facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
         super().__init__(
             grammar, loaded, Feasibility(grammar, loaded.placer, loaded.lengths, facts, thorough=True)

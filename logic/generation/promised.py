@@ -75,7 +75,7 @@ def labelled(promises: Promises, labels: Iterable[str]) -> Promises:
 
 
 def with_openings(promises: Promises, plan: OwnPlan) -> Promises:
-    """Return the promises of houses in a plan whose openings stay, between rooms of any types."""
+    """Return the promises together with the openings of a plan, which stay between rooms of any types."""
     every, openings = tuple(promises.counts), dict(promises.openings)
     types = {room.name: (room.type,) if room.type else every for room in plan.rooms} | {OUTSIDE: (OUTSIDE,)}
     for one, other in (door.between for door in plan.doors if door.opening):
@@ -85,15 +85,16 @@ def with_openings(promises: Promises, plan: OwnPlan) -> Promises:
 
 
 def _degrees(program: Program, public: Container[str]) -> dict[str, tuple[int, int]]:
-    """Return how many doors rooms have whose number is stated, whatever else holds; rules count none of the
-    public rooms'.
+    """Return the least and greatest number of doors of each room type that states them.
+
+    Public rooms are left out: rules do not count their doors.
     """
     stated = [tuple[Any, ...](map(_plain, fact.arguments)) for fact in sorted(program.facts("degree", 3))]
     return {type_: (least, most) for type_, least, most in stated if type_ not in public}
 
 
 def _relations(rows: Iterable[tuple[list[tuple[int, float]], float, str]]) -> Iterator[Relation]:
-    """Yield what rows of ``rules/linear/linear.pl`` say of variables 0 and 1, their lesser factor 1."""
+    """Yield the relations of variables 0 and 1 in rows of ``rules/linear/linear.pl``, the lesser factor 1."""
     for pairs, constant, relation in rows:
         unit = min(abs(factor) for _, factor in pairs)
         a, b, c = (

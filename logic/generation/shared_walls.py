@@ -58,7 +58,7 @@ class SharedWallsMaker(Maker):
     _one_house: Program | None = None
     """That of the house that is made, where it has one of its own."""
     _undecided: Sequence[Nogood] = ()
-    """Of layouts of which it is not known whether their areas can be had."""
+    """Nogoods of layouts whose areas were neither found nor refuted."""
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""

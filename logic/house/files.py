@@ -210,13 +210,13 @@ def _absent(path: Path) -> str:
 
 
 class _End(msgspec.Struct, forbid_unknown_fields=True):
-    """The line that says why a series ended early."""
+    """Line that states why a series ended early."""
 
     stopped: str
 
 
 def stopped_by(line: bytes) -> str | None:
-    """Return why a series of houses ended early, where a line says it: see ``save``; else None."""
+    """Return the reason in a line that ends a series of houses early (see ``save``); None for other lines."""
     if not line.startswith(b'{"stopped":'):
         return None
     try:

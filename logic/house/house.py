@@ -232,7 +232,7 @@ class House(msgspec.Struct, frozen=True):
         try:
             found, format_ = read(record)
         except msgspec.ValidationError:
-            found, format_ = read(plain(record))  # second, as records of files are plain
+            found, format_ = read(plain(record))  # tried second: records of files are plain already
         openings = found.doors, found.windows
         about = found.hub or "", found.topology, format_, found.provenance, found.wall_thickness
         return cls(found.rooms, *openings, *about, found.walls, found.occupancy)

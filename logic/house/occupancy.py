@@ -26,8 +26,8 @@ LETTERS = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
 MOST_CELLS = 1 << 25
 """Of a map: 5,792 by 5,792."""
 
-MOST_RUNS = 1 << 20
-"""Of a map, of cells that are alike: along its rows, and along its columns."""
+MAX_RUNS = 1 << 20
+"""Number of runs of equal cells in a map, along its rows or along its columns."""
 
 RUNS = re.compile(r"(?:[1-9]\d{0,7}[.#?])+")
 RUN = re.compile(r"(\d+)(.)")
@@ -56,7 +56,7 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         Raises ``ValueError`` for what is no map: see ``House.from_grid``.
         """
         cells = _values(values)
-        if (runs := _most_runs(cells)) > MOST_RUNS:
+        if (runs := _most_runs(cells)) > MAX_RUNS:
             raise ValueError(_too_many_runs(runs))
         grid = cls(float(corner[0]), float(corner[1]), float(cell), tuple(map(_runs, cells)))
         if fault := grid.fault():
@@ -116,17 +116,17 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             return wrong
         if not all(abs(value) <= FARTHEST for value in self.box):
             return f"it lies beyond {FARTHEST:g} m or is not a number"
-        if (runs := _most_runs(self.values)) > MOST_RUNS:
+        if (runs := _most_runs(self.values)) > MAX_RUNS:
             return _too_many_runs(runs)
         return "" if any("." in row for row in self.rows) else "it has no free cell"
 
 
 def _fault_of_rows(rows: tuple[str, ...]) -> str:
-    """Say why these are no rows of a map; empty where nothing is wrong."""
+    """Return why these are no rows of a map; empty if nothing is wrong."""
     for number, row in enumerate(rows):
         if not RUNS.fullmatch(row):
             return f"row {number} is no row of cells such as 12#30.2?"
-    if (runs := sum(row.count(letter) for row in rows for letter in LETTERS)) > MOST_RUNS:
+    if (runs := sum(row.count(letter) for row in rows for letter in LETTERS)) > MAX_RUNS:
         return _too_many_runs(runs)
     widths = list(map(_width, rows))
     if max(widths) * len(rows) > MOST_CELLS:
@@ -142,12 +142,12 @@ def too_many(rows: int, columns: int) -> str:
 
 
 def _too_many_runs(runs: int) -> str:
-    """Say that a map's cells change too often."""
-    return f"its rows or columns have {runs:,} runs of cells that are alike: at most {MOST_RUNS:,} are read"
+    """Return the message for a map whose cells change too often."""
+    return f"its rows or columns have {runs:,} runs of equal cells: at most {MAX_RUNS:,} are read"
 
 
 def _most_runs(cells: np.ndarray) -> int:
-    """The number of runs of cells that are alike along the rows, or along the columns if they have more."""
+    """Return the number of runs of equal cells along the rows, or along the columns if they have more."""
     changes = (np.count_nonzero(cells[1:] != cells[:-1]), np.count_nonzero(cells[:, 1:] != cells[:, :-1]))
     return max(changes[0] + cells.shape[1], changes[1] + cells.shape[0])
 

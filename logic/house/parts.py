@@ -45,8 +45,8 @@ FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS, MOST_WALLS = 1000.0, 1024, 256
 """What is read of a file: metres from the origin, rooms of a house, pieces of a room, doors or windows, walls
 that stand by themselves."""
 
-MOST_FURNITURE = 8192
-"""Pieces in all rooms of a house together."""
+MAX_HOUSE_PIECES = 8192
+"""Number of pieces in all rooms of a house together."""
 
 # What the published schema says beside the types; the reader says it in words (``records.py``).
 Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
@@ -79,8 +79,8 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     height: Length
 
     def __post_init__(self) -> None:
-        """Hold Python's numbers in the place of another library's, such as NumPy's."""
-        # Written out, as a file has many rectangles.
+        """Replace numbers of another library, such as NumPy's, by Python's."""
+        # Written out for speed: a file has many rectangles.
         if not (type(self.x) is type(self.y) is type(self.width) is type(self.height) is float):
             _hold_plain(self)
 
@@ -180,7 +180,7 @@ class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fiel
     thickness: Length
 
     def __post_init__(self) -> None:
-        """Hold Python's numbers in the place of another library's."""
+        """Replace numbers of another library, such as NumPy's, by Python's."""
         _hold_plain(self)
 
     @property

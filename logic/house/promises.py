@@ -32,7 +32,7 @@ Sizes = tuple[float, float, float, float]
 """Least and greatest width (or length), least and greatest depth, metres."""
 
 Relation = tuple[float, float, float]
-"""Numbers a, b, c: a times the width (or length) plus b times the depth is at most c, metres."""
+"""Numbers a, b and c: a times the width (or length) plus b times the depth is at most c, metres."""
 
 
 class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
@@ -59,7 +59,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     room_size: dict[str, Sizes] = {}
     """Of each room type; in a star its width runs along the wall with its door, elsewhere either way."""
     room_relations: dict[str, tuple[Relation, ...]] = {}
-    """Of each room type: what its width and depth keep together; not on a grid."""
+    """Relations of width and depth, by room type; not on a grid."""
     room_area: dict[str, tuple[float, float]] = {}
     """Of each room type in other houses: least and greatest area, square metres."""
     whole_area: dict[str, tuple[float, float]] = {}
@@ -67,8 +67,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     house_area: tuple[float, float] | None = None
     """Of all rooms of a house together, with a star's main room: least and greatest area, square metres."""
     house_size: tuple[Relation, ...] = ()
-    """Of the box around all rooms, or around those of each unit where there are units: what its width, from
-    west to east, and its depth keep.
+    """Relations of the width, from west to east, and the depth of the box around all rooms, or around each
+    unit in a house of units.
     """
     same_size: dict[str, bool] = {}
     """Room types whose rooms are equally large in other houses, or in a unit: whether some may lie across."""
@@ -79,7 +79,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     opens: dict[str, tuple[str, ...]] = {}
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
     degree: dict[str, tuple[int, int]] = {}
-    """Of each room type: least and greatest number of other rooms that doors join to it, without public ones.
+    """Least and greatest number of other rooms that doors join to a room, by room type; public rooms do not
+    count.
     """
     openings: dict[str, tuple[str, ...]] = {}
     """Between rooms of which types alone, the first and others, a door may be without a leaf."""
@@ -106,7 +107,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     piece_size: dict[str, Sizes] = {}
     """Of each piece type: its length runs along its back."""
     piece_relations: dict[str, tuple[Relation, ...]] = {}
-    """Of each piece type: what its length and depth keep together; not on a grid."""
+    """Relations of length and depth, by piece type; not on a grid."""
     counts: dict[str, dict[str, tuple[int, int]]] = {}
     """For each room type there is, the pieces that it has: from the first to the second number of each."""
     companions: dict[str, dict[str, tuple[int, int]]] = {}

@@ -18,7 +18,7 @@ from logic.house.parts import (
     FORMAT,
     MAIN,
     MAP,
-    MOST_FURNITURE,
+    MAX_HOUSE_PIECES,
     MOST_OPENINGS,
     MOST_PIECES,
     MOST_ROOMS,
@@ -89,11 +89,11 @@ def _known(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema of the format ``vitruvius-2``.
+    """Return the JSON Schema of the format ``vitruvius-2``.
 
-    What it cannot say, the reader asks for beside it: names that are each one room's, doors and windows that
-    are segments and of rooms that there are, rooms and pieces with an area, in each room at most 256 pieces
-    and 8,192 together, and of a map equally many cells in each row, one free cell and no doors.
+    The reader also requires what the schema cannot state: rooms have different names; doors and windows are
+    segments, and their rooms exist; rooms and pieces have an area; a room has at most 256 pieces, a house
+    8,192; the rows of a map have equally many cells, and a map has a free cell and no doors.
     """
     found = json.loads(json.dumps(msgspec.json.schema(Record)))
     found["$defs"]["House"] = found["$defs"].pop("Record") | {"title": "House"}
@@ -163,8 +163,8 @@ def _require_sizes(house: Record, in_star: bool) -> None:
     furniture = 0
     for room in house.rooms:
         furniture += len(room.pieces)
-        if furniture > MOST_FURNITURE:
-            raise msgspec.ValidationError(f"rooms: more than {MOST_FURNITURE:,} pieces together")
+        if furniture > MAX_HOUSE_PIECES:
+            raise msgspec.ValidationError(f"rooms: more than {MAX_HOUSE_PIECES:,} pieces together")
         require(room, "floor" if in_star and room.name == house.hub else room.name)
         if len(room.pieces) > MOST_PIECES:
             raise msgspec.ValidationError(

@@ -31,10 +31,11 @@ FORMATS = ("PNG", "PPM", "BMP")
 MODES = ("trinary", "scale", "raw")
 
 NEGATE = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
+"""Values of the field ``negate``."""
 
 SHORT = Repr()
 SHORT.maxlevel, SHORT.maxstring = 1, 60
-"""Writes what a file says in an error's line."""
+"""Shortener of values of a file for an error message."""
 
 BAND = 256
 """Rows that are read at once."""
@@ -133,7 +134,7 @@ def _described(path: Path) -> Description:
 
 
 def _require_plain(content: bytes) -> None:
-    """Raise ``YAMLError`` for a tag, an anchor, an alias, or a value that is no text and no list of texts."""
+    """Raise ``YAMLError`` for a tag, an anchor, an alias, or a value that is neither a text nor a list."""
     depth = 0
     for event in yaml.parse(content, yaml.BaseLoader):
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
@@ -142,7 +143,7 @@ def _require_plain(content: bytes) -> None:
 
 
 def _value(text: Any) -> Any:
-    """Return the number that a text is, else the text: YAML 1.1 takes 5e-2 for a word."""
+    """Return the number that a text states, else the text: YAML 1.1 reads 5e-2 as a text."""
     if isinstance(text, list):
         return [*map(_value, text)]
     for kind in (int, float):

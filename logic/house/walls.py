@@ -139,6 +139,6 @@ def remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
 
 
 def crossing(at: float, end: float, others: np.ndarray) -> bool:
-    """Whether a wall at ``at`` meets one of ``others`` (N, 3) across it where it ends."""
+    """Return True if a wall at ``at`` meets one of ``others`` (N, 3), which run across it, at its ``end``."""
     places, low, high = others.reshape(-1, 3).T
     return bool(((abs(places - end) <= TOLERANCE) & (low - TOLERANCE <= at) & (at <= high + TOLERANCE)).any())

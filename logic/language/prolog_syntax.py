@@ -6,7 +6,7 @@ from collections.abc import Iterator
 _BRACKETS = {"(": ")", "{": "}", "[": "]"}
 _RELATION = re.compile(r"(=<|>=|=:=|<|>|=)")
 _UNREAD = re.compile(r"%[^\n]*|/\*.*?\*/|'[^'\n]*'|\"[^\"\n]*\"|(/\*.*)", re.DOTALL)
-"""Comments and what is quoted; as a group what follows where a comment begins that does not end."""
+"""Comments and quoted text. The group is an unclosed comment, up to the end of the text."""
 _OTHER_LANGUAGES = {
     "!=": "a size has one range: state its bounds",
     "&&": "write a comma",

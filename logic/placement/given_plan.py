@@ -18,8 +18,9 @@ Opening = TypeVar("Opening", Door, Window)
 
 
 def within_walls(plan: OwnPlan, thick: Thickness | None) -> OwnPlan:
-    """Return the plan with its doors and windows out of the walls across, which are so thick: moved along
-    their wall, and shortened where it has no room for them.
+    """Return the plan with its doors and windows moved out of the walls across, which are ``thick``.
+
+    Each moves along its own wall, and is shortened if that wall is too short.
     """
 
     def fitted(opening: Opening, wall: Wall | None) -> Opening:

@@ -59,8 +59,8 @@ def disagreements(
 
 
 def metres(placer: Placer, types: Iterable[str], pieces: Iterable[str] = ()) -> dict[str, Any]:
-    """Return what clauses state of these room types and pieces, in metres and square metres, as it is
-    written: see ``promised.pl``.
+    """Return the lengths and areas that clauses state for these room types and pieces, in metres and square
+    metres: see ``promised.pl``.
     """
     return placer.ask("grammar_metres", LENGTHS, list(types), list(pieces))
 

@@ -26,7 +26,7 @@ from logic.placement.prolog import Term
 from logic.request.fixed_rooms import FixedRoom
 
 THOROUGH = "thorough"
-"""An atom of a layout that stage 2 is to decide thoroughly."""
+"""Atom of a layout that stage 2 must decide thoroughly."""
 
 S = TypeVar("S", Plan, UnitRange)
 
@@ -134,7 +134,7 @@ class Placer:
     ) -> Plan:
         """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``plans.pl``.
 
-        ``thorough``: no sizes are passed over that an area allows, which takes longer.
+        ``thorough`` leaves out no size that an area allows, and takes longer.
 
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
@@ -172,7 +172,7 @@ class Placer:
     def wall_conflict(
         self, layout: Iterable[Symbol], without: Iterable[Symbol], thorough: bool = False
     ) -> Conflict | None:
-        """A minimal conflict of the walls of a plan, some clauses left out; None if they have places.
+        """Return a minimal conflict of a plan's walls, some clauses left out; None if they have places.
 
         ``thorough``: see ``walls``.
         """

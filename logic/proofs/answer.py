@@ -10,10 +10,10 @@ from logic.request.request import Request
 
 
 def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
-    """As ``Builder.house``; raises ``Unsatisfiable`` where it finds no layout.
+    """Return the house of ``Builder.house``. Raises ``Unsatisfiable`` where it finds no layout.
 
-    A proof that rests on the areas of rooms is of a part of the sizes that these allow: then it is found out
-    whether others have a house.
+    A proof that rests on the areas of rooms covers only a part of the sizes that these areas allow. In that
+    case all sizes are searched.
     """
     try:
         return builder.house(request, seed, index, inferences)

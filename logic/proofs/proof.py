@@ -62,9 +62,9 @@ class Prover:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
         question = self._of.of_rooms(relaxed, request)
         if question.possible(statements):
-            if request.brief or self._of.thorough:  # not all that was decided is decided of fewer lines
+            if request.brief or self._of.thorough:  # with fewer lines, a search may decide less
                 raise LimitReached(
-                    f"there is no house with {request}, but by which of its lines was not found"
+                    f"there is no house with {request}, but the search did not find which lines exclude it"
                 )
             raise VitruviusError(f"{request} was proved infeasible that has walls")
         if request.plan:

@@ -16,7 +16,7 @@ from logic.readers.sketch import Passage, Sketch, Space, numbers, require_plain
 FORMAT = "a plan of HouseExpo"
 
 MAX_BOXES = 2 * MOST_ROOMS
-"""Of rooms: one may be listed under several types."""
+"""Number of boxes of rooms: a room may be listed under several types."""
 
 SAME = 0.05
 """Metres within which boxes of two types are one room."""

@@ -21,7 +21,7 @@ FORMAT = "IFC"
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'IFC", re.IGNORECASE)
 
 SECONDS = 120
-"""Wall time that IfcOpenShell may take, on a busy machine too."""
+"""Wall-clock time that IfcOpenShell may take, on a busy machine too."""
 
 
 def is_ifc(content: bytes, _: Any) -> bool:
@@ -45,7 +45,7 @@ def read_ifc(content: bytes, _: Any) -> Sketch:
 
 
 def _sketch(found: Solids) -> Sketch:
-    """Return what the process of IfcOpenShell found, as rooms, doors and windows."""
+    """Return the rooms, doors and windows that the process of IfcOpenShell found."""
     spaces = [
         Space((words or [""])[0], tuple(words), part)
         for words, shape in found.spaces

@@ -14,7 +14,7 @@ from shapely import Polygon
 from logic.errors import RequestError
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
-"""Address space and processor time of the process, as a solver process has."""
+"""Address space and processor time of this process, the same as of a solver process."""
 
 Triangles = np.ndarray
 """(N, 3, 3) float64: corners in metres, z up."""

@@ -24,7 +24,7 @@ ZIP = b"PK\x03\x04"
 MEMBERS = ("unit.geojson", "opening.geojson")
 
 MOST_BYTES = 1 << 24
-"""Of all files of an archive together, unpacked."""
+"""Size of all files of an archive together, unpacked."""
 
 EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
 """Of WGS 84: the radius, metres, and the square of the first eccentricity."""
@@ -116,7 +116,7 @@ def _is_member(name: str) -> bool:
 
 
 def _unpacked(content: bytes) -> list[Any]:
-    """Return the features of all files of an archive. Raises ``RequestError`` for a file without any."""
+    """Return the features of all files of an archive. Raises ``RequestError`` for a file without features."""
     features = []
     with _archive(content) as archive:
         for name in filter(_is_member, archive.namelist()):

@@ -81,7 +81,7 @@ def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face
 
 
 def _along(axis: int, place: float, end: float, face: Face) -> Polygon:
-    """Return the box along a face, from a place to another."""
+    """Return the box along a face that reaches from ``place`` to ``end``, across the face."""
     ends = (place, face.start, end, face.end) if axis == 0 else (face.start, place, face.end, end)
     return shapely.box(*ends)
 

@@ -29,7 +29,7 @@ NARROW = 0.6
 """Metres: a part of a room that is narrower, such as a niche, is no room."""
 
 MAX_CORNERS = 1 << 13
-"""Of all rooms, along the axes."""
+"""Number of corners of all rooms, once their sides lie along the axes."""
 
 TURNED = 0.25
 """Degrees: a plan turned by less is not turned back."""

@@ -12,11 +12,11 @@ FAR = 1e8
 
 
 MAX_CORNERS, MAX_MEETINGS, MAX_CROSSINGS = 1 << 16, 20, 1 << 14
-"""Corners of all polygons of a file, how often each of their sides meets another one, in the mean, and how
-often sides cross each other, each counted for both."""
+"""Corners of all polygons of a file; sides that a side meets, on average; crossings of sides, each counted
+for both sides."""
 
-SIDES = 256
-"""Sides that are asked at once for others that they meet."""
+SIDES_PER_QUERY = 256
+"""Sides in one query of the spatial index."""
 
 
 class Space(NamedTuple):
@@ -60,8 +60,10 @@ def numbers(value: Any, least: int) -> list[float] | None:
 
 
 def require_plain(shapes: Sequence[Geometry]) -> None:
-    """Raise ``ValueError`` for numbers that are too large, for more than ``MAX_CORNERS``, and for sides that
-    cross each other so often that what is made of the shapes grows with the square of their number.
+    """Raise ``ValueError`` for numbers that are too large, and for more than ``MAX_CORNERS`` corners.
+
+    Sides that cross each other too often are refused, too: the work on the shapes would grow with the square
+    of the number of sides.
     """
     corners, shape = shapely.get_coordinates(shapes, return_index=True)
     if not np.all(np.abs(corners) < FAR):
@@ -70,17 +72,17 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
         raise ValueError(f"it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
     sides: Any = shapely.linestrings(np.stack([corners[:-1], corners[1:]], 1)[shape[:-1] == shape[1:]])
     tree = shapely.STRtree(sides)
-    bounds: Any = {"intersects": MAX_MEETINGS * (len(sides) + SIDES), "crosses": MAX_CROSSINGS}
+    bounds: Any = {"intersects": MAX_MEETINGS * (len(sides) + SIDES_PER_QUERY), "crosses": MAX_CROSSINGS}
     for predicate, most in bounds.items():
         found = 0
-        for first in range(0, len(sides), SIDES):
-            found += tree.query(sides[first : first + SIDES], predicate).shape[1]
+        for first in range(0, len(sides), SIDES_PER_QUERY):
+            found += tree.query(sides[first : first + SIDES_PER_QUERY], predicate).shape[1]
             if found > most:
                 raise ValueError("its outlines cross each other too often: draw them again")
 
 
 def polygons(shape: Geometry) -> Iterator[Polygon]:
-    """The polygons of a geometry, made valid. Raises ``ValueError`` as ``require_plain`` does."""
+    """Yield the polygons of a geometry, made valid. Raises ``ValueError`` as ``require_plain`` does."""
     require_plain([shape])
     yield from _polygons(shapely.make_valid(shape))
 

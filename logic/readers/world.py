@@ -29,13 +29,13 @@ from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
-"""Of a file."""
+"""Size of a file."""
 
 CELL = 0.1
 """Metres. A body must not fit between a wall and the cells behind it."""
 
-BLOCK, PARTS, MAX_ASKED = 64, 4, 1 << 21
-"""Cells along a side of a block, the blocks along it that one is parted into, and how many are asked for."""
+BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS = 64, 4, 1 << 21
+"""Cells along a side of a block; parts into which a side is split; number of blocks that are tested."""
 
 SAME = 1e-3
 """Metres within which lines are one: files are written to a millimetre."""
@@ -193,20 +193,22 @@ def _outside(inside: Any, x: float, y: float) -> OccupancyGrid:
 
 
 def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
-    """Return which cells (H, W) bool floor is in, by where they begin: block by block, and those that an
-    outline crosses by smaller ones.
+    """Return the cells (H, W) bool that contain floor; ``left`` and ``top`` are the edges of cells.
+
+    Large blocks of cells are tested first; blocks that an outline crosses are split into smaller ones.
     """
     edges = shapely.boundary(inside)
     shapely.prepare([inside, edges])
     free = np.zeros((len(top), len(left)), bool)
-    waiting = [(BLOCK, *(each.ravel() for each in np.mgrid[: len(top) : BLOCK, : len(left) : BLOCK]))]
+    starts = np.mgrid[: len(top) : BLOCK_CELLS, : len(left) : BLOCK_CELLS]
+    waiting = [(BLOCK_CELLS, *(each.ravel() for each in starts))]
     asked = 0
     while waiting:
         size, row, column = waiting.pop()
-        if len(row) > BLOCK**2:
-            waiting.append((size, row[BLOCK**2 :], column[BLOCK**2 :]))
-            row, column = row[: BLOCK**2], column[: BLOCK**2]
-        if (asked := asked + len(row)) > MAX_ASKED:
+        if len(row) > BLOCK_CELLS**2:
+            waiting.append((size, row[BLOCK_CELLS**2 :], column[BLOCK_CELLS**2 :]))
+            row, column = row[: BLOCK_CELLS**2], column[: BLOCK_CELLS**2]
+        if (asked := asked + len(row)) > MAX_BLOCKS:
             raise ValueError(f"its outlines cross more than a million cells of {CELL:g} m: keep less of it")
         south, east = np.minimum(row + size, len(top)), np.minimum(column + size, len(left))
         boxes = shapely.box(left[column], top[row], left[east - 1] + CELL, top[south - 1] + CELL)
@@ -215,9 +217,9 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
         for block in zip(row[is_free], south[is_free], column[is_free], east[is_free], strict=True):
             free[block[0] : block[1], block[2] : block[3]] = True
         if size > 1:
-            inner = np.arange(0, size, size // PARTS)
+            inner = np.arange(0, size, size // BLOCK_PARTS)
             rows = (row[is_crossed][:, None, None] + inner[:, None] + 0 * inner).ravel()
             columns = (column[is_crossed][:, None, None] + 0 * inner[:, None] + inner).ravel()
             there = (rows < len(top)) & (columns < len(left))
-            waiting.append((size // PARTS, rows[there], columns[there]))
+            waiting.append((size // BLOCK_PARTS, rows[there], columns[there]))
     return free

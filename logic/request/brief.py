@@ -19,7 +19,7 @@ from logic.opener import content_of, from_json
 from logic.spelling import unknown
 
 MOST_BYTES = 1 << 20
-"""Of a file, unpacked."""
+"""Size of a file, unpacked."""
 
 MOST_ROOMS = 24
 """Of a brief: the rules grow with the cube of the number of its rooms."""

@@ -22,6 +22,7 @@ Count = int | tuple[int, int | None]
 """An exact number, or a range."""
 
 MAX_CELL_M = 2
+"""Width of a grid cell, metres."""
 
 MOST_ROOMS = 128
 MOST = 2**31 - 1
@@ -45,7 +46,7 @@ def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
 
 
 class Stated(msgspec.Struct, forbid_unknown_fields=True):
-    """The JSON form of a request, before its counts are read."""
+    """JSON form of a request, before its counts are read."""
 
     rooms: Any
     types: dict[str, Any] = {}
@@ -83,8 +84,8 @@ class Request:
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
-        """Read a request from its JSON form, which a file of others may state. Raises ``RequestError`` for
-        what makes no sense.
+        """Read a request from its JSON form, which may come from a file. Raises ``RequestError`` for a form
+        that makes no sense.
         """
         try:
             found = msgspec.convert(record, Stated)
@@ -169,7 +170,7 @@ def as_range(name: str, count: Any) -> Range:
 
 
 def require_series(record: Mapping[str, Any]) -> None:
-    """Raise ``RequestError`` unless a file's record is the request of a series, as ``HouseSeries`` has it."""
+    """Raise ``RequestError`` unless a file's record is a request of a series, as ``HouseSeries`` takes it."""
     rooms = record.get("rooms")
     least, most = rooms if isinstance(rooms, list) and len(rooms) == 2 else (rooms, rooms)
     found = [Request.read({**record, "rooms": number}).rooms for number in (least, most)]

@@ -41,9 +41,9 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
         plans.pl           what Python asks for them
         walls.pl           where the walls are; areas.pl, totals.pl; openings.pl: doors and windows in them; contacts.pl
         lines.pl           a random solution of them
-    brief/             what a brief says, and areas without a size left out
-        brief.pl           lengths and areas as constraints, and whether they can be had; thorough.pl: at their limits
         own_plan.pl        doors and windows in rooms that a user gives; moved.pl: the least change of these
+    brief/             briefs, and all sizes that areas allow
+        brief.pl           lengths and areas as constraints, and a search for a solution; thorough.pl: the same at their limits
     why/bounds.pl      why a solution is as it is: what else it could be, and which constraints bind
     why/plan_bounds.pl the same of walls that rooms share
     agreement.pl       whether all lengths together can be used

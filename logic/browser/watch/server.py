@@ -125,7 +125,7 @@ class Guard:
         host = Headers(scope=scope).get("host", "")
         if host.partition(":")[0] not in HOSTS:
             return f"the host {host} is not this machine: open what vitruvius watch printed"
-        given = scope["path"].partition("/")[2].partition("/")[0].encode()  # of OPTIONS the path may be *
+        given = scope["path"].partition("/")[2].partition("/")[0].encode()  # the path of OPTIONS may be *
         if not secrets.compare_digest(given, self._token):
             return "the token in this address is not that of this page: open what vitruvius watch printed"
         return ""

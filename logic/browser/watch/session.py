@@ -55,7 +55,7 @@ class Sheet(msgspec.Struct, frozen=True, omit_defaults=True):
     brief: dict[str, Any] | None = None
 
     def asked(self) -> dict[str, Any]:
-        """Return what is asked of each house, as ``Request.read`` takes it."""
+        """Return the request of each house in the form that ``Request.read`` takes."""
         return {
             key: value for key, value in msgspec.to_builtins(self).items() if key not in ("seed", "count")
         }

@@ -130,7 +130,7 @@ width_range(Away, B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
 
 %!  grammar_item(+Room, -Item) is semidet.
 %
-%   The area that the grammar states of a room, whatever its width.
+%   Item is the area that the grammar states for a room, for all widths.
 
 grammar_item(room(R,Type,sides(X1,X2,Y1,Y2),edges(E1,E2,E3,E4)), Item) :-
     clause(grammar:room_area(_,_,_), _), grammar:room_area(Type, Least, Most), !,

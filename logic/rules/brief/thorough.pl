@@ -1,14 +1,14 @@
 :- module(thorough, [thoroughly_decided//5]).
 
-/** <module> Whether any lengths have the areas of a brief, where brief.pl leaves that open
+/** <module> Search for lengths that give a brief its areas, where brief.pl leaves the question open
 
-What the other constraints leave of the width and the depth of a box is found first. Where one of both is known, an area is linear in the
-other; where all is linear, the answer is exact. A bound that is found is a reason because(N) of what rests on it: N is its number among
-Bounds, N-bound(Against,System), and the System has no solution together with what is Against the bound. Which part of the System has
-none is found in rational arithmetic, once a conflict rests on the bound.
+First, the ranges of width and depth that the other constraints leave to each box are computed. If the width or the depth is known, the
+area is linear in the other; if all constraints are linear, the answer is exact. A bound of a range is the reason because(N) of constraints
+that rest on it. N is the bound's number among Bounds, which hold N-bound(Against,System): the System has no solution together with
+Against, the opposite of the bound. Once a conflict rests on a bound, rational arithmetic finds the part of the System that excludes Against.
 
-Some areas leave one point, or a part of a curve, and so no polygon of right sizes. A point near by is moved there, by linear programmes
-(Newton's method).
+Some areas leave only one point or a part of a curve, so that no polygon lies within the right sizes. Linear programmes move a nearby
+point there (Newton's method).
 */
 
 :- use_module(library(apply)).
@@ -20,20 +20,20 @@ Some areas leave one point, or a part of a curve, and so no polygon of right siz
 :- use_module('../linear/linear').
 :- use_module('../shared_walls/lines').
 
-% So often is a range of widths halved, are all ranges narrowed each time, and is a point moved.
+% Numbers of times that a range of widths is halved, that all ranges are narrowed after each halving, and that a point is moved.
 halvings(40).
 rounds(4).
 moves(8).
 
-% Metres that are added to a bound for what floats are off.
+% Metres that are added to a bound to allow for rounding errors.
 margin(1.0e-8).
 
-% A range is narrowed where no more than this share of it is left.
+% A range is narrowed only if less than this share of it is left.
 narrower(0.9).
 
 %!  thoroughly_decided(?Lines, +Rooms, +System, +Items, -Answer)// is det.
 %
-%   Answer is as in items_decided//6, for all widths, whatever stage 1 has chosen of them.
+%   Answer is as in items_decided//6, but for all widths: those that stage 1 chose do not matter.
 
 thoroughly_decided(Lines, Rooms, System, Items, Answer) -->
     { halvings(Halvings), maplist(widened(any), Items, Wide) },
@@ -41,7 +41,7 @@ thoroughly_decided(Lines, Rooms, System, Items, Answer) -->
     { Found = refuted(Conflicts) -> ( maplist(explained, Conflicts, Known), append(Known, All) -> Answer = refuted(All) ; Answer = open )
     ; Answer = Found }.
 
-%   searched(+Left0, -Left, +Layout, +Items, +Bounds, -Answer)//: refuted(Conflicts) has each Conflict-Bounds that there is.
+%   searched(+Left0, -Left, +Layout, +Items, +Bounds, -Answer)//: refuted(Conflicts) lists each Conflict-Bounds.
 
 searched(Left, Left, layout(Lines,Rooms,System), [], Bounds, Answer) --> !,
     (   lines_sample(rational, Lines, Rooms, System)
@@ -75,7 +75,7 @@ either(_, _, open).
 
 % - a solution ------------------------------------------------------------------------------------------------------------
 
-%   placed(+Layout, +Items, +Outer, +Middle)// is semidet: all lines are numbers, sampled where that can be done.
+%   placed(+Layout, +Items, +Outer, +Middle)// is semidet: all lines become numbers, sampled where possible.
 
 placed(layout(Lines,Rooms,System), Items, Outer, Middle) -->
     (   { sizes_at(Middle, Items, Sizes), pairs_keys(Sizes, Widths), held(layout(Lines,Rooms,System), Held) },
@@ -84,8 +84,8 @@ placed(layout(Lines,Rooms,System), Items, Outer, Middle) -->
         { \+ misses(at([],[]), Items) }
     ;   { moves(Moves), moved(Moves, System, Items, Middle) } ), !.
 
-%   moved(+Moves, +System, +Items, +Point) is semidet: all places are those of a Point at(Xs,Values), or of one near it, where no area
-%   is missed.
+%   moved(+Moves, +System, +Items, +Point) is semidet: all places become those of a Point at(Xs,Values), or of a point near it, at which
+%   no area is missed.
 
 moved(_, System, Items, Point) :-
     \+ misses(Point, Items), !,
@@ -98,7 +98,7 @@ moved(Moves, System, Items, Point) :-
 
 misses(Point, Items) :- sizes_at(Point, Items, Sizes), widest_miss(Items, Sizes, _, _).
 
-%   aimed(+Item, +Size, +Sum, -More): an area is nearly linear by this Size. To miss it is dear, to go away from the Size costs little.
+%   aimed(+Item, +Size, +Sum, -More): the area is linear near this Size. More adds a high cost for missing it and a low cost for distance.
 
 aimed(item(W,D,Least-Most,_,_,_), W0-D0, Sum, Sum + 1000*Miss + Wide + Deep) :-
     {Miss >= 0, Least - Miss =< D0*W + W0*D - W0*D0, D0*W + W0*D - W0*D0 =< Most + Miss,
@@ -109,7 +109,7 @@ holds((A = B)-_)  :- abs(A - B) < 1.0e-7.
 
 % - what is left of widths ------------------------------------------------------------------------------------------------
 
-%   narrowed(+Rounds, +System, +Items0, +Bounds0, -Items, -Bounds): ranges are what is left of widths, directly or by the depths.
+%   narrowed(+Rounds, +System, +Items0, +Bounds0, -Items, -Bounds): ranges become the widths that are left, directly or by the depths.
 
 narrowed(Rounds, System, Items0, Bounds0, Items, Bounds) :-
     (   Rounds > 0,
@@ -136,7 +136,7 @@ narrow(System, Item0, left(W1-W2,D1-D2), Item, Bounds0, Bounds) :-
         Item = item(W,D,Least-Most,Why,From-Upto,Wide)
     ;   Item = Item0, Bounds = Bounds0 ).
 
-%   bounded(+Nearer, +End, +Against, +System, +End0, -NewEnd, +Bounds0, -Bounds): the End of a range, if it is Nearer than End0.
+%   bounded(+Nearer, +End, +Against, +System, +End0, -NewEnd, +Bounds0, -Bounds): NewEnd is End if that is Nearer, else End0.
 
 bounded(Nearer, End, Against, System, _, NewEnd, Bounds, [N-bound(Against,System)|Bounds]) :-
     call(Nearer), !,
@@ -146,7 +146,7 @@ bounded(_, _, _, _, End, End, Bounds, Bounds).
 
 % - why -------------------------------------------------------------------------------------------------------------------
 
-%   explained(+Conflict-Bounds, -Known) is semidet: the Conflict, and those that its bounds follow from; fails where one is not confirmed.
+%   explained(+Conflict-Bounds, -Known) is semidet: the Conflict and the constraints that its bounds follow from; fails if a bound is not confirmed.
 
 explained(Conflict-Bounds, Known) :-
     numbers_of(Conflict, Numbers),

@@ -56,7 +56,7 @@ or several.
 %!  house_size(-Width, -Depth)
 %
 %   how large a whole plan is, in metres, where rooms share walls: Width from west to east, Depth from north to south. In houses of
-%   units it is of each unit, not of them all together.
+%   units the size applies to each unit, not to all units together.
 %
 %       house_size(W, D) :- { W =< 2*D, D =< 2*W }.
 

@@ -14,9 +14,9 @@
 %
 %   Json gives [Name,Metres] of the lengths of these Names; [Type,Least,Most] of the `areas` of rooms of these Types, square metres, of
 %   those that are stated, and the same of `wholes` with their parts; the `total` area of the house, [Least,Most] or null; [Type,Metres] of
-%   the free squares; [Type,Other,Metres] of `doors`; the thickness of `walls`, [Inner,Outer] or null; and what two lengths keep
-%   together, as rows/2 of linear.pl with the first length as variable 0: of the width and the depth of the `house` all that is stated, and
-%   [Name,Rows] of those of `rooms` and of the length and the depth of Pieces.
+%   the free squares; [Type,Other,Metres] of `doors`; the thickness of `walls`, [Inner,Outer] or null. Relations of two lengths
+%   are rows/2 of linear.pl, with the first length as variable 0: all rows of the width and the depth of the `house`, and [Name,Rows] of
+%   the width and the depth of `rooms` and of the length and the depth of Pieces.
 
 grammar_metres(Names, Types, Pieces, Json) :-
     findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),
@@ -34,8 +34,8 @@ grammar_metres(Names, Types, Pieces, Json) :-
 
 stated_area(Head, Least, Most) :- once(grammar:Head), number(Least), number(Most).
 
-%   total_stated(-Total), walls_stated(-Walls): null where nothing is stated. Each is a clause of its own: none of its variables is a
-%   template's above.
+%   total_stated(-Total), walls_stated(-Walls): null where nothing is stated. They are predicates of their own so that they share no
+%   variable with a template of findall/3 above.
 
 total_stated([Least,Most]) :- stated_area(house_area(Least, Most), Least, Most), !.
 total_stated(null).
@@ -46,21 +46,21 @@ walls_stated(null).
 house_rows(Rows) :- size_rows(house_size(W, D), W, D, Rows), !.
 house_rows([]).
 
-%   piece_rows(+Piece, -Rows) is semidet: of several clauses, which one holds depends on the wall.
+%   piece_rows(+Piece, -Rows) is semidet: fails for a piece with several clauses, as the wall decides which one holds.
 
 piece_rows(Piece, Rows) :-
     findall(x, clause(grammar:piece_size(Piece,_,_,_), _), [_]),
     given_walls(Piece, _-_, Walls),
     both_rows(piece_size(Piece, L, D, Walls), L, D, Rows).
 
-%   both_rows(+Head, ?A, ?B, -Rows) is semidet: those of the rows that have both lengths; there are some. On a grid each is rounded by
-%   itself.
+%   both_rows(+Head, ?A, ?B, -Rows) is semidet: the rows that have both lengths, at least one. Fails on a grid, where each length is
+%   rounded by itself.
 
 both_rows(Head, A, B, Rows) :- \+ on_grid, size_rows(Head, A, B, All), include(of_both, All, Rows), Rows = [_|_].
 
 of_both([[_,_],_,_]).
 
-%   size_rows(+Head, ?A, ?B, -Rows) is semidet: what the clause of this Head states of A and B.
+%   size_rows(+Head, ?A, ?B, -Rows) is semidet: Rows are the relations of A and B that the clause of this Head states.
 
 size_rows(Head, A, B, Rows) :-
     sized(Head),

@@ -66,7 +66,7 @@ size_system(Sizes, Solved, Reason, Constraints) :-
 
 %!  projected_system(?Sizes, +Solved, +Reason, -Constraints) is det.
 %
-%   The same without what the store states it by: Constraints are of these Sizes alone.
+%   As size_system/4, but Constraints are of these Sizes alone: all other variables are projected out.
 
 projected_system(Sizes, Solved, Reason, Constraints) :-
     term_variables(Solved, Unknown),
@@ -83,7 +83,7 @@ stated_system(Sizes, Plain, Goals, Reason, Constraints) :-
 
 reasoned(Reason, Constraint, Constraint-[Reason]).
 
-%   equated(?Sizes, ?Plain, +Known, -Equations): an unknown becomes the first size that it is; a second one equals it.
+%   equated(?Sizes, ?Plain, +Known, -Equations): an unknown becomes the first size that it stands for; further sizes equal it.
 
 equated([], [], _, []).
 equated([S|Ss], [P|Ps], Known, Equations) :-

@@ -5,8 +5,8 @@
 An area between Least and Most is no linear constraint of a width W and a depth D, but follows from some. The tangent of the
 curve W*D = Most where D = A*W gives A*W + D =< 2*sqrt(A*Most), and so W*D =< Most. Chords of the curve
 W*D = Least lie above it. Both leave out some sizes that the area allows, and let in none that it does not; where size and
-area allow any room, they leave one: see anchor/5. So of several rooms together they refute some that have a house: then all sizes
-are looked at (exact_system/4 in walls.pl).
+area allow any room, they leave one: see anchor/5. So they may refute several rooms together that do have a house: then all sizes
+are searched (exact_system/4 in walls.pl).
 */
 
 :- use_module(library(apply)).

@@ -38,8 +38,8 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
-%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. Of areas, a part is passed over: with `thorough`
-%   among the Atoms it is not. Then, and with a brief, open(Reasons) is that neither is found.
+%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. A part of the sizes that areas allow is left out,
+%   unless `thorough` is among the Atoms. With `thorough` or a brief, Answer may be open(Reasons): neither was found.
 
 walls_placed(Atoms, _, _, Answer) -->
     { memberchk(thorough, Atoms), !, exact_system(Atoms, plan(Lines,Rooms), System, Items) },
@@ -88,7 +88,7 @@ of_brief(Atoms) :- memberchk(granted(_), Atoms).
 
 %!  exact_system(+Atoms, -Plan, -System, -Items) is det.
 %
-%   As brief_system/4, of any plan without totals: with all areas that the grammar states among the Items.
+%   As brief_system/4, for any plan without totals: Items include all areas that the grammar states.
 
 exact_system(Atoms, Plan, System, Items) :-
     (   of_brief(Atoms)
