@@ -1,7 +1,7 @@
-"""Classes of a user's own that text may name as ``module:Class``: tasks, terms and backends.
+"""User-defined classes that text may name as ``module:Class``: tasks, terms and backends.
 
-To name a class is to run its module. The text of a file (a checkpoint, settings, scores, a trace) therefore
-names no class, until the user of this process names the same class in Python or on the command line.
+Importing a class runs its module. The text of a file (a checkpoint, settings, scores, a trace) may therefore
+name a class only if the user of this process has named it, in Python or on the command line.
 """
 
 import importlib
@@ -22,14 +22,14 @@ def allow(*names: str) -> None:
 
 
 def allowed() -> tuple[str, ...]:
-    """Return the names that text may name, sorted."""
+    """Return the classes that text may name, sorted."""
     return tuple(sorted(_ALLOWED))
 
 
 def imported(name: str) -> Any:
     """Return the object that an allowed ``module:Class`` names.
 
-    Raises ``ValueError`` for a name that nobody allowed, ``ImportError`` or ``AttributeError`` where there is
+    Raises ``ValueError`` for a name that is not allowed, ``ImportError`` or ``AttributeError`` where there is
     no such object.
     """
     if name not in _ALLOWED:
@@ -47,7 +47,7 @@ def is_class_name(name: Any) -> bool:
 
 
 def class_names(targets: Any) -> Iterator[str]:
-    """Yield each ``module:Class`` that a task names, as a name, as JSON text or as a dictionary."""
+    """Yield each ``module:Class`` of a task, which is a name, a JSON text or a dictionary."""
     if isinstance(targets, str) and targets.startswith("{"):
         try:
             targets = json.loads(targets)

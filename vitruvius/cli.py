@@ -141,7 +141,7 @@ def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int
     table = STUDIES if words[0] == "bench" else COMMANDS
     kind = pkgutil.resolve_name(table[words[-1]][0])
     options = options_of(kind.like(arguments) if words[0] == "train" else kind)
-    # Without docstrings, by PYTHONOPTIMIZE=2, a dataclass has its fields' types in their place.
+    # PYTHONOPTIMIZE=2 removes docstrings, and a dataclass then has its fields' types in that place.
     about = table[words[-1]][1] if sys.flags.optimize > 1 else kind.__doc__
     return help.of_command(f"vitruvius {' '.join(words)}", about, options, width)
 
@@ -280,7 +280,7 @@ def _exit_code(arguments: list[str]) -> int:
         what = "error, a fault of ours, please report it" if fault else "error"
         code = failed(error, error.exit_code, f"{what}: {error}")
     except (GrammarWarning, PlanWarning) as warning:
-        code = failed(warning, 5, f"error: {warning}: this warning is an error by PYTHONWARNINGS")
+        code = failed(warning, 5, f"error: {warning}: PYTHONWARNINGS makes this warning an error")
     except KeyboardInterrupt as end:
         code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
     except OSError as error:

@@ -23,10 +23,10 @@ from vitruvius.options import Option, options_of
 NONE = "none"
 
 MOST_BYTES = 1 << 18
-"""What is read of a file."""
+"""Size of a file, unpacked."""
 
 MAX_DOTS, MAX_INTEGER = 256, 1 << 63
-"""Dots in a line, as each makes a table in the last one, and the size of an integer."""
+"""Dots in a line, each of which may nest a table in the previous one; size of an integer."""
 
 BESIDE = "preset", "name", "houses"
 """Keys that are no fields of a config."""
@@ -123,7 +123,7 @@ def _text(path: Path) -> str:
 
 
 def _has_long_integer(value: Any) -> bool:
-    """Return True where a value, or one inside it, is an integer that cannot even be printed in a line."""
+    """Return True if a value, or a value inside it, is an integer of more than 64 bits."""
     if isinstance(value, dict | list):
         return any(map(_has_long_integer, value.values() if isinstance(value, dict) else value))
     return isinstance(value, int) and abs(value) > MAX_INTEGER

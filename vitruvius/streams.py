@@ -1,4 +1,4 @@
-"""The standard streams of a command: what is closed or full is an error where an answer would be lost."""
+"""Standard streams of a command: a closed or full stream is an error if it would lose an answer."""
 
 import codecs
 import contextlib
@@ -48,10 +48,11 @@ class _Unheard(io.TextIOWrapper):
 
 
 def prepare() -> None:
-    """Keep the place of a stream that was closed, as by services: else the next file that is opened takes it.
+    """Reserve the number of each closed stream, as services close them: else the next opened file takes it.
 
-    There is nothing to read, and errors are not said; to write an answer fails, as nobody would read it. What
-    a terminal's encoding lacks is written as Python escapes it.
+    A closed standard input is empty, and a closed standard error discards its lines. Writing to a closed
+    standard output fails: nobody would read the answer. Characters that a terminal's encoding lacks are
+    escaped as in Python.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:

@@ -57,7 +57,7 @@ class EvaluationPart:
     world: str
     episodes: int
     allow: tuple[str, ...] = field(default_factory=allowed)
-    """Classes that text may name here: the process that plays may be another one."""
+    """Classes that text may name in the process that plays, which may be another process."""
 
 
 @keywords(targets="modes", preset="agents")

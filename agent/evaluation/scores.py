@@ -22,11 +22,11 @@ from logic.errors import VitruviusError
 from logic.opener import content_of, from_json
 
 MAX_BYTES = 1 << 28
-"""What is read of a file."""
+"""Size of a file, unpacked."""
 
 
 class Figure(TypedDict):
-    """A value with its interval."""
+    """Value with its interval."""
 
     value: float
     low: float
@@ -133,7 +133,7 @@ def load(path: Path) -> ScoreFile:
         return from_json(content_of(path, MAX_BYTES), ScoreFile)
     except OSError as error:
         raise ScoreError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:  # of what is no JSON, and of JSON that is something else
+    except ValueError as error:  # no JSON, or JSON of something else
         raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --out") from None
 
 

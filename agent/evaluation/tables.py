@@ -81,7 +81,7 @@ class Table:
         for place, heading in enumerate(self.headings):
             table.add_column(Text(heading), no_wrap=True, justify="right" if place else "left")
         for row in self.rows:
-            table.add_row(*map(Text, row))  # as it is: rich reads [red] as a colour otherwise
+            table.add_row(*map(Text, row))  # as Text: rich would read [red] in a name as a colour
         return table
 
     def markdown(self) -> str:
@@ -93,7 +93,7 @@ class Table:
 
 
 def _in_cell(text: str) -> str:
-    """Return text as a cell of a Markdown table, which no name of others ends or turns into HTML."""
+    """Return text escaped as a cell of a Markdown table: a name can neither end the cell nor become HTML."""
     return printable(text).replace("<", "&lt;").replace("|", "\\|")
 
 

@@ -28,7 +28,7 @@ def make_envs(
     backend: str = "continuous",
     device: str = "cpu",
 ) -> HouseVectorEnv:
-    """Return that many environments over a bank of houses, as ``gymnasium.make_vec`` does, without wrappers.
+    """Return ``number`` environments over a bank of houses, as ``gymnasium.make_vec`` does, without wrappers.
 
     ``targets`` and ``backend`` may come from a file: a ``module:Class`` in them must be allowed
     (``sim.allow``).

@@ -87,7 +87,7 @@ def undisturbed(world: Config) -> Config:
 
 
 def require_task(targets: str) -> None:
-    """Raise ``RequestError`` where there is no such task, or where it names a class that nobody allowed."""
+    """Raise ``RequestError`` where there is no such task, or where it names a class that is not allowed."""
     try:
         task(targets)
     except ValueError as error:
@@ -104,7 +104,7 @@ def require_asked_task(targets: str) -> None:
 
 
 def allow_named(names: Iterable[str]) -> None:
-    """Let files name the classes of ``--allow``. Raises ``RequestError`` for one that is no module:Class."""
+    """Let files name the classes of ``--allow``. Raises ``RequestError`` for any name but module:Class."""
     try:
         allow(*names)
     except ValueError as error:

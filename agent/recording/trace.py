@@ -31,7 +31,7 @@ AROUND = 0.5
 """Metres around the house that pictures of a map show: planners take some of it for floor."""
 
 MOST_BYTES, MOST_NUMBERS = 1 << 26, 1 << 26
-"""What is read of a file, and of one of its arrays when it is unpacked."""
+"""Bytes of a file, and numbers of one of its arrays, both unpacked."""
 
 Count = Annotated[int, Meta(ge=0)]
 

@@ -40,7 +40,7 @@ DEPTH = "", "*/", "*/*/"
 
 
 MAX_ABOUT_BYTES = 1 << 20
-"""Of what a run says of itself."""
+"""Size of the file in which a run describes itself."""
 
 
 class About(msgspec.Struct):

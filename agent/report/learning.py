@@ -14,7 +14,7 @@ from agent.runs.runs import MOST_METRICS, Folder
 from logic.opener import content_of, from_json, opened
 
 MAX_CONFIG_BYTES = 1 << 20
-"""Of ``config.json``."""
+"""Size of ``config.json``."""
 
 POINTS = 300
 """Of a curve, at most."""
@@ -36,7 +36,7 @@ class HousesOfRun(msgspec.Struct, frozen=True):
 
 
 class AskedRun(msgspec.Struct, frozen=True):
-    """What ``config.json`` says of a run: see ``agent.runs.runs``."""
+    """Content of a run's ``config.json``: see ``agent.runs.runs``."""
 
     algorithm: str
     preset: str = "–"
@@ -54,7 +54,7 @@ class TrainingRun:
 
     name: str
     config: "AskedRun | None"
-    """What ``config.json`` says; None where there is no such file, or another program's."""
+    """Content of ``config.json``; None if the file is absent or of another program."""
     history: list[Progress]
 
     @classmethod
@@ -92,7 +92,10 @@ class TrainingRun:
 
 
 def _asked(content: bytes) -> AskedRun | None:
-    """Return what a ``config.json`` says of a run; None for another program's. Raises ``ValueError``."""
+    """Return the run that a ``config.json`` describes; None for a file of another program.
+
+    Raises ``ValueError`` for a wrong file.
+    """
     found = from_json(content, dict[str, Any])
     return msgspec.convert(found, AskedRun) if "algorithm" in found else None
 
@@ -159,7 +162,7 @@ def _cell(last: Progress | None, field: str, form: str) -> Cell:
 
 
 def _config(name: str, asked: AskedRun) -> str:
-    """Return what was asked for, in which houses, with which versions."""
+    """Return the configuration of a run as HTML, with its houses and versions."""
     number = "?" if asked.houses.number is None else asked.houses.number
     words = f"{number} houses, hash {asked.houses.hash[:12]}. " + " ".join(
         f"{label} {value}."

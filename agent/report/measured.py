@@ -55,9 +55,9 @@ def lead(files: Sequence[Path]) -> str:
 
 
 def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
-    """Return what the types of a bank are called, by its first house's looks, where it is here.
+    """Return a function that names the types of a bank, by the looks of its first house if the bank is found.
 
-    The bank's name comes from a file: it is looked for in the folder of the run and in the one above alone.
+    The bank's name comes from a file: only the folder of the run and the folder above it are searched.
     """
     inside = bank.file and not Path(bank.file).is_absolute() and ".." not in Path(bank.file).parts
     beside = [folder / bank.file for folder in (path.parent, path.parent.parent)] if inside else []
@@ -165,12 +165,12 @@ def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dic
 
 
 def estimate(figure: Figure) -> Estimate:
-    """Return a figure of a file."""
+    """Return a figure of a file as an estimate."""
     return Estimate(figure["value"], figure["low"], figure["high"])
 
 
 def _figures(policy: PolicyScores) -> dict[str, Estimate]:
-    """Return a policy's figures; its targets are worked out where another program does not state them."""
+    """Return a policy's figures; its targets are computed from its runs if the file does not state them."""
     figures = {key: estimate(figure) for key, figure in policy.figures.items() if key in COLUMNS}
     runs = [run.targets for run in policy.runs if run.targets]
     if "targets" not in figures and runs and len({len(run) for run in runs}) == 1:

@@ -85,7 +85,7 @@ def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[flo
 
 
 def _is_whole(policy: scores.PolicyScores, houses: int) -> bool:
-    """Return True where each run of a policy has as many episodes in each house as the others."""
+    """Return True if all runs of a policy have equally many episodes, the same number in each house."""
     lengths = {len(run.targets) for run in policy.runs}
     return len(lengths) == 1 and max(lengths) > 0 and not max(lengths) % houses
 

@@ -30,7 +30,7 @@ LISTED = 30
 """Points of a line in the table below its plot, at most."""
 
 MIN_POSITIVE = 1e-100
-"""What lies on a logarithmic axis is above it: what is less counts as 0."""
+"""Bound of values on a logarithmic axis: values up to it count as 0."""
 
 WIDTH, HEIGHT = 520, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 24, 12, 44

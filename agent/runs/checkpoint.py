@@ -17,8 +17,8 @@ from agent.runs.released import FORMAT, LEARNT_IN, CheckpointError, located, req
 from logic.house.files import write_whole
 from logic.spelling import printable
 
-MAX_LEARNT_IN = 1 << 20
-"""Houses that a checkpoint names at most: as many as a house file holds."""
+MAX_LEARNT_HOUSES = 1 << 20
+"""Number of houses that a checkpoint names: as many as a house file holds."""
 
 
 @dataclass(frozen=True)
@@ -96,8 +96,10 @@ def _keys(tensor: torch.Tensor | None) -> frozenset[int]:
     """The houses that a file names. Raises ``ValueError`` for a tensor that names none."""
     if tensor is None:
         return frozenset()
-    if tensor.dtype != torch.int64 or tensor.ndim != 1 or len(tensor) > MAX_LEARNT_IN:
-        raise ValueError(f"{LEARNT_IN} must be at most {MAX_LEARNT_IN:,} numbers of 64 bits, one for a house")
+    if tensor.dtype != torch.int64 or tensor.ndim != 1 or len(tensor) > MAX_LEARNT_HOUSES:
+        raise ValueError(
+            f"{LEARNT_IN} must be at most {MAX_LEARNT_HOUSES:,} numbers of 64 bits, one for each house"
+        )
     return frozenset(tensor.tolist())
 
 

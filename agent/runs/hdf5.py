@@ -1,4 +1,4 @@
-"""What lies in a file of HDF5 itself: its links may lead to other files, and are not followed."""
+"""Access to the content of one HDF5 file: links may lead to other files, so they are not followed."""
 
 from typing import Any
 
@@ -6,9 +6,9 @@ import h5py
 
 
 def at(group: Any, name: str) -> Any:
-    """Return what a path names in a group. Raises ``ValueError`` for links, which may lead to other files."""
+    """Return the object at a path in a group. Raises ``ValueError`` for a link, which may leave the file."""
     for part in filter(None, name.split("/")):
         if not isinstance(group.get(part, getlink=True), h5py.HardLink):
-            raise ValueError(f"{name} is not there, or a link")
+            raise ValueError(f"{name} is missing, or a link")
         group = group[part]
     return group

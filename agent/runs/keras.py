@@ -23,7 +23,7 @@ from logic.opener import reason, require_file
 from sim.environment.arguments import PAPER_HOUSE, house_list
 
 MAX_BYTES = 1 << 28
-"""Of a file."""
+"""Size of a file."""
 
 ORIGINAL = cast(PaperConfig, PRESETS["paper"])
 """How the original's network reads, plays and learnt, as far as its code and its file say."""

@@ -50,7 +50,7 @@ SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
 
 MORE_STATE, MOST_METRICS, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
-"""Bytes of a run's state, unpacked, besides twice those of a new run; bytes of its reports; tensors."""
+"""Bytes of a run's state beyond twice those of a new run, unpacked; bytes of its reports; its tensors."""
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     try:
         most = ranks.size() * 2 * len(_saved(learner.state())) + MORE_STATE
         content = content_of(folder.state, most)
-        archive_of(content, most, MAX_TENSORS)  # torch unpacks what is deflated, however much it is
+        archive_of(content, most, MAX_TENSORS)  # torch unpacks compressed files of any size
         states = torch.load(io.BytesIO(content), weights_only=True)
         if len(states) != ranks.size():
             raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")

@@ -118,7 +118,7 @@ def house_list(houses: Houses) -> list[House]:
 
 
 def backend_class(name: str) -> type[Backend]:
-    """Return a backend of ours by name, or an allowed ``module:Class``; ``ValueError`` if there is none."""
+    """Return a backend by name or by an allowed ``module:Class``; ``ValueError`` if there is none."""
     if not isinstance(name, str):
         raise ValueError(
             f"backend must be a name, one of {', '.join(BACKENDS)} or module:Class, not {name!r}"

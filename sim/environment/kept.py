@@ -17,14 +17,15 @@ KEPT = (*SPACES, "_np_random", "_np_random_seed", "spec")
 
 
 MARGIN_M = 1.0
-"""Metres that a body may be outside of its house: where a collision ends an episode, it is in the wall."""
+"""Distance that a body may be outside its house: a collision that ends an episode leaves it in the wall."""
 
 
 def require_state(
     state: dict[str, Any], own: dict[str, np.ndarray], geometries: Sequence[Geometry], config: Config
 ) -> None:
-    """Raise ``ValueError`` for a state that environments in houses of these ``geometries``, whose ``own``
-    state it is to replace, cannot have.
+    """Raise ``ValueError`` for a state that environments in houses of these ``geometries`` cannot have.
+
+    ``own`` is the state that it replaces.
     """
     kinds = {name: (array.dtype.str, array.shape) for name, array in own.items()}
     given = {name: np.asarray(array) for name, array in state.items()}
@@ -40,7 +41,7 @@ def require_state(
         if not np.isfinite(np.ascontiguousarray(cells).view(np.float32)).all():
             raise ValueError("a state of no house: a speed or a heading is no finite number")
     else:
-        place = place + config.step * cells[:, :2]  # a cell counts from where an episode began: it may be < 0
+        place = place + config.step * cells[:, :2]  # cells count from the start of an episode: some are < 0
         headings = np.concatenate([given.get("past_cells", cells)[:, 2], cells[:, 2]])
         if not ((headings >= 0) & (headings < len(HEADINGS))).all():
             raise ValueError("a state of no house: a body has no heading")

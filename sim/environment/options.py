@@ -16,7 +16,7 @@ SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
 
 
 FARTHEST_M = 1e6
-"""Metres of a place from the origin: float32 has no centimetres further off."""
+"""Distance of a place from the origin: further away, float32 does not resolve centimetres."""
 
 
 @dataclass(frozen=True)

@@ -409,7 +409,7 @@ class HouseVectorEnv(VectorEnv):
 
     @contextmanager
     def _unless_refused(self) -> Iterator[None]:
-        """Be in the houses that there were where what is asked is refused."""
+        """Go back to the previous houses if the call in this context is refused."""
         before = self._passing and self._passing.steps
         try:
             yield

@@ -156,7 +156,7 @@ class Reach:
     ends_on_pick_up: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what is no name."""
+        """Raise ``TypeError`` for a room that is no text."""
         if not isinstance(self.room, str):
             raise TypeError(f"room: a room type, not {self.room!r}")
 
@@ -188,7 +188,7 @@ Targets = str | dict[str, Any] | AnyTask
 
 
 def task(targets: Targets) -> AnyTask:
-    """Return the task of a name, a JSON text, a dictionary, or a task itself.
+    """Return the task that a name, a JSON text or a dictionary states; a task is returned as it is.
 
     Names are those of ``TARGETS`` and ``PAPER_TASKS``; a dictionary is ``{"task": name, **arguments}``, such
     as ``{"task": "reach", "room": "kitchen"}``. ``{"rooms": ["bedroom", "study"]}`` is short for the task
@@ -225,7 +225,7 @@ def task(targets: Targets) -> AnyTask:
 
 
 def read_terms(given: Any) -> Terms:
-    """Return terms as JSON states them: see ``task``. Raises ``ValueError`` for what are none."""
+    """Return terms as JSON states them: see ``task``. Raises ``ValueError`` where they are no terms."""
     if isinstance(given, Terms):
         return given
     given = {"class": given} if isinstance(given, str) else given

@@ -15,8 +15,8 @@ from sim.tasks.terms import Terms, terms_of
 def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
     """Return a task as a phrase: "find a bed", "reach a kitchen", "targets in secondary rooms".
 
-    ``named`` gives the name of a type. Text that names a class, or no task, is its own name: nothing is
-    imported for a phrase.
+    ``named`` returns the name of a type. Text that names a class, or no task, is its own phrase: no class is
+    imported for it.
     """
     if isinstance(targets, str) and targets in PAPER_TASKS:
         return f"{in_words(targets.removeprefix('paper-'))}, paper's"

@@ -12,7 +12,7 @@ further than that. Profiles repeat, in a field and among fields: a distance is t
     profiles  512 numbers each, by column, row and heading; -1 where no path leads from
     distance  for each environment, in actions; -1 where no path leads to its target
     pending   whether an environment has a target without a field, whose distance is -2 until ``settle``
-    slots     for each house where its places begin, its columns and their rows; then of each place the
+    slots     for each house the index of its first place, its columns and its rows; then for each place the
               number of the field of a target there, -1 for none
     known     rows of ``fields`` by these numbers
 """
@@ -36,7 +36,7 @@ PROFILE = TILE * TILE * 8
 """Numbers of a profile."""
 
 MOST_BYTES = 1 << 30
-"""Beyond, fields and surveys are forgotten, but for those in use."""
+"""Memory beyond which fields and surveys are discarded, except those in use."""
 
 FAR = 1 << 15
 """More actions than any path takes."""
@@ -100,7 +100,7 @@ class Distances:
 
     @property
     def bytes(self) -> int:
-        """Memory that fields, profiles and surveys take."""
+        """Return the memory of fields, profiles and surveys, bytes."""
         surveyed = sum(table.nbytes for _, table in self._surveys.values())
         return 4 * self._used + 2 * PROFILE * len(self._numbers) + surveyed
 
@@ -124,7 +124,7 @@ class Distances:
         fields = arrays["fields"].numpy()
         house, reals = arrays["wholes"].numpy()[:, HOUSE], arrays["reals"].numpy()
         waiting = np.flatnonzero(fields[:, 0] < 0)
-        if not len(waiting):  # the target that was sampled gave way to a user's, whose field is known
+        if not len(waiting):  # a user's target, whose field is known, replaced the sampled one
             return
         keys = _keys(house[waiting], reals[waiting])
         missing = [key for key in dict.fromkeys(keys) if key not in self._known]

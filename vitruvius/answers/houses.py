@@ -41,7 +41,7 @@ class Violations(msgspec.Struct, frozen=True):
 
 
 class Checked(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Of ``check``: each house of the file; of a set, the numbers of what was read and compared."""
+    """Answer of ``check``: each house of the file, and for a set the numbers of the parts that were read."""
 
     file: str
     nonconforming: int

@@ -72,8 +72,8 @@ class Evaluate:
     """Episodes in each house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that an agent's or a game's task may name: its module is run.
-    No file may name another."""
+    """Class of your own, module:Class, that the task of an agent or a game may name: its module is run.
+    Files may name no other class."""
 
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
     """Scores of external agents in the same houses, seed and targets, to show in the tables: the

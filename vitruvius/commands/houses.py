@@ -29,7 +29,7 @@ OTHERS = "; ".join(f"{name}: {each.words}" for name, each in FORMATS.items()) + 
 @dataclass(frozen=True)
 class Check:
     """Check houses by plain geometry, apart from the rules that made them. Houses count from 0. The check
-    judges what is promised, and no length of a window or rule of a grammar's own (docs/house-file.md).
+    judges promises only, not window lengths and not your own rules in a grammar (docs/house-file.md).
     """
 
     file: tyro.conf.Positional[Streamed]
@@ -77,7 +77,7 @@ class Check:
             answer = Checked(str(self.file), nonconforming, checked, counts)
             print_answer("check", answer, int(nonconforming > 0))
         if counts:
-            say(f"{self.file}: {counts}, as {MANIFEST} has them")
+            say(f"{self.file}: {counts}, as {MANIFEST} states")
         say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
         return 1 if nonconforming else 0
 

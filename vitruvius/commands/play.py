@@ -41,8 +41,8 @@ class Play:
     the paper's house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that the agent's or a game's task may name: its module is run.
-    No file may name another."""
+    """Class of your own, module:Class, that the task of the agent or a game may name: its module is run.
+    Files may name no other class."""
 
     seed: int = 0
     """House i is played with the start and the targets of seed + i, as evaluate plays it."""

@@ -40,8 +40,8 @@ class Record:
     """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that the agent's task may name: its module is run.
-    No file may name another."""
+    """Class of your own, module:Class, that the task of the agent may name: its module is run.
+    Files may name no other class."""
 
     seed: int = 0
     """Seeds the start and the targets."""

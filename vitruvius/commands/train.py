@@ -67,7 +67,7 @@ class Train(Generic[Kind]):
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """Class of your own, module:Class, that the file of --config may name: its module is run.
-    No file may name another."""
+    Files may name no other class."""
 
     name: str | None = None
     """What to call the agent in tables; by default the preset's name."""
@@ -78,7 +78,7 @@ class Train(Generic[Kind]):
     @staticmethod
     def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
         """The command with the defaults of the preset and of the file of settings that the arguments name."""
-        # A class that the command line names is allowed, and none that a file of settings names.
+        # Classes on the command line are allowed; classes in a file of settings are not.
         if stated := [text for text in _given(arguments, "--targets") if ":" in text]:
             from sim.allowed import allow, class_names
 

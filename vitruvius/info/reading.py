@@ -39,8 +39,8 @@ from vitruvius.info.kinds import (
     Trace,
 )
 
-MOST_TEXT, MOST_METRICS = 1 << 20, 1 << 28
-"""Bytes that are read of a run's ``config.json`` and of the end of its reports, and bytes of all reports."""
+MOST_TEXT, MAX_METRICS_BYTES = 1 << 20, 1 << 28
+"""Bytes that are read of a run's ``config.json`` and of the end of its reports; bytes of all its reports."""
 
 
 class UnknownFileError(VitruviusError):
@@ -174,7 +174,7 @@ def _last_report(path: Path) -> dict[str, Any]:
     """The last whole line of a run's reports; empty before the first."""
     if not path.is_file():
         return {}
-    with opened(path, MOST_METRICS, unpack=False) as file:
+    with opened(path, MAX_METRICS_BYTES, unpack=False) as file:
         file.seek(-min(path.stat().st_size, MOST_TEXT), SEEK_END)
         lines = file.read(MOST_TEXT).splitlines()
     for line in reversed(lines):
@@ -273,7 +273,7 @@ def read_keras(name: str, path: Path) -> Keras:
 
 
 Shapes = dict[str, list[tuple[int, ...]]]
-"""Of the arrays of each layer."""
+"""Shapes of the arrays of each layer, by its name."""
 
 
 def _weights(group: Any, at: Callable[[Any, str], Any]) -> tuple[Shapes, dict[str, str]]:
