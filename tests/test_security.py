@@ -45,8 +45,8 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
         f"{given_plan.MOST_BYTES // mebi} MiB unpacked; of an archive {opener.MAX_MEMBERS:,} files",
         f"{parts.MOST_OPENINGS:,} doors and windows; {MAX_CORNERS:,} corners",
         f"cross {MAX_CROSSINGS:,} times, and {of_rooms:,} along the axes",
-        f"{parts.MOST_FURNITURE:,} pieces in all rooms",
-        f"{occupancy.MOST_RUNS:,} runs of cells that are alike",
+        f"{parts.MAX_HOUSE_PIECES:,} pieces in all rooms",
+        f"{occupancy.MAX_RUNS:,} runs of equal cells",
         f"{released.MOST_BYTES // mebi} MiB, {released.MOST_HEADER // mebi} MiB of header",
     ):
         assert words in PAGE

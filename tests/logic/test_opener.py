@@ -85,7 +85,7 @@ REFUSED_JSON = {
     "a huge number": (b"[1e400]", "1e100"),
     "no number": (b"[NaN]", "NaN"),
     "infinity": (b"[-Infinity]", "Infinity"),
-    "half a letter": (rb'["\ud800"]', "half a letter"),
+    "half a letter": (rb'["\ud800"]', "half of a surrogate pair"),
     "other letters": (b'["\xff"]', "utf-8"),
     "many values": (b"[" + b"[]," * (1 << 22) + b"[]]", "values"),
     "no JSON": (b'{"a": [1, 2}', "line 1 column 12"),

@@ -195,7 +195,7 @@ def test_a_warning_that_is_made_an_error_is_one_line(tmp_path: Path) -> None:
         done = vitruvius("generate", "--plan", tmp_path / "plan.geojson", "--out", tmp_path / "a.jsonl")
     said = "plan: passed over beside the rooms: 1 feature without geometry"
     assert (done.returncode, done.stdout) == (5, "")
-    assert done.stderr == f"error: {said}: this warning is an error by PYTHONWARNINGS\n"
+    assert done.stderr == f"error: {said}: PYTHONWARNINGS makes this warning an error\n"
 
 
 def test_help_without_docstrings_says_what_a_command_does() -> None:

@@ -101,7 +101,7 @@ def test_other_tensors_are_refused(tmp_path):
 
 
 def test_a_checkpoint_that_names_too_many_houses_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("agent.runs.checkpoint.MAX_LEARNT_IN", 2)
+    monkeypatch.setattr("agent.runs.checkpoint.MAX_LEARNT_HOUSES", 2)
     path = tmp_path / "a.safetensors"
     save(Checkpoint(network_of(CONFIG), CONFIG, 512, learnt_in=frozenset({1, 2, 3})), path)
     assert "learnt_in must be at most 2 numbers" in refusal(path)

@@ -150,10 +150,10 @@ def test_the_number_of_other_rooms_that_a_room_has_doors_to_is_a_promise() -> No
     """The corridor has six; an entrance is none, nor are doors to public rooms."""
     assert check(FLAT, Promises(degree={"corridor": (6, 6), "hall": (1, 1), "living": (2, 2)})) == []
     assert check(FLAT, Promises(degree={"corridor": (1, 5)})) == [
-        "R0 (corridor): has doors to 6 other rooms (1 to 5)"
+        "R0 (corridor): has doors to 6 other rooms (must be 1 to 5)"
     ]
     public = Promises(degree={"living": (2, 2)}, public=("corridor",))
-    assert "R7 (living): has doors to 1 other room (2 to 2)" in check(FLAT, public)
+    assert "R7 (living): has doors to 1 other room (must be 2 to 2)" in check(FLAT, public)
 
 
 def test_what_the_sides_of_a_house_keep_together_is_a_promise() -> None:

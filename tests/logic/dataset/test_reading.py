@@ -79,7 +79,7 @@ def test_a_set_that_is_not_whole_or_lost_a_file_is_one_line(
     (folder / MANIFEST).unlink()
     assert command("check", folder) == 5
     one, other = capsys.readouterr().err.splitlines()
-    assert one.endswith("is gone: the set is made again by generate --shard")
+    assert one.endswith("is missing: generate --shard makes it again")
     assert other.endswith("is a set that is not whole: it has no manifest.json yet")
     with pytest.raises(HouseFileError, match="is a folder"):
         load(tmp_path)

@@ -381,10 +381,10 @@ def test_floors_of_real_buildings_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_map_whose_cells_change_too_often_is_refused(axis: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A chessboard of 39 KB took 4.5 GB to be drawn; stripes have as many runs, along one axis alone."""
-    monkeypatch.setattr(occupancy, "MOST_RUNS", 1 << 18)
+    monkeypatch.setattr(occupancy, "MAX_RUNS", 1 << 18)
     stripes = np.broadcast_to(np.arange(600) % 2 > 0, (600, 600))
     cells = stripes if axis else stripes.T
-    with pytest.raises(ValueError, match="360,000 runs of cells that are alike: at most 262,144"):
+    with pytest.raises(ValueError, match="360,000 runs of equal cells: at most 262,144"):
         House.from_grid(cells, 0.1)
     row = "1.1#" * 300 if axis else ""
     rows = [row or f"600{letter}" for letter in ".#" * 300]
