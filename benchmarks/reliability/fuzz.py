@@ -1,14 +1,13 @@
-"""``vitruvius bench fuzz``: every reader of files of others, with contents that are changed at random.
+"""``vitruvius bench fuzz``: every reader of files from outside, with random changes of their contents.
 
-A reader has a value or an error of ours, in one line, within seconds and memory. All else is a failure, whose
-content is kept. Contents are led by coverage where atheris is installed (``pip install atheris``), else they
-are changed blindly.
+A reader returns a value or raises an error of Vitruvius in one line, within bounds of time and memory. The
+study keeps a content with any other answer. Coverage guides the changes if atheris is installed
+(``pip install atheris``); otherwise the changes are blind.
 """
 
 import json
 import os
 import random
-import resource
 import shutil
 import subprocess
 import sys
@@ -16,87 +15,57 @@ import time
 import traceback
 from collections import Counter
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from benchmarks.reliability.figures import AnswerFigures
 from benchmarks.reliability.random_changes import MOST_BYTES, changed
 from benchmarks.reliability.readers import READERS, answer, begin, scratch
 
 SECONDS = 10
-"""For an answer: it takes some thousandths, but the machine may be busy."""
+"""Longest time of an answer: most take milliseconds, but the machine may be busy."""
 
 MEMORY_MIB = 2048
-"""Of the process that answers."""
+"""Most memory of the process that answers."""
 
 MOST_FAILURES = 40
-"""Kinds of failures of a reader that are kept."""
+"""Most kinds of failures that the study keeps for a reader."""
 
 PACKAGES = ["agent", "logic", "sim", "vitruvius", "yaml", "tomllib", "zipfile"]
-"""Their branches lead atheris."""
+"""Packages whose branches guide atheris."""
 
 EVERY_S = 2.0
-"""Seconds between notes of how far a process is."""
-
-
-@dataclass
-class FuzzFigures:
-    """The answers to the contents of a reader."""
-
-    runs: int = 0
-    seconds: float = 0.0
-    answers: Counter[str] = field(default_factory=Counter)
-    slowest: float = 0.0
-    """Seconds of processor time of the slowest answer."""
-    memory: int = 0
-    """MiB, of the process that answers."""
-    failures: dict[str, str] = field(default_factory=dict)
-    """By kind of error and place: the file that keeps the content."""
-
-    def __str__(self) -> str:
-        """In a line."""
-        answers = ", ".join(f"{number:,} {name}" for name, number in sorted(self.answers.items()))
-        most = f"slowest {self.slowest:.2f} s, {self.memory} MiB"
-        return f"{self.runs:,} in {self.seconds:.0f} s: {answers}; {most}; {len(self.failures)} failures"
-
-    def add(self, other: "FuzzFigures") -> None:
-        """Add the figures of another process."""
-        self.runs, self.seconds = self.runs + other.runs, self.seconds + other.seconds
-        self.answers += other.answers
-        self.slowest, self.memory = max(self.slowest, other.slowest), max(self.memory, other.memory)
-        self.failures |= other.failures
+"""Seconds between two saves of the figures."""
 
 
 class FuzzTrial:
-    """A reader in this process, the contents that it has answered, and what came of them."""
+    """A reader in this process, and the figures of its answers."""
 
     def __init__(self, name: str, out: Path, folder: Path) -> None:
-        """Failures are kept in ``out``; ``folder`` is empty."""
+        """Use the empty ``folder`` for files, and keep failures in ``out``."""
         self.name, self.reader, self.out, self.folder = name, READERS[name], out, folder
-        self.figures, self.begun, self._noted = FuzzFigures(), time.monotonic(), 0.0
+        self.figures, self.begun, self._noted = AnswerFigures(), time.monotonic(), 0.0
 
     def __call__(self, content: bytes) -> None:
         """Read a content."""
-        begun, figures = time.process_time(), self.figures
+        begun = time.process_time()
         try:
             found = answer(self.reader, content, self.folder)
         except Exception as error:
             found = "failed"
             self._keep(content, error)
-        figures.runs += 1
-        figures.answers[found] += 1
-        figures.slowest = max(figures.slowest, time.process_time() - begun)
+        self.figures.count(found, time.process_time() - begun)
         if time.monotonic() > self._noted + EVERY_S:
             self.note()
 
     def note(self) -> None:
-        """Write the figures: the process may end at any time."""
+        """Save the figures: the process may end at any time."""
         self._noted = time.monotonic()
-        self.figures.seconds = self._noted - self.begun
-        self.figures.memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+        self.figures.measure(self.begun)
         (self.out / "figures.json").write_text(json.dumps(vars(self.figures)))
 
     def _keep(self, content: bytes, error: Exception) -> None:
@@ -112,7 +81,7 @@ class FuzzTrial:
 
 
 def place_of(error: Exception) -> str:
-    """Return the kind of an error, and the last lines of ours that it came through."""
+    """Return the class of an error, and the last two lines of Vitruvius in its traceback."""
     frames = [
         each for each in traceback.extract_tb(error.__traceback__) if "site-packages" not in each.filename
     ]
@@ -121,7 +90,7 @@ def place_of(error: Exception) -> str:
 
 
 def main() -> None:
-    """Fuzz a reader in this process: its name, a folder for failures, seconds, and a seed."""
+    """Fuzz a reader in this process. Arguments: its name, a folder for failures, seconds and a seed."""
     name, out, seconds, seed = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4])
     os.nice(10)
     with scratch() as folder:
@@ -141,7 +110,7 @@ def _blind(trial: FuzzTrial, seconds: float, seed: int) -> None:
 
 
 def _led(trial: FuzzTrial, seconds: float, seed: int) -> None:
-    """Fuzz by atheris, which ends the process."""
+    """Fuzz with atheris, which ends the process."""
     atheris: Any = import_module("atheris")
     contents = begin(trial.name)
     with atheris.instrument_imports(include=PACKAGES, enable_loader_override=False):
@@ -173,16 +142,16 @@ def _led(trial: FuzzTrial, seconds: float, seed: int) -> None:
 
 @dataclass(frozen=True)
 class Fuzz:
-    """Read files of others with random changes by every reader: each must be read, or refused in a line."""
+    """Give every reader random files, each of which the reader must read, or refuse in one line."""
 
     seconds: float = 3600.0
-    """How long, for all readers together."""
+    """Seconds for all readers together."""
 
     readers: tuple[str, ...] = ()
-    """Names of readers; all, if none is named."""
+    """Names of readers; without a name, all readers."""
 
     seed: int = 0
-    """Of the changes."""
+    """Seed of the changes."""
 
     out: Path = Path("runs/fuzz")
     """Folder for the contents that fail."""
@@ -191,26 +160,19 @@ class Fuzz:
     """Write into the folder whatever else it holds."""
 
     def run(self) -> int:
-        """Print the figures of each reader; 1 if a content fails."""
+        """Print the figures of each reader, and return 1 if a content fails."""
         from logic.errors import RequestError
         from logic.spelling import unknown
 
         for name in self.readers:
             if name not in READERS:
                 raise RequestError(unknown("reader", name, READERS))
-        failed = False
         names = self.readers or tuple(READERS)
-        for name in names:
-            figures = self._fuzzed(name, self.seconds / len(names))
-            failed |= bool(figures.failures)
-            print(f"{name}: {figures}", flush=True)
-            for kind, kept in figures.failures.items():
-                print(f"  {kind}: {kept}", flush=True)
-        return int(failed)
+        return max([self._fuzzed(name, self.seconds / len(names)).report(name) for name in names])
 
-    def _fuzzed(self, name: str, seconds: float) -> FuzzFigures:
-        """Fuzz a reader in processes: a content that ends one is a failure, and the next process goes on."""
-        total, end, number = FuzzFigures(), time.monotonic() + seconds, self.seed
+    def _fuzzed(self, name: str, seconds: float) -> AnswerFigures:
+        """Fuzz a reader in processes; after a content that ends a process, the next process continues."""
+        total, end, number = AnswerFigures(), time.monotonic() + seconds, self.seed
         out = self.out / name
         shutil.rmtree(out, ignore_errors=True)
         out.mkdir(parents=True)
@@ -231,19 +193,20 @@ class Fuzz:
         return total
 
 
-def _noted(out: Path) -> FuzzFigures:
+def _noted(out: Path) -> AnswerFigures:
     path = out / "figures.json"
     if not path.exists():
-        return FuzzFigures()
+        return AnswerFigures()
     noted: dict[str, Any] = json.loads(path.read_bytes())
     path.unlink()
     noted["answers"] = Counter(noted["answers"])
-    return FuzzFigures(**noted)
+    return AnswerFigures(**noted)
 
 
 def _ended(out: Path, name: str) -> dict[str, str] | None:
-    """Return the contents that ended a process, by libFuzzer's names; but for those of rules that a solver
-    process answers. None if there is no content.
+    """Return the contents that ended a process, by the names of libFuzzer; None if there is no content.
+
+    Rules that a solver process answers do not count.
     """
     found = None
     for kind in ("timeout", "oom", "crash", "slow-unit"):
@@ -256,7 +219,7 @@ def _ended(out: Path, name: str) -> dict[str, str] | None:
 
 
 def _by_a_solver(name: str, path: Path) -> bool:
-    """Return True if the content is of rules that ``lint`` answers by a solver process."""
+    """Return True for rules that ``lint`` answers in a solver process."""
     from logic import lint
     from logic.errors import GrammarError, LimitReached
     from logic.grammar import SHIPPED

@@ -1,21 +1,21 @@
-"""``vitruvius bench grammars``: small grammars, random but well formed, each asked for a house twice.
+"""``vitruvius bench grammars``: small grammars, random but well formed, with two requests for the same house.
 
-Each has one of the four answers: a house, a proof that there is none, a limit, an error of the grammar by
-file and line; and the second answer is the first one. A house is checked by plain geometry.
+A grammar gives one of four answers: a house, a proof that there is none, a limit, or an error with the file
+and line of the grammar. The second answer equals the first. ``check`` verifies each house.
 """
 
 import gc
-import resource
+import shutil
 import time
 import traceback
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.reliability.figures import AnswerFigures
 from benchmarks.reliability.readers import scratch
 from logic import check
 from logic.errors import GrammarError, LimitReached, MissingProgram, RequestError, Unsatisfiable
@@ -26,7 +26,7 @@ from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 
 INFERENCES = 2_000_000
-"""Of Prolog for a house: it takes some hundred thousand."""
+"""Most inferences of Prolog for a house: most houses take some hundred thousand."""
 
 ANSWERS = "house", "proof", "limit", "grammar error"
 
@@ -46,7 +46,7 @@ HOUSE_RULES = (
     "weight({a},rooms).",
     "option(choice,{a},3). option(choice,{b},1).\n:- pick(choice,T), not room(_,T).",
 )
-"""Rules of houses, of any topology; after them those of some topologies alone."""
+"""Rules of houses that hold in any topology."""
 
 RULES_OF = {
     "star": (
@@ -92,7 +92,7 @@ ROOM_FACTS = (
     "weight({a},{n}).",
     "opening({a},{b}).", "notches({n}).", "outdoor({a}).",
 )  # fmt: skip
-"""Facts of rooms that share walls."""
+"""Facts about rooms that share walls."""
 
 MISTAKES = (
     ":- room(R,attik).", "type(cellar)", ":- rooms > .", "may(den,keg,3,1).", ":- side(R).",
@@ -169,7 +169,7 @@ def random_grammar(folder: Path, rng: np.random.Generator) -> None:
 
 
 def answered(folder: Path, rooms: int, seed: int) -> tuple[str, str]:
-    """Return the kind of answer to a request for a house, and its text: JSON of a house, else words."""
+    """Return the kind of answer to a request for a house, and the text of the house or the error."""
     try:
         grammar = find(folder)
         builder = Builder(grammar, 0.0, LoadedGrammar(grammar))
@@ -188,8 +188,9 @@ def answered(folder: Path, rooms: int, seed: int) -> tuple[str, str]:
 
 
 def asked(folder: Path, seed: int) -> str:
-    """Ask a random grammar twice; the kind of answer. Raises ``AssertionError`` for answers that differ, and
-    for one that is none of ``ANSWERS``.
+    """Ask a random grammar twice, and return the kind of answer.
+
+    Raises ``AssertionError`` for answers that differ, and for a kind that is not in ``ANSWERS``.
     """
     rng = np.random.default_rng(seed)
     for file in folder.iterdir():
@@ -202,25 +203,15 @@ def asked(folder: Path, seed: int) -> str:
     return first[0]
 
 
-@dataclass
-class AnswerFigures:
-    """The answers to random grammars."""
-
-    answers: Counter[str] = field(default_factory=Counter)
-    slowest: float = 0.0
-    """Seconds of processor time of a grammar, both times."""
-    failures: list[str] = field(default_factory=list)
-
-
 @dataclass(frozen=True)
 class RandomGrammars:
-    """Make small random grammars, and ask each for a house twice: one of the four answers, and the same."""
+    """Make small random grammars, and ask each twice for a house: the same one of four answers."""
 
     seconds: float = 600.0
-    """How long."""
+    """Seconds of the whole study."""
 
     seed: int = 0
-    """Of the first grammar."""
+    """Seed of the first grammar."""
 
     out: Path = Path("runs/grammars")
     """Folder for the grammars that fail."""
@@ -229,46 +220,31 @@ class RandomGrammars:
     """Write into the folder whatever else it holds."""
 
     def run(self) -> int:
-        """Print the number of each answer; 1 if there is another one."""
-        figures = self._figures()
-        words = ", ".join(f"{number:,} {name}" for name, number in sorted(figures.answers.items()))
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
-        number = sum(figures.answers.values())
-        print(f"{number:,} grammars: {words}; slowest {figures.slowest:.1f} s, {memory} MiB")
-        for each in figures.failures:
-            print(f"  {each}")
-        return int(bool(figures.failures))
-
-    def _figures(self) -> AnswerFigures:
-        figures, end = AnswerFigures(), time.monotonic() + self.seconds
+        """Print the number of each answer, and return 1 if there is another answer."""
+        figures, begun = AnswerFigures(), time.monotonic()
         with scratch() as yard:
             folder = yard / "mine"
             folder.mkdir()
-            for seed in _until(end, self.seed):
-                begun = time.process_time()
+            for seed in count(self.seed):
+                if time.monotonic() > begun + self.seconds:
+                    break
+                started = time.process_time()
                 try:
                     answer = asked(folder, seed)
                 except MissingProgram:
                     raise
-                except Exception:
+                except Exception as error:
                     answer = "failed"
-                    figures.failures.append(self._kept(folder, seed, traceback.format_exc()))
-                figures.answers[answer] += 1
-                figures.slowest = max(figures.slowest, time.process_time() - begun)
+                    kind = f"seed {seed}: {type(error).__name__}: {str(error)[:300]}"
+                    figures.failures[kind] = self._kept(folder, seed)
+                figures.count(answer, time.process_time() - started)
                 gc.collect()
-        return figures
+        figures.measure(begun)
+        return figures.report("grammars")
 
-    def _kept(self, folder: Path, seed: int, why: str) -> str:
+    def _kept(self, folder: Path, seed: int) -> str:
+        """Keep a grammar and the traceback of its failure, and return the folder."""
         kept = self.out / str(seed)
-        kept.mkdir(parents=True, exist_ok=True)
-        for file in folder.iterdir():
-            (kept / file.name).write_bytes(file.read_bytes())
-        (kept / "why.txt").write_text(why)
-        return f"{kept}: {why.strip().splitlines()[-1][:300]}"
-
-
-def _until(end: float, first: int) -> Iterator[int]:
-    for number in count(first):
-        if time.monotonic() > end:
-            return
-        yield number
+        shutil.copytree(folder, kept, dirs_exist_ok=True)
+        (kept / "why.txt").write_text(traceback.format_exc())
+        return str(kept)

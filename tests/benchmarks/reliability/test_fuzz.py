@@ -1,4 +1,4 @@
-"""The study of readers finds what fails, and keeps it."""
+"""The studies of random inputs keep the inputs that fail, and count the answers."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ def broken(path: Path) -> None:
         raise KeyError("odd")
 
 
-def test_a_content_that_fails_is_kept_the_smallest_of_its_kind(tmp_path, monkeypatch):
+def test_the_smallest_content_of_each_kind_of_failure_is_kept(tmp_path, monkeypatch):
     monkeypatch.setitem(fuzz.READERS, "broken", FuzzReader("mine.txt", broken))
     out, folder = tmp_path / "out", tmp_path / "in"
     out.mkdir()
@@ -33,7 +33,7 @@ def test_a_content_that_fails_is_kept_the_smallest_of_its_kind(tmp_path, monkeyp
     assert kept == {b"odd", b"two"}
 
 
-def test_readers_are_fuzzed_in_processes_of_their_own(tmp_path, capsys):
+def test_the_study_tries_more_contents_than_a_reader_begins_with(tmp_path, capsys):
     assert Fuzz(2, ("promises",), out=tmp_path / "out").run() == 0
     [line] = capsys.readouterr().out.splitlines()
     runs = int(line.split()[1].replace(",", ""))
@@ -42,9 +42,9 @@ def test_readers_are_fuzzed_in_processes_of_their_own(tmp_path, capsys):
         Fuzz(2, ("promise",), out=tmp_path / "other").run()
 
 
-def test_random_grammars_have_one_of_the_four_answers_twice(tmp_path, capsys):
+def test_a_random_grammar_gives_one_of_the_four_answers_twice(tmp_path, capsys):
     assert RandomGrammars(4, out=tmp_path / "out").run() == 0
-    assert " grammars: " in capsys.readouterr().out
+    assert capsys.readouterr().out.startswith("grammars: ")
 
 
 def test_calls_of_environments_are_counted_by_kind_and_mode(capsys):
