@@ -7,7 +7,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import process_time
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 from msgspec import structs
@@ -25,7 +25,14 @@ from logic.request.request import Request
 PATIENCE = 20
 """Seconds on the clock for each of processor time that an attempt may take: the machine has other work."""
 
-T = TypeVar("T")
+CLOCK_S = 0.1
+"""Tolerance of processor time, in seconds."""
+
+INTERRUPTED = "interrupted"
+"""Limit of an attempt whose process ended without an answer."""
+
+END = b"\n"
+"""Last byte of a whole answer."""
 
 
 class Attempt(msgspec.Struct, omit_defaults=True):
@@ -86,7 +93,7 @@ def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> A
 
 
 def attempt_at(builder: Builder, request: Request, houses: int = 1, seed: int = 0) -> Attempt:
-    """Answer any request as ``attempt`` does."""
+    """Answer a request of any kind as ``attempt`` answers a brief."""
     clock, found, because, limit = StageClock(), [], None, ""
     with clock.of(builder):
         try:
@@ -102,31 +109,37 @@ def attempt_at(builder: Builder, request: Request, houses: int = 1, seed: int = 
     return Attempt(seconds, clock.stages, refuted, records, because, limit)
 
 
-def within(seconds: float, work: Callable[[], T], kind: type[T]) -> T | None:
-    """What some work gives, in a process of its own, so that no solver knows more than its own brief; None
-    where it takes more processor time. What it gives travels as JSON.
+def within(seconds: int, work: Callable[[], Attempt]) -> Attempt:
+    """Return the attempt that some work makes in a process of its own: each brief has a fresh solver.
+
+    The attempt has a limit where the work takes more processor time, and ``INTERRUPTED`` as its limit where
+    the process ends earlier without an answer, as by a signal.
     """
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
         _alone(seconds, writing, work)
     os.close(writing)
-    content = b""
+    content, more = b"", b"\0"
     with open(reading, "rb", buffering=0) as pipe:
-        while select.select([pipe], [], [], seconds * PATIENCE)[0] and (more := pipe.read(1 << 20)):
-            content += more
-    os.kill(child, signal.SIGKILL)  # it has said all, or is late
-    os.waitpid(child, 0)
-    return msgspec.json.decode(content, type=kind) if content else None
+        while more and select.select([pipe], [], [], seconds * PATIENCE)[0]:
+            content += (more := pipe.read(1 << 20))
+    os.kill(child, signal.SIGKILL)  # it has answered, or is late
+    used = os.wait4(child, 0)[2]
+    if content.endswith(END):
+        return msgspec.json.decode(content, type=Attempt)
+    took = used.ru_utime + used.ru_stime
+    is_late = more or took > seconds - CLOCK_S
+    return Attempt(took, limit=f"{seconds} s of processor time" if is_late else INTERRUPTED)
 
 
-def _alone(seconds: float, writing: int, work: Callable[[], object]) -> None:
-    """In the new process: work, and end; with the study too."""
+def _alone(seconds: int, writing: int, work: Callable[[], Attempt]) -> None:
+    """Work in the new process, which ends at the latest with the study."""
     try:
         LIBC.prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-        content = msgspec.json.encode(work())
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+        content = msgspec.json.encode(work()) + END
         with open(writing, "wb") as pipe:
             pipe.write(content)
     except Exception as error:

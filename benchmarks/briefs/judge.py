@@ -30,7 +30,7 @@ ROUNDED = 1e-3
 """Metres, and as a share of an area: how much an answer may be off."""
 
 READ = 1e-4
-"""Square metres: areas are read to a square centimetre."""
+"""Rounding of an area in a brief, in square metres."""
 
 
 class JudgedLine(NamedTuple):

@@ -33,7 +33,7 @@ class KnownPlan:
     entrance: int
     voids: tuple[Box, ...] = ()
     windows: tuple[tuple[int, str], ...] = ()
-    """Boxes with the sides in which they have one."""
+    """Boxes and sides that have a window."""
 
     @property
     def outline(self) -> Box:
@@ -50,7 +50,7 @@ class KnownPlan:
         ]
 
     def outer(self, room: int, least: float = DOORWAY) -> list[str]:
-        """The sides of a room with so long an outer wall, the longest wall's first."""
+        """Return the sides of a room with an outer wall of ``least`` metres, the longest wall first."""
         walls = [side for side, low, high in self._outer_walls(room) if high - low >= least]
         return list(dict.fromkeys(walls))
 
@@ -78,7 +78,7 @@ class KnownPlan:
         return House(tuple(rooms), tuple(doors), tuple(windows), topology="dissection")
 
     def _window(self, room: int, side: str, name: str) -> Window:
-        """One as wide as a door, in the longest part of an outer wall."""
+        """Return a window as wide as a door, in the longest part of an outer wall."""
         low, high = next((low, high) for at, low, high in self._outer_walls(room) if at == side)
         door = _segment(self.boxes[room], side, low, high, (name, OUTSIDE))
         return Window(door.x, door.y, door.width, door.height, name)
@@ -183,9 +183,7 @@ def of_dissection(rooms: int, rng: np.random.Generator) -> KnownPlan:
 def dissected(
     box: Box, rooms: int, rng: np.random.Generator, least: float = LEAST_ROOM, digits: int = 2
 ) -> list[Box] | None:
-    """A box cut into so many, at lines and as pinwheels of five, at rounded places; None where one is too
-    small.
-    """
+    """Return a box cut into ``rooms`` boxes, at lines and as pinwheels of five; None if one is too small."""
     west, north, east, south = box
     if min(east - west, south - north) < least:
         return None

@@ -136,9 +136,7 @@ class BriefStudy:
         return self._tried(partial(attempt, builder, brief))
 
     def _tried(self, work: Callable[[], Attempt]) -> Attempt:
-        return within(self.seconds, work, Attempt) or Attempt(
-            float(self.seconds), limit=f"{self.seconds} s of processor time"
-        )
+        return within(self.seconds, work)
 
     def _write(self, bank: Sequence[BriefEntry], found: Results) -> None:
         """What there is so far."""

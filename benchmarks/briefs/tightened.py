@@ -1,4 +1,4 @@
-"""Grammars that a house keeps at their limits: the sizes and areas of its rooms are all that they allow."""
+"""Grammars that a house keeps at their limits: they allow no sizes and areas beyond those of its rooms."""
 
 import re
 import shutil
@@ -10,14 +10,14 @@ from benchmarks.briefs.boxes import around
 from logic.generation.builder import Builder
 from logic.house.house import House
 
-ROUNDED = 1e6
-"""So many parts of a metre, or of a square metre, are told apart."""
+PER_METRE = 1e6
+"""Steps of a stated length per metre, and of a stated area per square metre."""
 
 
 def tightened(builder: Builder, house: House, folder: Path) -> Path:
-    """Return a copy of a grammar with the least and the greatest of a house, by type of room, and its size.
+    """Return a copy of a grammar in a new folder, with the sizes and areas of a house as its bounds.
 
-    The folder is not there yet, and the size of each type stands in a line of its own.
+    The grammar must state the size of each type in a line of its own.
     """
     shutil.copytree(builder.grammar.directory, folder)
     oblong = {fact.arguments[0].name for fact in builder.programs.rooms(1).facts("oblong", 1)}
@@ -47,4 +47,4 @@ def _between(name: str, lengths: list[float] | tuple[float, ...]) -> str:
 
 
 def _ends(values: list[float] | tuple[float, ...]) -> tuple[float, float]:
-    return floor(min(values) * ROUNDED) / ROUNDED, ceil(max(values) * ROUNDED) / ROUNDED
+    return floor(min(values) * PER_METRE) / PER_METRE, ceil(max(values) * PER_METRE) / PER_METRE

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
+from benchmarks.briefs.at_limits import planted
 from benchmarks.briefs.attempts import attempt
-from benchmarks.briefs.planted import planted, row_of
+from benchmarks.briefs.planted import row_of
 from benchmarks.briefs.tightened import tightened
 from logic.grammar import find
 from logic.house.house import House
