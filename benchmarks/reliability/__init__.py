@@ -1,1 +1,1 @@
-"""Studies of what must never happen: a wrong answer, a mistake that no test notices, a torn file."""
+"""Studies of reliability: wrong answers, mistakes that no test notices, and truncated files."""

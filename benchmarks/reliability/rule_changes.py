@@ -1,4 +1,4 @@
-"""Mutants of rule files: by clingo's and SWI-Prolog's own readers, which say where each part stands."""
+"""Edits of rule files at the places that clingo and SWI-Prolog give for each part."""
 
 import re
 import subprocess
@@ -22,7 +22,7 @@ TURNED = {
     b"=": ("!=",),
     b"!=": ("=",),
 }
-"""The comparisons in the place of each of clingo's: off by one, and turned."""
+"""Replacements of each comparison of clingo: off by one, and reversed."""
 
 SIGN = re.compile(rb"[<>!=]+")
 
@@ -37,7 +37,7 @@ def lp_edits(content: bytes) -> Iterator[tuple[str, int, int, str]]:
         begin, end = location.begin, location.end
         return starts[begin.line - 1] + begin.column - 1, starts[end.line - 1] + end.column - 1
 
-    # What a file includes has mutants of its own.
+    # An included file has its own mutants.
     text = content.replace(b"#include", b"%include")
     parse_string(text.decode(), statements.append)
     for statement in statements:

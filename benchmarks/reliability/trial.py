@@ -1,8 +1,8 @@
-"""The process that tries mutants: pytest, which collects the tests once and then forks for each mutant.
+"""The process that tries mutants: pytest collects the tests once, and then forks for each mutant.
 
-It is started in a copy of the checkout, reads a question a line of standard input, and answers each, in JSON.
-In the child a changed function of Python gets the code of the mutant. Where what runs as a module is imported
-has changed, the child imports all of ours again; rules are read as they are loaded.
+The process runs in a copy of the checkout, reads a question in each line of standard input, and answers in
+JSON. In the child, a changed Python function gets the code of the mutant. If code outside functions has
+changed, the child imports all modules again. Rules need neither, for tests load the rule files.
 """
 
 import contextlib
@@ -23,34 +23,34 @@ from typing import Any
 import pytest
 
 LATE, ENDED = "the tests do not end", "the process of the tests ends"
-"""How mutants are noticed without a test that fails."""
+"""Outcomes that notice a mutant without a test that fails."""
 
 OURS = ("logic", "sim", "agent", "vitruvius", "tests")
 
 
 class MutantTrial:
-    """A plugin of pytest: which tests fail; and where all are measured, their seconds and what they enter."""
+    """A plugin of pytest that notes failures, or in a measurement the seconds and functions of each test."""
 
     def __init__(self) -> None:
-        """Begin without any."""
+        """Begin without notes."""
         self.failed = list[str]()
         self.seconds = defaultdict[str, float](float)
         self.entered = dict[str, list[tuple[str, int]]]()
-        """By test the functions of ours that it enters: file, and first line."""
+        """By test: the functions that the test enters, as file and first line."""
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Note that a file of tests cannot be imported."""
+        """Note a test file that cannot be imported."""
         if report.failed:
             self.failed.append(f"{report.nodeid}: cannot be imported")
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Note how long a test took, and that it fails."""
+        """Note the seconds of a test, and a failure."""
         self.seconds[report.nodeid] += report.duration
         if report.failed:
             self.failed.append(report.nodeid)
 
     def run(self, items: Sequence[pytest.Item], measure: float) -> None:
-        """Run tests until the first fails; or measure them for so many seconds."""
+        """Run tests until one fails, or for ``measure`` seconds with their functions noted."""
         end = time.monotonic() + measure
         for item, following in zip_longest(items, items[1:]):
             if measure and time.monotonic() > end:
@@ -74,20 +74,20 @@ class MutantTrial:
 
 
 class TrialServer:
-    """A plugin of pytest that, in the place of running tests, answers questions."""
+    """A plugin of pytest that answers questions instead of running all tests."""
 
     def __init__(self, answers: Any) -> None:
-        """Take where the answers go."""
+        """Write answers to this file."""
         self.answers = answers
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Leave the second part of the tests out: it takes too long."""
+        """Leave out the second part of the tests, which takes too long."""
         from tests.second_part import of_second_part
 
         items[:] = [item for item in items if not of_second_part(item.nodeid.removeprefix("tests/"))]
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Answer until there is no more question."""
+        """Answer all questions."""
         trial = MutantTrial()
         session.config.pluginmanager.register(trial)
         for line in sys.stdin:
@@ -96,28 +96,28 @@ class TrialServer:
         return True
 
 
-class Anew:
-    """A plugin of pytest that runs some tests of a new session."""
+class ChosenTests:
+    """A plugin of pytest that runs chosen tests of a new session."""
 
     def __init__(self, trial: MutantTrial, order: Sequence[str]) -> None:
-        """Take the tests, in their order."""
+        """Run the tests in this order."""
         self.trial, self.order = trial, order
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Run them."""
+        """Run the tests."""
         if not self.trial.failed:
             self.trial.run(chosen(session, self.order), measure=0)
         return True
 
 
 def chosen(session: pytest.Session, order: Sequence[str]) -> list[pytest.Item]:
-    """Return the tests of these names, in this order."""
+    """Return the tests with these names, in this order."""
     items = {item.nodeid: item for item in session.items}
     return [items[name] for name in order if name in items]
 
 
 def answer(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]) -> dict[str, Any]:
-    """Fork, run tests in the child, and end it where it takes longer than the seconds of the question."""
+    """Return the answer of a child that runs the tests, or ``LATE`` after the seconds of the question."""
     read, write = os.pipe()
     child = os.fork()
     if not child:
@@ -155,7 +155,7 @@ def answer(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]
 
 
 def _parts(read: int, end: float) -> Iterator[bytes]:
-    """Yield a line of a pipe as it comes: not to its end, which what the tests have forked may hold open."""
+    """Yield parts of a pipe up to a line end: processes of the tests may keep the pipe open."""
     os.set_blocking(read, False)
     while time.monotonic() < end:
         try:
@@ -169,13 +169,13 @@ def _parts(read: int, end: float) -> Iterator[bytes]:
 
 
 def _try(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]) -> int:
-    """In the child: change what the parent has imported, and run the tests; return the number not reached."""
+    """Change the imported code in the child, run the tests, and return the number of tests not reached."""
     order = question["order"]
     if question["measure"]:
         items = [item for item in session.items if item.nodeid.startswith(tuple(order))]
         items.sort(key=lambda item: sha256(item.nodeid.encode()).digest())
         trial.run(items, question["measure"])
-        # So that compiled kernels are kept for the trials.
+        # Sessions save compiled kernels at their end: trials use the kernels.
         session.config.hook.pytest_sessionfinish(session=session, exitstatus=0)
         return len(items) - len(trial.entered)
     if not (file := question["file"]) or (file.endswith(".py") and _patched(Path(file), question["line"])):
@@ -184,12 +184,12 @@ def _try(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]) 
         for name in [name for name in sys.modules if name.partition(".")[0] in OURS]:
             del sys.modules[name]
         paths = sorted({name.partition("::")[0] for name in order})
-        pytest.main([*OPTIONS, *paths], [trial, Anew(trial, order)])
+        pytest.main([*OPTIONS, *paths], [trial, ChosenTests(trial, order)])
     return 0
 
 
 def _patched(file: Path, first: int) -> bool:
-    """Give the function or method that begins at a line, and that runs, the code that the file has now."""
+    """Replace the code of the function at line ``first`` by that of the file; return True if it was found."""
     gc.unfreeze()
     path = str(file.resolve())
     code = next(
@@ -211,7 +211,7 @@ def _patched(file: Path, first: int) -> bool:
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    """Yield the code of the functions of a module, those of methods too."""
+    """Yield the code of all functions and methods of a module."""
     for each in code.co_consts:
         if isinstance(each, CodeType):
             yield each
@@ -222,7 +222,7 @@ OPTIONS = ("-q", "-s", "-p", "no:cacheprovider")
 
 
 def main() -> None:
-    """Collect the tests of the arguments, and answer the questions on standard input."""
+    """Collect the tests that the arguments name, and answer the questions on standard input."""
     sys.dont_write_bytecode = True
     with os.fdopen(os.dup(1), "w") as answers:
         os.dup2(2, 1)

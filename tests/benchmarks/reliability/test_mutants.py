@@ -1,4 +1,4 @@
-"""The study of mutants: what it changes, what tests notice, and that it goes on where it was stopped."""
+"""The study of mutants: its changes, its trials, and its continuation after a stop."""
 
 import json
 import shutil
@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.reliability import mutant_tests, trial
 from benchmarks.reliability import mutants as study
-from benchmarks.reliability import trial
 from benchmarks.reliability.changes import Mutant, mutants
-from benchmarks.reliability.mutants import Mutants, Row
+from benchmarks.reliability.mutant_tests import MutantRow
+from benchmarks.reliability.mutants import Mutants
 
 PYTHON = '''"""A module."""
 
@@ -40,7 +41,7 @@ def changes(folder: Path, name: str, content: str) -> set[tuple[int, str, str, s
     return {(each.line, each.operator, each.before, each.after) for each in mutants(folder, name)}
 
 
-def test_python_is_changed_where_it_runs(tmp_path: Path) -> None:
+def test_mutants_of_python_change_all_that_runs_and_no_text(tmp_path: Path) -> None:
     assert changes(tmp_path, "a.py", PYTHON) == {
         (3, "constant", "2.0", "2.02"),
         (6, "constant", "True", "False"),
@@ -60,7 +61,9 @@ def test_python_is_changed_where_it_runs(tmp_path: Path) -> None:
     assert changes(tmp_path, "kernel.py", "@ti.func\ndef f(x):\n    return x + 1\n") == set()
 
 
-def test_rules_lose_a_rule_or_a_literal_and_have_other_comparisons_and_numbers(tmp_path: Path) -> None:
+def test_mutants_of_rules_lose_a_rule_or_a_literal_or_have_another_comparison_or_number(
+    tmp_path: Path,
+) -> None:
     assert changes(tmp_path, "a.lp", LP) == {
         (2, "rule", "room(1..3).", ""),
         (2, "number", "1", "2"),
@@ -87,7 +90,7 @@ def test_rules_lose_a_rule_or_a_literal_and_have_other_comparisons_and_numbers(t
 
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A tiny checkout: two functions, and a test that notices what is wrong in one of them alone."""
+    """Return a tiny checkout of two functions, with tests that notice mistakes in one function alone."""
     root = tmp_path / "checkout"
     files = {
         "pyproject.toml": "[tool.pytest.ini_options]\naddopts = '--import-mode=importlib'\n",
@@ -110,11 +113,12 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     monkeypatch.setattr(study, "ROOT", root)
     monkeypatch.setattr(study, "KINDS", {"tiny": ("logic/*.py",)})
-    monkeypatch.setattr(study, "BELONGING", {"logic/*": ("test_lengths.py",)})
+    monkeypatch.setattr(mutant_tests, "ROOT", root)
+    monkeypatch.setattr(mutant_tests, "BELONGING", {"logic/*": ("test_lengths.py",)})
     return root
 
 
-def test_a_mutant_is_noticed_or_survives_and_a_study_that_was_ended_goes_on(
+def test_a_study_tries_no_mutant_twice_though_lines_move_above_it(
     checkout: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     again = Mutants(kinds=("tiny",), each=9, out=tmp_path)
@@ -128,15 +132,20 @@ def test_a_mutant_is_noticed_or_survives_and_a_study_that_was_ended_goes_on(
     assert (checkout / "logic" / "lengths.py").read_text().startswith("ONE = 1\n")
     assert "| tiny | 3 | 1 | 33% (6% to 79%) | 0 | 2 |" in capsys.readouterr().out
     (tmp_path / "rows.jsonl").write_text("\n".join(lines[:2]))
+    file = checkout / "logic" / "lengths.py"
+    file.write_text(f'"""A module."""\n\n{file.read_text()}')
+    study.sample.cache_clear()
     tried = []
 
     class Noted:
         def __init__(self, *_: object) -> None: ...
         def close(self) -> None: ...
-        def tried(self, kind: str, mutant: Mutant, _: float) -> Row:
+        def tried(self, kind: str, mutant: Mutant, _: float) -> MutantRow:
             tried.append(mutant.code)
-            return Row(kind=kind, mutant=mutant)
+            return MutantRow(kind=kind, mutant=mutant)
 
-    monkeypatch.setattr(study, "Tests", Noted)
+    monkeypatch.setattr(study, "MutantTests", Noted)
     again.run()
     assert tried == [json.loads(lines[2])["mutant"]["code"]]
+    rows = map(json.loads, (tmp_path / "rows.jsonl").read_text().splitlines())
+    assert {row["mutant"]["line"] for row in rows} == {3, 7, 11}
