@@ -25,10 +25,10 @@ from logic.house.files import write_whole
 BELONGING: dict[str, tuple[str, ...]] = {
     "logic/checking/*": ("logic/checking",),
     "logic/generation/*": (
-        "logic/generation/test_frames.py",
-        "logic/generation/test_star_nogoods.py",
         "logic/generation",
+        "logic/proofs",
         "logic/request/test_fixed_rooms.py",
+        "logic/request/test_given_plan.py",
     ),
     "logic/rules/brief/*.pl": ("logic/generation/test_brief.py",),
     "logic/rules/*.lp": ("logic/rules/test_models.py",),

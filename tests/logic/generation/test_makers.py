@@ -1,0 +1,267 @@
+"""The steps of the makers by themselves: what they learn, when they give up, what they refuse."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from clingo import Function, Number, parse_term
+
+from logic.errors import LimitReached, RequestError
+from logic.generation import movable_doors
+from logic.generation.brief import BriefMaker
+from logic.generation.builder import Builder
+from logic.generation.furnish import GivenRoom, Unfurnishable
+from logic.generation.given_plan import PATIENCE, GivenPlanMaker
+from logic.generation.movable_doors import LooseRoom
+from logic.generation.shared_walls import SharedWallsMaker, at_face
+from logic.generation.star import StarMaker
+from logic.generation.tiling import require_tiling
+from logic.grammar import find
+from logic.house.house import House
+from logic.house.parts import Rect, Room
+from logic.layout.program import Conflict
+from logic.placement.placer import Infeasible
+from logic.placement.plan import Plan, PlanDoor, PlanRoom, sides
+from logic.request.given_plan import read_plan
+from logic.request.request import Request
+from tests.logic.request.test_given_plan import BOXES, geojson
+
+DEN = GivenRoom("den", Rect(1, 1, 4, 3), [Rect(2, 4, 0.9, 0)])
+NO_MOVE = LooseRoom(DEN, [None])
+FOUR = Request(4)
+
+
+def stub(**fields: Any) -> Any:
+    """An object with these attributes."""
+    return SimpleNamespace(**fields)
+
+
+@pytest.fixture(scope="module")
+def star() -> StarMaker:
+    found = Builder(find("family")).maker_of(FOUR)
+    assert isinstance(found, StarMaker)
+    return found
+
+
+# - stars -----------------------------------------------------------------------------------------------
+def test_conflicts_of_furniture_are_minimal_from_the_third_attempt_on(
+    star: StarMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, minimal = star._placer.place, list[bool]()
+
+    def refuses_twice(layout: Any, *others: Any, **how: bool) -> Any:
+        minimal.append(how["minimal"])
+        if len(minimal) > 2:
+            return place(layout, *others, **how)
+        furniture = {atom: True for atom in layout.rooms[0].furniture if atom.name == "on"}
+        raise Infeasible({0: Conflict(furniture, ())}, 1)
+
+    monkeypatch.setattr(star._placer, "place", refuses_twice)
+    star.made(FOUR, np.random.default_rng(1), 10**8)
+    assert minimal == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("fixed", "has_area", "words"),
+    [
+        ((), True, "did not leave the main room the area that is left of house_area/2, though others might"),
+        ((1,), False, "did not fit between the fixed rooms, though smaller ones might"),
+        (
+            (1,),
+            True,
+            "did not fit between the fixed rooms, or did not leave the main room the area that is left",
+        ),
+    ],
+)
+def test_rooms_that_do_not_fit_are_told_with_what_they_stand_between(
+    fixed: tuple[int, ...], has_area: bool, words: str
+) -> None:
+    maker = stub(_loaded=stub(has_area=has_area))
+    assert StarMaker._misfit(maker, stub(fixed=fixed)).startswith(f"the sampled rooms {words}")
+
+
+# - walls of a thickness, plans by a user's topology ------------------------------------------------------
+@pytest.mark.parametrize(
+    ("door", "face"),
+    [
+        (Rect(5.1, 2, 0, 0.9), Rect(5, 2, 0, 0.9)),
+        (Rect(0.9, 2, 0, 0.9), Rect(1, 2, 0, 0.9)),
+        (Rect(2, 4.1, 0.9, 0), Rect(2, 4, 0.9, 0)),
+        (Rect(2, 0.9, 0.9, 0), Rect(2, 1, 0.9, 0)),
+    ],
+)
+def test_a_door_within_a_thick_wall_is_seen_at_the_face_of_the_room(door: Rect, face: Rect) -> None:
+    assert at_face(door, DEN.rect, 0.1) == face
+
+
+def test_rooms_that_overlap_are_told_with_the_edges_that_bring_them_there() -> None:
+    rooms = [Room(0, 0, 4, 4, "R0", "den"), Room(3, 0, 4, 4, "R1", "den"), Room(7, 0, 2, 4, "R2", "den")]
+    layout = "edge(0,east,a) edge(1,west,b) edge(1,east,c) edge(2,west,c) edge(0,north,outline(north)) hub(0)"
+
+    def of_topology(why: str, edges: list[Any]) -> Exception:
+        return RequestError(" ".join(map(str, edges)))
+
+    loaded: Any = stub(rules=stub(topology_error=of_topology))
+    with pytest.raises(RequestError) as told:
+        require_tiling(House(tuple(rooms)), [parse_term(text) for text in layout.split()], loaded)
+    assert str(told.value) == "edge(0,east,a) edge(1,west,b) edge(1,east,c)"
+
+
+# - briefs --------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("states", "words"),
+    [
+        ({"depths": (8.0, 9.0)}, "have units: take another"),
+        (
+            {"has_area": True, "voids": (1,)},
+            "house_area/2, which holds of whole rectangles: leave out the voids",
+        ),
+        ({"has_area": True, "outdoor": True}, "outdoor"),
+        ({"wholes": [1]}, "states whole_area/3"),
+        ({"has_area": True, "wall_thickness": 0.1}, "no brief has both"),
+    ],
+)
+def test_a_brief_is_refused_where_the_grammar_states_what_it_cannot_keep(
+    states: dict[str, Any], words: str
+) -> None:
+    said = {"depths": None, "has_area": False, "outdoor": False, "voids": (), "wholes": []} | states
+    placer = stub(
+        ask=lambda *_: {"wholes": said["wholes"]}, wall_thickness=said.get("wall_thickness"), account=None
+    )
+    loaded = stub(**said, placer=placer, furniture={})
+    with pytest.raises(RequestError, match=words):
+        BriefMaker(stub(name="mine"), loaded, stub(outline=stub(voids=said["voids"])))
+
+
+# - given plans ---------------------------------------------------------------------------------------
+PLAN = read_plan(geojson(BOXES))
+
+
+def test_a_door_that_the_plan_does_not_have_may_stand_in_all_of_its_wall() -> None:
+    names = [room.name for room in PLAN.rooms]
+    rooms = [PlanRoom(*sides(room), number, "den", room.name) for number, room in enumerate(PLAN.rooms)]
+    hall, living, bedroom = map(names.index, ("hall", "living", "bedroom"))
+    plan = Plan(rooms, [], [])
+    maker: Any = stub(plan=PLAN, _placer=stub(wall_thickness=None))
+    box = PLAN.rooms[hall].box
+
+    def span(door: PlanDoor) -> tuple[float, ...]:
+        found = GivenPlanMaker._span(maker, plan, door)
+        assert found is not None
+        return found.box
+
+    upright = PlanDoor(box[0], box[1] + 1, 0, 0.9, (hall, living))
+    assert span(upright) == pytest.approx((box[0], box[1], box[0], box[3]))
+    south = next(wall for wall in PLAN.walls if (wall.room, wall.behind) == (hall, bedroom))
+    lying = PlanDoor(box[0] + 0.5, south.place, 0.9, 0, (hall, bedroom))
+    assert span(lying) == pytest.approx((box[0], south.place, box[2], south.place))
+
+
+def test_a_refuted_room_takes_its_own_place_and_doors_of_the_plan() -> None:
+    maker: Any = stub(plan=PLAN)
+    drawn = GivenPlanMaker._granted(maker, {0, 2, "outside"}, "drawn")
+    assert [atom.arguments[0].arguments[0] for atom in drawn] == [Number(0), Number(2)]
+    assert {atom.arguments[0].name for atom in drawn} == {"drawn"}
+    assert GivenPlanMaker._granted(maker, {0}, "joined") == ()
+
+
+def test_a_refuted_room_takes_the_rooms_behind_its_walls_where_a_door_leads_outside() -> None:
+    near: list[Any] = []
+    program = stub(atoms=lambda *_: [])
+    hall = next(number for number, room in enumerate(PLAN.rooms) if room.name == "hall")
+    other = next(wall.behind for wall in PLAN.walls if wall.room == hall and wall.behind is not None)
+
+    def refuted(between: tuple[int | str, int | str]) -> set[Any]:
+        maker: Any = stub(
+            plan=PLAN,
+            _programs=stub(rooms_for=lambda _: (program, [])),
+            _granted=lambda rooms, kind: near.append((kind, {*rooms})) or (),
+        )
+        plan: Any = stub(doors_of=lambda _: [stub(between=between)], name=lambda _: "hall")
+        GivenPlanMaker._refutation(maker, FOUR, plan, [], hall, NO_MOVE, windows=False)
+        (_, of_drawn), (_, of_joined) = near[-2:]
+        assert of_joined == {hall}
+        return of_drawn
+
+    assert refuted((hall, other)) == {hall, other}
+    behind = {wall.behind for wall in PLAN.walls if wall.room == hall}
+    assert refuted((hall, "outside")) == {hall, "outside"} | behind
+
+
+def test_a_room_with_an_opening_keeps_its_doors() -> None:
+    plan: Any = stub(doors_of=lambda _: [stub(opening=True)])
+    maker: Any = stub()
+    assert not GivenPlanMaker._moved(maker, FOUR, plan, [], 0, np.random.default_rng(0), [])
+
+
+@pytest.mark.parametrize("movable", [True, False])
+def test_doors_are_moved_once_a_room_has_failed_often(movable: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    moves: list[bool] = []
+
+    def furnished(*_: Any) -> list[str]:
+        if moves and movable:
+            return ["furnished"]
+        raise Unfurnishable(0, DEN)
+
+    monkeypatch.setattr(SharedWallsMaker, "_furnished", furnished)
+    monkeypatch.setattr(SharedWallsMaker, "made", lambda *_: "a house")
+    monkeypatch.setattr(GivenPlanMaker, "_moved", lambda *_: moves.append(True) or movable)
+    maker, nothing = GivenPlanMaker.__new__(GivenPlanMaker), stub()
+    assert maker.made(nothing, nothing, 0) == "a house"
+    for attempt in range(1, PATIENCE + 1):
+        assert not moves
+        if attempt == PATIENCE and movable:
+            assert maker._furnished(nothing, nothing, [], [], nothing, 0) == ["furnished"]
+        else:
+            with pytest.raises(Unfurnishable):
+                maker._furnished(nothing, nothing, [], [], nothing, 0)
+    assert moves == [True]
+
+
+# - rooms whose doors move --------------------------------------------------------------------------------
+def fits_at(attempt: int) -> tuple[Any, Any]:
+    """Programs and a placer that refute a room's layouts up to this attempt; 0: there is no layout."""
+    layouts = [[Function("layout", [Number(number)])] for number in range(1, attempt + 1)]
+
+    def sample(*arguments: Any) -> Any:
+        tried = len(arguments[-1])
+        return layouts[tried] if tried < len(layouts) else None
+
+    def conflict(term: Any) -> Conflict | None:
+        (atom,) = term.arguments[2]
+        return None if atom == layouts[-1][0] else Conflict({atom: True}, ())
+
+    programs = stub(required_in=lambda *_: (), given=lambda *_: stub(sample=sample))
+    return programs, stub(loose_conflict=conflict)
+
+
+def test_a_room_whose_doors_move_gets_the_first_layout_that_has_places() -> None:
+    rng = np.random.default_rng(0)
+    for attempt in (1, 3):
+        assert NO_MOVE.furniture(*fits_at(attempt), rng, FOUR, True) == [
+            Function("layout", [Number(attempt)])
+        ]
+    assert NO_MOVE.furniture(*fits_at(0), rng, FOUR, True) is None
+
+
+def test_nothing_is_known_of_a_room_past_a_number_of_layouts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(movable_doors, "MOST_LAYOUTS", 3)
+    rng = np.random.default_rng(0)
+    assert NO_MOVE.furniture(*fits_at(3), rng, FOUR, True)
+    with pytest.raises(LimitReached, match=r"^3 layouts of a den of .* m with 1 door have no places"):
+        NO_MOVE.furniture(*fits_at(4), rng, FOUR, True)
+
+
+# - houses --------------------------------------------------------------------------------------------
+def test_each_house_begins_its_account_and_knows_what_made_it() -> None:
+    begun: list[str] = []
+    maker = stub(made=lambda request, rng, inferences: House((Room(0, 0, 4, 4, "R0", "den"),)))
+    builder: Any = stub(
+        account=stub(begin=lambda: begun.append("account")),
+        maker_of=lambda _: maker,
+        _provenance=lambda request, seed, index: stub(seed=seed, index=index),
+    )
+    made = Builder.house(builder, FOUR, 7, 2, 100)
+    assert begun == ["account"]
+    assert (made.provenance.seed, made.provenance.index) == (7, 2)  # pyright: ignore[reportOptionalMemberAccess]
