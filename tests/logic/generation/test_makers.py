@@ -8,6 +8,7 @@ import pytest
 from clingo import Function, Number, parse_term
 
 from logic.errors import LimitReached, RequestError
+from logic.generation import builder as building
 from logic.generation import movable_doors
 from logic.generation.brief import BriefMaker
 from logic.generation.builder import Builder
@@ -17,11 +18,10 @@ from logic.generation.movable_doors import LooseRoom
 from logic.generation.shared_walls import SharedWallsMaker, at_face
 from logic.generation.star import StarMaker
 from logic.generation.tiling import require_tiling
-from logic.grammar import find
+from logic.generation.units import Unit, UnitsMaker
 from logic.house.house import House
 from logic.house.parts import Rect, Room
 from logic.layout.program import Conflict
-from logic.placement.placer import Infeasible
 from logic.placement.plan import Plan, PlanDoor, PlanRoom, sides
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
@@ -37,31 +37,7 @@ def stub(**fields: Any) -> Any:
     return SimpleNamespace(**fields)
 
 
-@pytest.fixture(scope="module")
-def star() -> StarMaker:
-    found = Builder(find("family")).maker_of(FOUR)
-    assert isinstance(found, StarMaker)
-    return found
-
-
 # - stars -----------------------------------------------------------------------------------------------
-def test_conflicts_of_furniture_are_minimal_from_the_third_attempt_on(
-    star: StarMaker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    place, minimal = star._placer.place, list[bool]()
-
-    def refuses_twice(layout: Any, *others: Any, **how: bool) -> Any:
-        minimal.append(how["minimal"])
-        if len(minimal) > 2:
-            return place(layout, *others, **how)
-        furniture = {atom: True for atom in layout.rooms[0].furniture if atom.name == "on"}
-        raise Infeasible({0: Conflict(furniture, ())}, 1)
-
-    monkeypatch.setattr(star._placer, "place", refuses_twice)
-    star.made(FOUR, np.random.default_rng(1), 10**8)
-    assert minimal == [False, False, True]
-
-
 @pytest.mark.parametrize(
     ("fixed", "has_area", "words"),
     [
@@ -132,6 +108,18 @@ def test_a_brief_is_refused_where_the_grammar_states_what_it_cannot_keep(
     loaded = stub(**said, placer=placer, furniture={})
     with pytest.raises(RequestError, match=words):
         BriefMaker(stub(name="mine"), loaded, stub(outline=stub(voids=said["voids"])))
+
+
+def test_rooms_have_the_names_of_the_brief_and_its_labels_or_their_types(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = Plan([PlanRoom(0, 0, 4, 4, 0, "den"), PlanRoom(4, 0, 4, 4, 1, "bath")], [], [])
+    monkeypatch.setattr(SharedWallsMaker, "complete", lambda *_: (plan, [], 7))
+    maker: Any = BriefMaker.__new__(BriefMaker)
+    maker.brief = stub(rooms=[stub(name="Work", label="study"), stub(name="Tub", label="")])
+    made, _, left = maker.complete(FOUR, np.random.default_rng(0), 9)
+    assert [(room.name, room.type) for room in made.rooms] == [("Work", "study"), ("Tub", "bath")]
+    assert left == 7
 
 
 # - given plans ---------------------------------------------------------------------------------------
@@ -253,6 +241,23 @@ def test_nothing_is_known_of_a_room_past_a_number_of_layouts(monkeypatch: pytest
         NO_MOVE.furniture(*fits_at(4), rng, FOUR, True)
 
 
+# - units -----------------------------------------------------------------------------------------------
+def test_a_unit_that_is_refuted_is_refuted_under_every_number_that_knows_it() -> None:
+    like = "unit({0},5) share({0},bath,1) way({0},south,0) deep({0},y,rows) inner({0},south) inner({0},east)"
+    first, second = ([parse_term(text) for text in like.format(number).split()] for number in (1, 2))
+    others = [parse_term(text) for text in ("unit(3,5)", "unit(1,6)", "edge(1,south,a)")]
+    known = [*first, *second, *others]
+    program = stub(atoms=lambda name, arity: {atom for atom in known if atom.match(name, arity)})
+    unit = Unit(1, Request(5), "y", 7.3, 0, "south", frozenset({"south", "east"}))
+    maker: Any = stub(stated=lambda _: program)
+    found = [*UnitsMaker._alike(maker, unit, [*first, others[2]], FOUR)]
+    lacks = [
+        {Function("inner", [Number(number), Function(side)]): False for side in ("west", "north")}
+        for number in (1, 2)
+    ]
+    assert found == [dict.fromkeys(first, True) | lacks[0], dict.fromkeys(second, True) | lacks[1]]
+
+
 # - houses --------------------------------------------------------------------------------------------
 def test_each_house_begins_its_account_and_knows_what_made_it() -> None:
     begun: list[str] = []
@@ -265,3 +270,52 @@ def test_each_house_begins_its_account_and_knows_what_made_it() -> None:
     made = Builder.house(builder, FOUR, 7, 2, 100)
     assert begun == ["account"]
     assert (made.provenance.seed, made.provenance.index) == (7, 2)  # pyright: ignore[reportOptionalMemberAccess]
+
+
+def asks_nothing(wholes: list[Any]) -> Any:
+    """A placer of a grammar that states these areas of rooms with their parts."""
+    return stub(ask=lambda *_: {"wholes": wholes})
+
+
+@pytest.mark.parametrize(
+    "states",
+    [
+        {"has_area": True},
+        {"wholes": [1]},
+        {"plan": "a plan"},
+        {"cell": 0.5},
+        {"depths": (8, 9)},
+        {"shares_walls": False},
+        {},
+    ],
+)
+def test_all_sizes_are_looked_at_where_walls_are_shared_and_areas_are_of_single_rooms(
+    states: dict[str, Any],
+) -> None:
+    said = {"has_area": False, "wholes": [], "plan": None, "cell": 0.0, "depths": None, "shares_walls": True}
+    each = stub(**said | states, furniture={})
+    builder: Any = stub(loaded=each, grammar=each, placer=asks_nothing(each.wholes))
+    assert Builder.decides_areas(builder, each) is (not states)
+
+
+def test_promises_are_those_of_the_program_or_in_a_brief_of_its_maker(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(building, "promised", lambda program, *_: f"promises of {program}")
+    programs = iter(("one", "two", "three", "four"))
+
+    class OneMaker:
+        def stated(self, request: Any) -> str:
+            return next(programs)
+
+    maker, loaded = OneMaker(), stub(furniture={}, extremes={})
+    builder: Any = stub(
+        maker_of=lambda _: maker,
+        loaded=loaded,
+        placer=asks_nothing([]),
+        grammar=stub(shares_walls=True),
+        _promises={},
+    )
+    plain, brief = stub(brief=None, plan=None), stub(brief=stub(rooms=()), plan=None)
+    promises = [Builder.promises(builder, each) for each in (plain, plain, brief, brief)]
+    assert promises == [f"promises of {program}" for program in ("one", "two", "three", "three")]

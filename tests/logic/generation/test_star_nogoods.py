@@ -1,5 +1,7 @@
 """Rooms of a star that do not fit: what is learnt from that, and when the maker gives up."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from clingo import Function, Number
@@ -8,7 +10,8 @@ from logic.errors import LimitReached
 from logic.generation.builder import Builder
 from logic.generation.star import MOST_MISFITS, Nogoods, StarMaker
 from logic.grammar import find
-from logic.placement.placer import Misfit
+from logic.layout.program import Conflict
+from logic.placement.placer import Infeasible, Misfit
 from logic.request.request import Request
 
 FOUR = Request(4)
@@ -42,8 +45,18 @@ def test_rooms_that_others_might_replace_are_counted_up_to_a_limit(maker: StarMa
         maker._learn_misfit(Misfit(False, 1), layout, FOUR, nogoods)
 
 
-@pytest.mark.parametrize(("name", "decides"), [("family", False), ("home", True)])
-def test_all_sizes_are_looked_at_where_rooms_share_walls_without_units(name: str, decides: bool) -> None:
-    builder = Builder(find(name))
-    assert builder.decides_areas(FOUR) is decides
-    assert not builder.decides_areas(Request(4, cell=0.5))
+def test_conflicts_of_furniture_are_minimal_from_the_third_attempt_on(
+    maker: StarMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, minimal = maker._placer.place, list[bool]()
+
+    def refuses_twice(layout: Any, *others: Any, **how: bool) -> Any:
+        minimal.append(how["minimal"])
+        if len(minimal) > 2:
+            return place(layout, *others, **how)
+        furniture = {atom: True for atom in layout.rooms[0].furniture if atom.name == "on"}
+        raise Infeasible({0: Conflict(furniture, ())}, 1)
+
+    monkeypatch.setattr(maker._placer, "place", refuses_twice)
+    maker.made(FOUR, np.random.default_rng(1), 10**8)
+    assert minimal == [False, False, True]
