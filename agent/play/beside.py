@@ -20,6 +20,8 @@ from logic import House
 from logic.house.looks import looks_of
 from logic.spelling import numbered
 from sim.config import DEFAULT
+from sim.tasks.tasks import task
+from sim.tasks.terms import terms_of
 from sim.tasks.words import in_words
 
 BESIDE = "explorer", "searcher", "oracle"
@@ -27,11 +29,33 @@ BESIDE = "explorer", "searcher", "oracle"
 
 SEES = {"plan": "who saw the whole plan and the target", "seen": "who saw what the robot's rays had reached"}
 
+MAX_GAMES, MAX_STEPS, MAX_TABLES = 1 << 10, 1 << 20, 16
+"""Games that are played again, steps of their episodes together, and kinds of games."""
+
 BESIDE_NOTE = (
     "People, agents and baselines play the same episodes: house, start and targets. Each game was played "
     "again from its actions, and came out as it says. Interquartile means with 95 % intervals over games; "
     "ahead: the policy's ratio less the people's, paired by game."
 )
+
+
+def replayable(path: Path) -> list[PlayedGame]:
+    """Return the games of a file that are few enough to be played again, else raise ``ResultsError``."""
+    games = load(path)
+    _require_at_most(MAX_GAMES, len(games), path, "games")
+    kinds = set(map(_kind, games))
+    _require_at_most(MAX_TABLES, len(kinds), path, "kinds of games")
+    try:
+        steps = {targets: terms_of(task(targets)).steps or DEFAULT.steps for targets, _, _ in kinds}
+    except ValueError as error:
+        raise ResultsError(f"{path}: {error}") from None
+    _require_at_most(MAX_STEPS, sum(steps[game.targets] for game in games), path, "steps of all episodes")
+    return games
+
+
+def _require_at_most(most: int, count: int, path: Path, what: str) -> None:
+    if count > most:
+        raise ResultsError(f"{path}: {count:,} {what}, of at most {most:,}: give fewer games")
 
 
 def people_tables(
@@ -41,23 +65,20 @@ def people_tables(
 
     Raises ``ResultsError`` for a game of a house that is not there, or that does not come out as it says.
     """
-    games = load(path)
+    games = replayable(path)
     for number, game in enumerate(games, start=1):
         if game.index >= len(houses):
             raise ResultsError(f"{path}:{number}: played in house {game.index}, here are {len(houses)}")
         replayed(game, houses[game.index], f"{path}:{number}")
 
-    def kind(game: PlayedGame) -> tuple[str, str, float]:
-        return game.targets, game.view, game.seconds
-
-    for (targets, view, seconds), group in groupby(sorted(games, key=kind), key=kind):
+    for (targets, view, seconds), group in groupby(sorted(games, key=_kind), key=_kind):
         played = list(group)
-        task = in_words(targets, looks_of(houses[played[0].index]).name)
+        sought = in_words(targets, looks_of(houses[played[0].index]).name)
         scores = _scores(played, houses, targets, agents)
         oracle = scores["oracle"][0]
         reachable = oracle > 0
         if not reachable.any():
-            raise ResultsError(f"{path}: {task}: no game has a target that can be reached")
+            raise ResultsError(f"{path}: {sought}: no game has a target that can be reached")
         ratios = {name: runs[:, reachable] / oracle[reachable] for name, runs in scores.items()}
         rows = []
         for name, runs in scores.items():
@@ -68,9 +89,13 @@ def people_tables(
         players, places = len({game.player for game in played}), len({game.index for game in played})
         title = (
             f"People, {SEES[view]}: {numbered(len(played), 'game')} of {numbered(players, 'player')} in "
-            f"{numbered(places, 'house')}, {seconds:g} s, {task}"
+            f"{numbered(places, 'house')}, {seconds:g} s, {sought}"
         )
         yield Table(title, ("policy", "targets", "ratio", "ahead"), rows)
+
+
+def _kind(game: PlayedGame) -> tuple[str, str, float]:
+    return game.targets, game.view, game.seconds
 
 
 def _scores(

@@ -66,8 +66,10 @@ def load(path: Path) -> list[PlayedGame]:
         lines = content_of(path, MAX_BYTES).splitlines()
     except OSError as error:
         raise ResultsError(f"{path}: cannot be read: {error.strerror or error}") from None
+    if len(lines) > MOST_GAMES:
+        raise ResultsError(f"{path}: holds more than {MOST_GAMES:,} games")
     games = []
-    for number, line in enumerate(lines[:MOST_GAMES], start=1):
+    for number, line in enumerate(lines, start=1):
         try:
             games.append(from_json(line, PlayedGame))
         except ValueError as error:

@@ -25,8 +25,10 @@ from logic.house.files import write_whole
 BELONGING: dict[str, tuple[str, ...]] = {
     "logic/checking/*": ("logic/checking",),
     "logic/generation/*": (
+        "logic/generation/test_makers.py",
         "logic/generation",
-        "logic/proofs",
+        "logic/language/test_own_topology.py",
+        "logic/proofs/test_plan_proofs.py",
         "logic/request/test_fixed_rooms.py",
         "logic/request/test_given_plan.py",
     ),

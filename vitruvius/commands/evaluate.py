@@ -126,7 +126,7 @@ class Evaluate:
         from agent.evaluation.protocol import measure, tasks_of
         from agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
         from agent.evaluation.tables import DRIVE_NOTE, NOTE, tables
-        from agent.play.results import load as load_games
+        from agent.play.beside import BESIDE_NOTE, people_tables, replayable
         from agent.progress import progress
         from agent.report.folder import require_report, write_report
         from agent.runs import checkpoint
@@ -134,7 +134,7 @@ class Evaluate:
 
         require_folder(self.out)
         if self.beside:
-            load_games(self.beside)  # What is wrong there is said before the work.
+            replayable(self.beside)  # What is wrong there is said before the work.
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
         require_motion(agents, self.backend)
@@ -175,8 +175,6 @@ class Evaluate:
         shown = [table for result in results for table in tables(result)]
         notes = [*told, DRIVE_NOTE if drives else NOTE]
         if self.beside:
-            from agent.play.beside import BESIDE_NOTE, people_tables
-
             shown += people_tables(self.beside, houses, agents)
             notes.append(BESIDE_NOTE)
         note = "\n\n".join(notes)

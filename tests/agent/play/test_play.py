@@ -10,7 +10,7 @@ import pygame
 import pytest
 
 from agent.banks import benchmark, geometry_hash, named
-from agent.play.beside import people_tables
+from agent.play.beside import people_tables, replayable
 from agent.play.game import Game, agents_scenes, replayed
 from agent.play.results import PlayedGame, ResultsError, append, load
 from agent.play.window import TURN_EVERY, GameWindow, Panel
@@ -201,6 +201,25 @@ def test_people_stand_beside_agents_in_the_same_episodes(tmp_path: Path) -> None
     assert float(rows["people"][0].split()[0]) == pytest.approx(mean, abs=0.05)
     with pytest.raises(ResultsError, match="played in house 1, here are 1"):
         list(people_tables(tmp_path / "games.jsonl", HOUSES[:1], {}))
+
+
+LONG = '{"task": "all", "terms": {"steps": 2000000000}}'
+TOO_MANY = {
+    "1,025 games": [{}] * 1025,
+    "17 kinds of games": [{"seconds": float(seconds)} for seconds in range(1, 18)],
+    "2,000,000,000 steps of all episodes": [{"targets": LONG}],
+    "no:Class": [{"targets": "no:Class"}],
+}
+
+
+@pytest.mark.parametrize("said", TOO_MANY)
+def test_games_that_take_too_long_to_play_again_are_refused_before_any_is_played(
+    tmp_path: Path, said: str
+) -> None:
+    nothing = Game(HOUSES[0], "main", 0)
+    append(tmp_path / "games.jsonl", [played(nothing, 0, **changed) for changed in TOO_MANY[said]])
+    with pytest.raises(ResultsError, match=said):
+        replayable(tmp_path / "games.jsonl")
 
 
 def test_the_command_plays_records_and_shows_again(
