@@ -6,7 +6,6 @@ Each is a dataclass whose fields are its options, with a ``run``; it is imported
 STUDIES = {
     "generator": ("benchmarks.generator.run:Generator", "Solve time against rooms, on any grammar."),
     "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
-    "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
     "mutants": (
         "benchmarks.reliability.mutants:Mutants",
         "How many small mistakes in code and rules the tests notice.",
@@ -22,8 +21,6 @@ STUDIES = {
     ),
     "shards": ("benchmarks.generator.shards:Shards", "A set of houses under kills, beside one without."),
     "kills": ("benchmarks.reliability.kills:Kills", "Commands under kills: each file is whole or absent."),
-    "engine": ("benchmarks.generator.engine:Engine", "Shards by Ray, beside plain workers."),
-    "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
     "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls or furniture are refuted falsely."),
     "homes": ("benchmarks.generator.homes:Homes", "What homes cost and are like, beside published ones."),
     "realism": ("benchmarks.realism.run:Realism", "Whether two sets of plans are alike; weights that fit."),
@@ -33,7 +30,6 @@ STUDIES = {
         "What known plans keep at their limits: no false proof.",
     ),
     "watch": ("benchmarks.generator.watch:WatchStudy", "Seconds from the save of a rule file to its houses."),
-    "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
     "gpu": ("benchmarks.simulator.gpu:GPU", "Simulator and learner on a GPU, beside the CPU."),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),
@@ -43,19 +39,13 @@ STUDIES = {
     "throughput": ("benchmarks.agents.throughput:Throughput", "Training speed of one process and of two."),
     "ranks": ("benchmarks.agents.ranks:Ranks", "What training by 1, 2 and 4 ranks costs."),
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
-    "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
     "exploration": ("benchmarks.exploration.run:Exploration", "How agents explore maps of buildings."),
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
-    "imitation": (
-        "benchmarks.imitation.run:Imitation",
-        "Rays and recurrence alone, taught by the explorer.",
-    ),
     "views": ("benchmarks.planner.views:Views", "What parts of the network that searches are worth."),
     "bounds": ("benchmarks.planner.bounds:Bounds", "What a network that searches may learn to know."),
     "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),
-    "openings": ("benchmarks.planner.openings:Openings", "Search through openings, beside doors."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""

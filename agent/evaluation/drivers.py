@@ -5,28 +5,23 @@
 | random drive | another v and w at each step, drawn from all |
 | pursuit | to a target in sight, else where rays go furthest, and around before walls: by rule |
 | explorer | the planner, whose paths are followed by rule (``DrivingExplorer``): knows its pose |
-| searcher | knows the house and its pose, but not where the target is (``DrivingSearcher``) |
 | true path | knows the house and the target, and follows the shortest path by rule (``TruePath``) |
-| bound | no player: what none can do better (``TimeBound``) |
 
-Every score is a share of the bound's: the oracle counts steps on a lattice.
+Every score is a share of the true path's: the oracle counts steps on a lattice.
 """
 
 from collections.abc import Callable
-from typing import TypeVar
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from agent.evaluation.baselines import REFERENCES, Privileged
-from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
+from agent.evaluation.result import TRUE_PATH
 from agent.policies.driving import DrivingExplorer
 from agent.policies.policies import Policy
 from logic import HouseFileError
 from sim import HouseVectorEnv
-from sim.baselines.bound import TimeBound
-from sim.baselines.driving_searcher import DrivingSearcher
 from sim.baselines.true_path import TruePath
 from sim.config import Config
 
@@ -86,43 +81,24 @@ def pursue(seen: np.ndarray, config: Config) -> np.ndarray:
     return np.column_stack([np.where(fast, drive.speed, 0), turn]).astype(np.float32)
 
 
-Knows = TypeVar("Knows", TimeBound, TruePath, DrivingSearcher)
-
-
-def knowing(make: Callable[[HouseVectorEnv], Knows], envs: HouseVectorEnv) -> Knows:
-    """What knows the houses of environments. Raises ``HouseFileError`` for one of too many corners."""
+def true_path(envs: HouseVectorEnv, seed: int) -> Policy:
+    """Return the policy of ``TruePath``. Raises ``HouseFileError`` for a house of too many corners."""
     try:
-        return make(envs)
+        return Privileged(TruePath(envs).act)
     except ValueError as error:
         raise HouseFileError(str(error)) from None
-
-
-def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
-    """It knows the house, not the target: see ``sim.baselines.driving_searcher``."""
-    searcher = knowing(DrivingSearcher, envs)
-    return Privileged(searcher.act, searcher.begin)
 
 
 DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
     "random drive": lambda envs, seed: RandomDrive(envs.config, seed),
     "pursuit": lambda envs, seed: Pursuit(envs.config),
     "explorer": lambda envs, seed: DrivingExplorer(envs.config, lambda: envs.unwrapped.world.describe()[0]),
-    "searcher": searcher,
-    "true path": lambda envs, seed: Privileged(knowing(TruePath, envs).act),
+    TRUE_PATH: true_path,
 }
 """By name, what makes a baseline's policy for environments and a seed."""
 
-EXACT = ("true path",)
-"""Those that know where they are, beside the searcher: see ``PRIVILEGED``."""
+EXACT = (TRUE_PATH,)
+"""Those that know where they are: see ``PRIVILEGED``."""
 
-NO_AGENTS = (*REFERENCES, *DRIVERS, "bound")
+NO_AGENTS = (*REFERENCES, *DRIVERS)
 """Names of all that is shown beside agents."""
-
-
-def bound_scores(bound: TimeBound) -> tuple[EpisodeScores, np.ndarray]:
-    """What no policy does better in the episodes (E,) that have begun, and the fewest steps to their first
-    target.
-    """
-    first, count = bound.first(), bound.world.num_envs
-    nothing = np.zeros((len(COVERAGE_STEPS), count)), np.zeros(count, int)
-    return EpisodeScores(bound.most().astype(float), count * bound.steps, 0, 0, first, *nothing), first

@@ -27,7 +27,6 @@ COLOURS = {
     "random drive": "#8b8f96",
     "pursuit": "#7a9a3a",
     "true path": "#b04a5a",
-    "bound": "#c96a12",
 }
 """Of policies, by name."""
 
@@ -36,7 +35,7 @@ OTHER = "#333333"
 
 
 def ratio_plot(results: Sequence[Result]) -> bytes:
-    """For each target mode every policy's ratio to the oracle, or the bound, with its interval, and that by
+    """For each target mode every policy's ratio to the oracle, or the true path, with its interval, and that by
     rooms.
     """
     figure = Figure(figsize=(4.2 * len(results) + 1, 6), dpi=120, layout="constrained")

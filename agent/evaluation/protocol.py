@@ -13,9 +13,9 @@ import torch
 
 from agent.algorithms.build import policy_of
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
-from agent.evaluation.drivers import DRIVERS, EXACT, bound_scores, knowing
+from agent.evaluation.drivers import DRIVERS, EXACT
 from agent.evaluation.episodes import EpisodeScores, play, reset
-from agent.evaluation.result import Result, joined
+from agent.evaluation.result import TRUE_PATH, Result, joined
 from agent.learning.config import TARGET_MODES
 from agent.learning.environments import make_envs, playable
 from agent.learning.simulator import sensor, undisturbed, with_sensor
@@ -28,7 +28,6 @@ from logic.house.looks import looks_of
 from logic.spelling import keywords
 from sim import HouseVectorEnv
 from sim.allowed import allow, allowed
-from sim.baselines.bound import TimeBound
 from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
 from sim.config import PRESETS, Config
@@ -78,15 +77,15 @@ def measure(
 
     ``baselines`` names some of ``BASELINES``, by default all; figures are shares of the oracle's, which
     must be among them. In the backend ``free`` they are some of ``DRIVERS``, and figures are shares of the
-    bound's, which is always there.
+    true path's.
     ``world`` names the simulator's preset that all play in, each with its own sensor; those that know where
-    they are (searcher, oracle, true path) and the bound, without its noise and slips. Each house is played in
+    they are (searcher, oracle, true path) without its noise and slips. Each house is played in
     that many ``episodes``; for a task that not all houses suit, each of the others
     (``environments.playable``). A bank is played ``PART`` houses at a time, as tasks of a ``cluster`` where
     there is one, which changes no figure. ``report`` follows the work.
 
     Raises ``HouseFileError`` where a mode cannot be played in one of the houses, or where one has too many
-    corners for the bound, the searcher or the true path; ``RequestError`` for an agent of another kind of
+    corners for the true path; ``RequestError`` for an agent of another kind of
     motion, or one that drives by other limits than they do; what ``Cluster.each`` does.
     """
     names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
@@ -148,33 +147,27 @@ def played(part: EvaluationPart, report: Report = lambda done, words: None) -> R
         for name in part.baselines
     ]
     players = ((name, setting, make(setting.envs, seed)) for name, setting, make in policies)
-    bound: TimeBound | None = None
     if drives:  # a house of too many corners is found before anything plays
-        bound, players = knowing(TimeBound, settings[exact].envs), iter(list(players))
+        players = iter(list(players))
     scores: dict[str, tuple[EpisodeScores, ...]] = {}
     for place, (name, setting, policy) in enumerate(players):
         report(place / len(policies), f"{part.words}: {name}")
         played = play(setting.envs, policy, seed, numbers, setting.coverage)
         scores[name] = (*scores.get(name, ()), played)
     rooms = np.array([len(house.secondary) for house in houses])[numbers]
-    if bound:
-        reset(settings[exact].envs, seed, numbers)
-        best, shortest = bound_scores(bound)
-        scores["bound"] = (best,)
-    else:
-        shortest = shortest_ways(settings[exact].envs, seed, numbers)
+    shortest = scores[TRUE_PATH][0].first if drives else shortest_ways(settings[exact].envs, seed, numbers)
     ends = task(mode).ends_on_pick_up
     return Result(mode, rooms, shortest, scores, part.episodes, baseline.steps, ends, part.words)
 
 
 def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, world: str) -> None:
     """Raise ``RequestError`` for an agent whose body drives by other limits than the baselines' bodies: the
-    bound would not be its own.
+    true path would not be its own.
     """
     for name, runs in agents.items():
         for run in runs:
             if replace(sensor(run.config, world).drive, commands=()) != baseline.drive:
-                what = "the bound would not be its own: let it differ in commands alone"
+                what = "the true path would not be its own: let it differ in commands alone"
                 raise RequestError(f"{name}: its drive is not the baselines', so {what}")
 
 

@@ -36,7 +36,7 @@ HUMAN_RATIO = 0.48
 DEFINITIONS = {
     "targets": "picked up in an episode of 1500 steps, in the world long of 3000: interquartile mean over "
     "houses and training runs",
-    "ratio": "targets as a share of the oracle's in the same house, of the bound's where bodies drive: "
+    "ratio": "targets as a share of the oracle's in the same house, of the true path's where bodies drive: "
     "interquartile mean",
     "success": f"share of episodes whose first target was picked up within {SUCCESS_STEPS} steps; at all, "
     "where that ends the episode",
@@ -55,9 +55,13 @@ DEFINITIONS = {
 bootstrap over training runs and houses, but blocked and interventions, over runs."""
 
 
+TRUE_PATH = "true path"
+"""Name of the baseline whose targets ratios are shares of where bodies drive."""
+
+
 def yardstick(policies: Iterable[str]) -> str:
-    """Whose targets ratios are shares of, among policies of these names."""
-    return "bound" if "bound" in set(policies) else "oracle"
+    """Return the name of the policy whose targets ratios are shares of, among policies of these names."""
+    return TRUE_PATH if TRUE_PATH in set(policies) else "oracle"
 
 
 @dataclass(frozen=True)
@@ -71,11 +75,12 @@ class Result:
     """(H,) number of secondary rooms of each house."""
 
     shortest: np.ndarray
-    """(H,) fewest steps from the start to the first target; infinite where no way leads there."""
+    """(H,) fewest steps from the start to the first target, or those of the true path where bodies drive;
+    infinite where no way leads there."""
 
     policies: dict[str, tuple[EpisodeScores, ...]]
     """By name, the scores of each training run: of one run for a baseline. The oracle is among them, or where
-    bodies drive, the bound."""
+    bodies drive, the true path."""
 
     episodes: int = 1
     """How many of the H episodes were in each house."""
@@ -96,12 +101,12 @@ class Result:
 
     @property
     def yardstick(self) -> str:
-        """Whose targets ratios are shares of: ``oracle`` or ``bound``."""
+        """The policy whose targets ratios are shares of: ``oracle`` or ``true path``."""
         return yardstick(self.policies)
 
     @property
     def oracle(self) -> np.ndarray:
-        """(H,) targets that the oracle picked up, or that the bound allows."""
+        """(H,) targets that the yardstick picked up."""
         return self.policies[self.yardstick][0].targets
 
     @property
@@ -136,7 +141,9 @@ class Result:
         """(S, H) success weighted by the shortest way's length over the way taken, by run and house."""
         first = self.stacked(policy, lambda scores: scores.first)
         success = np.isfinite(first) if self.ends_on_pick_up else first <= SUCCESS_STEPS
-        return success * self.shortest / np.maximum(first, self.shortest)
+        share = np.zeros_like(first)
+        np.divide(np.minimum(self.shortest, first), first, out=share, where=success)
+        return share
 
     def targets(self, policy: str) -> Estimate:
         """Targets in an episode."""
@@ -165,8 +172,6 @@ class Result:
             "spl": mean(self.spl(policy)),
             **found,
         }
-        if policy == "bound":  # no player: it goes nowhere
-            return done
         rooms = self.stacked(policy, lambda scores: scores.rooms) / np.maximum(self.rooms, 1)
         coverage = {
             f"coverage_{step}": mean(self.stacked(policy, lambda scores, k=k: scores.coverage[k]))

@@ -16,8 +16,7 @@ SLOTS = {
     "paper": 5,
     "paper-original": 6,
     "random + avoidance": 7,
-    "bound": 1,
-    "true path": 5,
+    "true path": 1,
     "pursuit": 3,
     "random drive": 7,
 }

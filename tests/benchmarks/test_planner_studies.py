@@ -19,13 +19,11 @@ from agent.runs.released import CheckpointError
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
 from benchmarks.planner.odds import BESIDE, ENTRIES, MapPlaces, TargetSpots, collect, odds, sheet, table
-from benchmarks.planner.openings import narrowed
 from benchmarks.planner.playing import HEAD, WARM_UP, Playing
 from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
-from logic import House, save
+from logic import save
 from logic.errors import RequestError
-from logic.house.parts import Door, Room
 from sim.baselines.coverage import origins_of
 from tests.sample_houses import random_house
 
@@ -362,14 +360,3 @@ def test_a_speed_of_play_that_cannot_be_measured_is_refused(tmp_path: Path) -> N
     ):
         with pytest.raises(error, match=says):
             Playing(**{"out": tmp_path, "processes": 1, **wrong}).run()
-
-
-def test_openings_become_doors_in_their_middle_and_all_else_stays() -> None:
-    rooms = (
-        Room(0, 0, 4, 3, type="room", name="R0"),
-        Room(0, 3, 4, 3, type="room", name="R1"),
-        Room(4, 0, 2, 3, type="room", name="R2"),
-    )
-    kept = Door(1, 0, 0.9, 0, ("R0", "outside")), Door(4, 1, 0, 0.5, ("R0", "R2"), opening=True)
-    house = House(rooms, (Door(0.5, 3, 3, 0, ("R0", "R1"), opening=True), *kept), ())
-    assert narrowed(house) == House(rooms, (Door(1.6, 3, 0.8, 0, ("R0", "R1"), opening=False), *kept), ())

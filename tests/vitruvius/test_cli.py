@@ -356,7 +356,7 @@ def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
             "vitruvius generate needs pyarrow: pip install vitruvius[data]",
         ),
         ("bench generator", "vitruvius bench generator needs scipy: pip install vitruvius[bench]"),
-        ("bench phases pqn", "vitruvius bench phases needs torch: pip install vitruvius[agent]"),
+        ("bench transfer pqn", "vitruvius bench transfer needs torch: pip install vitruvius[agent]"),
     ],
 )
 def test_a_command_names_the_extra_that_it_lacks(command: str, needs: str) -> None:

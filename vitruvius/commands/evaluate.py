@@ -60,13 +60,12 @@ class Evaluate:
     backend: str = "continuous"
     """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class. free: for
     agents that drive (train --preset pqn-free), beside a body that drives at random, a pursuit of what rays
-    show, the explorer, a searcher that knows the house, one that knows the way, and a bound on what any can
-    do."""
+    show, the explorer, and one that knows the house and the way, of whose targets figures are shares."""
 
     world: Literal["default", "long", "noisy", "paper"] = "default"
     """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:
-    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher, oracle,
-    true path and bound; paper: a collision ends the episode."""
+    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher, oracle
+    and true path; paper: a collision ends the episode."""
 
     episodes: int = 1
     """Episodes in each house."""

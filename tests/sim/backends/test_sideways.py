@@ -14,7 +14,6 @@ import torch
 
 from agent.policies.driving import DrivingExplorer
 from sim import DEFAULT, HouseVectorEnv, check_vector_env
-from sim.baselines.bound import TimeBound
 from sim.baselines.true_path import TruePath
 from sim.drive import Drive
 from tests.sim.backends.free_study import houses
@@ -174,9 +173,7 @@ def test_actions_beyond_the_box_are_refused_or_clipped():
         )
 
 
-@pytest.mark.parametrize(
-    "who", [TimeBound, TruePath, lambda envs: DrivingExplorer(envs.config, lambda: np.zeros(0))]
-)
+@pytest.mark.parametrize("who", [TruePath, lambda envs: DrivingExplorer(envs.config, lambda: np.zeros(0))])
 def test_who_drives_as_the_body_heads_is_refused_in_a_line(who):
     with pytest.raises(ValueError, match="drives where its body heads: take a drive without sideways"):
         who(make(houses=[EMPTY]))
