@@ -35,9 +35,7 @@ OTHER = "#333333"
 
 
 def ratio_plot(results: Sequence[Result]) -> bytes:
-    """For each target mode every policy's ratio to the oracle, or the true path, with its interval, and that by
-    rooms.
-    """
+    """Return a plot of each policy's ratio to the yardstick with intervals, by target mode and rooms."""
     figure = Figure(figsize=(4.2 * len(results) + 1, 6), dpi=120, layout="constrained")
     axes = figure.subplots(2, len(results), squeeze=False, sharey="row")
     for column, result in enumerate(results):

@@ -47,10 +47,10 @@ NOTE = (
 
 DRIVE_NOTE = (
     "All policies meet the same starts and targets, and drive. Targets: picked up in an episode. Ratio: to "
-    "the true path in the same house. Both are interquartile means, with 95 % intervals over training runs and houses. Success: the "
-    f"share of episodes with a first target within {SUCCESS_STEPS} steps, or at all, where it ends the "
-    "episode. SPL: that times the true path's time to the first target over the time taken. The true path's "
-    "body knows the house and the target, the explorer its pose; the "
+    "the true path in the same house. Both are interquartile means, with 95 % intervals over training runs "
+    f"and houses. Success: the share of episodes with a first target within {SUCCESS_STEPS} steps, or at "
+    "all, where it ends the episode. SPL: that times the true path's time to the first target over the time "
+    "taken. The true path's body knows the house and the target, the explorer its pose; the "
     "pursuit goes to a target that its rays show, else where they go furthest; a random drive is of speeds "
     "by chance. Seen: the share of the places where targets may lie that it had looked at by that step. "
     "Rooms: the share of the secondary rooms that it was in. Blocked moves: per 1000 steps."

@@ -61,8 +61,8 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
 
 
 def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[float | None]]:
-    """By mode and policy the share of the oracle's targets in each house, or of the true path's, over all runs
-    and episodes; None where these are none.
+    """Return by mode and policy the share of the yardstick's targets in each house, over all runs and
+    episodes; None where these are none.
     """
     found, houses, named = {}, len(bank), looks_of(bank[0]).name
     for mode, scored in file.targets.items():

@@ -44,7 +44,7 @@ class PathFollower:
     def __init__(self, world: World) -> None:
         """Follow paths in the world's bank, which must stay as it is. ``ValueError``: see ``Roadmap``."""
         self.world, count, radius = world, world.num_envs, world.config.body[0] / 2
-        self.roads = Roadmap(world, radius + AIR, cut=False)
+        self.roads = Roadmap(world, radius + AIR)
         self.arrays = {
             "house": Array(ti.i32, count),
             "pose": Array(ti.f32, 3 * count),

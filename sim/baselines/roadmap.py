@@ -2,9 +2,9 @@
 """Shortest paths of a disc's middle among what stops it, in the backend ``free``: a visibility graph.
 
 Each solid is widened by a distance: a convex polygon, whose corners are the graph's where they are free. A
-shortest path is straight from one to the next. Two forms of polygon: with its corners cut, it lies inside
-of what the middle keeps out of, so paths are no longer than the body's; without, it lies outside, so a body
-that follows a path touches nothing.
+shortest path is straight from one to the next. The polygon lies outside of what the middle keeps out of, so a
+body that follows a path touches nothing. Where ``sees`` is asked with ``cut``, the polygon's corners are cut
+off, and it lies inside: a body that stands near a corner may go on.
 """
 
 from functools import cache
@@ -102,14 +102,14 @@ def point(values: ti.template(), k):
 class Roadmap:
     """The graphs of a world's bank, which must stay as it is."""
 
-    def __init__(self, world: World, wide: float, cut: bool) -> None:
-        """With solids widened by ``wide`` metres, their corners ``cut`` or not.
+    def __init__(self, world: World, wide: float) -> None:
+        """Make the graphs for solids that are widened by ``wide`` metres.
 
         Raises ``ValueError`` for a house with more than ``MOST_CORNERS`` corners.
         """
         shapes = world.bank.geometries
         rows = solids_of(world)
-        corners = [corners_of(each, shape, wide, cut) for each, shape in zip(rows, shapes, strict=True)]
+        corners = [corners_of(each, shape, wide) for each, shape in zip(rows, shapes, strict=True)]
         counts = np.array([len(each) for each in corners])
         if counts.max() > MOST_CORNERS:
             house = int(counts.argmax())
@@ -121,7 +121,7 @@ class Roadmap:
         if squares[-1] >= 1 << 31:
             raise ValueError(f"{len(counts)} houses have too many corners for one graph: take fewer at once")
         firsts = np.concatenate([np.cumsum([0, *counts]), squares[:-1]])
-        self.most, self.cut = int(counts.max()), cut
+        self.most = int(counts.max())
         self.inside = wide - 2 * SKIN
         """Metres that solids are widened by where it is asked what is between: what is straight along one
         passes it, however it is rounded."""
@@ -137,7 +137,7 @@ class Roadmap:
         self._launch(1, {})
 
     def _launch(self, which: int, more: dict[str, Array]) -> None:
-        Launch(_kernels(start(), self.inside, self.cut)[which], self.arrays | more)()
+        Launch(_kernels(start(), self.inside)[which], self.arrays | more)()
 
 
 def solids_of(world: World) -> list[np.ndarray]:
@@ -150,32 +150,30 @@ def solids_of(world: World) -> list[np.ndarray]:
     return found
 
 
-def corners_of(solids: np.ndarray, shape: Geometry, wide: float, cut: bool) -> np.ndarray:
-    """The corners (n, 2) of widened solids that are in the house and in no other widened solid."""
+def corners_of(solids: np.ndarray, shape: Geometry, wide: float) -> np.ndarray:
+    """Return the corners (n, 2) of widened solids that are in the house and in no other widened solid."""
     middle, along, half = solids[:, :2], solids[:, 2:4], solids[:, 4:]
     across = np.column_stack([-along[:, 1], along[:, 0]])
-    found = []
-    for sides in ((wide, 0), (0, wide)) if cut else ((wide, wide),):
-        reach = half + sides
-        for east in (-1, 1):
-            for south in (-1, 1):
-                found.append(middle + east * reach[:, :1] * along + south * reach[:, 1:] * across)
-    corners = np.concatenate(found)
+    reach = half + wide
+    corners = np.concatenate(
+        [
+            middle + east * reach[:, :1] * along + south * reach[:, 1:] * across
+            for east in (-1, 1)
+            for south in (-1, 1)
+        ]
+    )
     corners = corners[shape.holds(corners)]
     free = np.ones(len(corners), bool)
     for x, y, u, v, length, width in solids.tolist():
         away = corners - (x, y)
         own = np.abs(np.column_stack([away @ (u, v), away @ (-v, u)]))
         inner = wide - 2 * SKIN
-        taken = (own < (length + inner, width + inner)).all(axis=1)
-        if cut:
-            taken &= own.sum(axis=1) < length + width + inner
-        free &= ~taken
+        free &= ~(own < (length + inner, width + inner)).all(axis=1)
     return np.unique(corners[free].round(6), axis=0)
 
 
 @cache
-def _kernels(program: Any, wide: float, cut: bool) -> tuple[Any, Any]:
+def _kernels(program: Any, wide: float) -> tuple[Any, Any]:
     """Kernels that look from each corner to each other one of its house, and that join what they see."""
 
     @kernel
@@ -184,7 +182,7 @@ def _kernels(program: Any, wide: float, cut: bool) -> tuple[Any, Any]:
             first, count, table = graph(roads, houses[a])
             for b in range(count):
                 here, there = point(roads.corners, a), point(roads.corners, first + b)
-                seen = sees(roads, houses[a], here, there, ti.static(wide), cut)
+                seen = sees(roads, houses[a], here, there, ti.static(wide), False)
                 roads.lengths[table + (a - first) * count + b] = ti.select(seen, (there - here).norm(), FAR)
 
     @kernel
