@@ -28,7 +28,6 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "agent/learning/test_ranks.py": "several processes learn as one",
     "agent/runs/test_runs.py": "runs are killed and go on",
     "agent/runs/test_export.py": "networks are run by another library",
-    "agent/runs/test_keras.py": "weights of the original program are read",
     "agent/test_golden.py": "each preset learns for a while",
     "agent/planner/test_noise.py": "the planner in noisy worlds",
     "agent/planner/test_doors.py": "the planner behind closed doors",

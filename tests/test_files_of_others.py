@@ -10,7 +10,7 @@ from benchmarks.reliability.readers import CORPUS, READ, READERS, REFUSED, answe
 CHANGES = 25
 """Of a reader's contents; ``vitruvius bench fuzz`` tries more."""
 
-SLOW = {"keras": 2, "info-keras": 2, "answer-sets": 2, "prolog": 0}
+SLOW = {"answer-sets": 2, "prolog": 0}
 """Fewer changes for readers that take long."""
 
 LARGEST = 300_000

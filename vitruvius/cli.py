@@ -52,10 +52,6 @@ COMMANDS = {
     "train": ("vitruvius.commands.train:Train", "Train an agent in houses."),
     "evaluate": ("vitruvius.commands.evaluate:Evaluate", "Measure agents in houses that they have not seen."),
     "export": ("vitruvius.commands.train:Export", "Write an agent's network as an ONNX file."),
-    "import-keras": (
-        "vitruvius.commands.train:ImportKeras",
-        "Take the weights of the paper's original program.",
-    ),
     "play": ("vitruvius.commands.play:Play", "Drive the robot by the keyboard, and race an agent."),
     "record": ("vitruvius.commands.record:Record", "Film an agent in a house, with its rays and trail."),
     "report": ("vitruvius.commands.report:Report", "Write a run as one HTML file, with episodes to play."),
@@ -90,7 +86,6 @@ EXTRAS = {
     "sim": ("gymnasium", "taichi"),
     "quadrants": ("quadrants",),
     "agent": ("safetensors", "scipy", "tensorboard", "tomli_w", "torch"),
-    "keras": ("h5py",),
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
     "web": ("starlette", "uvicorn", "watchfiles"),

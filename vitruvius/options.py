@@ -1,4 +1,4 @@
-"""The options of a command, read from its dataclass: for help, for completion, and for errors of one line.
+"""The options of a command, read from its dataclass: for help, and for errors of one line.
 
 tyro turns arguments into the dataclass. What is here says which options there are, and refuses what is
 wrong in a word that tyro would refuse in many lines.
@@ -10,7 +10,6 @@ import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
-from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from types import NoneType, UnionType
@@ -118,50 +117,6 @@ def options_of(command: Any) -> list[Option]:
         title = groups.get(each.name, title)
         found.append(_option(each.name, hints[each.name], default, sentences.get(each.name, ""), title))
     return found
-
-
-def options_in(place: str) -> Iterator[Option]:
-    """The options of a command, ``module:Class``, by its source alone: importing a study imports torch.
-
-    Defaults are not known, nor values whose names are imported.
-    """
-    module, _, name = place.partition(":")
-    found = find_spec(module)
-    assert found is not None
-    assert found.origin is not None
-    tree = ast.parse(Path(found.origin).read_text("utf-8"))
-    values = {
-        each.targets[0].id: _literals(each.value)
-        for each in tree.body
-        if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name)
-    }
-    [kind] = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
-    for field, sentence in _documented(kind):
-        annotation = ast.unparse(field.annotation)
-        names = [each.id for each in ast.walk(field.annotation) if isinstance(each, ast.Name)]
-        choices = _literals(field.annotation) or next(
-            (values[each] for each in names if values.get(each)), ()
-        )
-        assert isinstance(field.target, ast.Name)
-        yield Option(
-            field.target.id,
-            next((kind for kind in (bool, Path, int, float) if kind.__name__ in names), str),
-            " ".join(sentence.replace("``", "").split()),
-            "Options",
-            None,
-            choices,
-            positional="Positional" in annotation,
-            several="tuple" in names and "UseAppendAction" not in annotation,
-            repeated="UseAppendAction" in annotation,
-        )
-
-
-def _literals(annotation: ast.expr) -> tuple[str, ...]:
-    """The values of a ``Literal``, wherever it stands."""
-    for each in ast.walk(annotation):
-        if isinstance(each, ast.Subscript) and ast.unparse(each.value) == "Literal":
-            return tuple(str(one.value) for one in ast.walk(each.slice) if isinstance(one, ast.Constant))
-    return ()
 
 
 def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> None:

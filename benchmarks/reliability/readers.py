@@ -191,12 +191,6 @@ def _checkpoint(path: Path) -> None:
     load(path)
 
 
-def _keras(path: Path) -> None:
-    from agent.runs.keras import import_keras
-
-    import_keras(path, "mine")
-
-
 def _trace(path: Path) -> None:
     from agent.recording.trace import load
 
@@ -272,7 +266,6 @@ READERS = {
     "rows": FuzzReader("rows.jsonl", _rows, is_json=True),
     "parquet": FuzzReader("rows.parquet", _parquet, refuses=(ValueError, OSError)),
     "checkpoint": FuzzReader("mine.safetensors", _checkpoint),
-    "keras": FuzzReader("mine.h5", _keras),
     "trace": FuzzReader("mine.trace.json", _trace, is_json=True),
     "scores": FuzzReader("evaluation.json", _scores, is_json=True),
     "games": FuzzReader("mine.jsonl", _games, is_json=True),
@@ -285,7 +278,6 @@ READERS = {
     "info-json": FuzzReader("mine.json", _info, is_json=True, begins=("trace", "scores", "resplan", "imdf")),
     "info-lines": FuzzReader("mine.jsonl", _info, is_json=True, begins=("houses", "games")),
     "info-agent": FuzzReader("mine.safetensors", _info, begins=("checkpoint",)),
-    "info-keras": FuzzReader("mine.h5", _info, begins=("keras",)),
     "info-settings": FuzzReader("mine.toml", _info, begins=("settings",)),
 }
 """By name. The files of ``tests/fixtures/corpus/NAME`` are contents to begin with, or those of ``begins``."""

@@ -168,7 +168,6 @@ def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: in
         "evaluate paper --houses {houses} --out {}",
         "record paper {houses} --out {}.gif",
         "export paper --out {}.onnx",
-        "import-keras weights.h5 --out {}.safetensors",
         "demo --out {}",
     ],
 )

@@ -20,7 +20,6 @@ from logic.exports import export
 from logic.grammar import SHIPPED, shipped
 from sim.environment import arguments
 from sim.environment.arguments import BANK
-from tests.agent.runs.test_keras import SHAPES, keras_file
 from tests.logic.readers.written import WRITERS
 from tests.sample_houses import FIXTURES
 from vitruvius.cli import main
@@ -122,11 +121,6 @@ def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_pa
     settings = told(tmp_path / "f.toml")
     assert (settings.preset, settings.algorithm, settings.changed) == ("dqn", "dqn", {"seed": "3"})
 
-    arrays = keras_file(tmp_path / "weights.h5")
-    weights = told(tmp_path / "weights.h5")
-    assert weights.parameters == sum(array.size for array in arrays)
-    assert weights.layers["dense_1"] == f"{SHAPES[0][0]} x {SHAPES[0][1]}, {SHAPES[0][1]}"
-
 
 @pytest.mark.parametrize(
     ("name", "content", "error", "says"),
@@ -138,7 +132,6 @@ def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_pa
         ("cut.jsonl", b'{"format": "vitruvius-1", "roomN', HouseFileError, "cut.jsonl:1: not a house"),
         ("zip.jsonl.gz", gzip.compress(b"{}", mtime=0)[:-9], HouseFileError, "zip.jsonl.gz: cannot be read"),
         ("bad.safetensors", b"\x09\0\0\0\0\0\0\0{}", UnknownFileError, "no checkpoint of ours"),
-        ("bad.h5", b"\x89HDF\r\n\x1a\nrest", UnknownFileError, "HDF5, but no weights of Keras"),
         ("rooms.lp", b"a.", UnknownFileError, "a rule file: look at its grammar"),
         ("plan.geojson", b'{"type": "FeatureCollection"}', UnknownFileError, "GeoJSON, but no plan"),
         ("scores.json", b'{"bank": 1, "targets": 2}', UnknownFileError, "no scores of this version"),

@@ -63,7 +63,6 @@ FILES = {
     "evaluate --houses {houses} --beside {}": ".jsonl",
     "evaluate {} --houses {houses}": ".safetensors",
     "export {} --out {out}/it.onnx": ".safetensors",
-    "import-keras {} --out {out}/it.safetensors": ".h5",
     "play --replay {}": ".jsonl",
     "train {} --out {out}": ".jsonl .json",
 }

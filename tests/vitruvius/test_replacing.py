@@ -11,7 +11,6 @@ import pytest
 from benchmarks import STUDIES
 from logic import House, RequestError, load
 from logic.house.replacing import MARK, alone_in, study_folder, unless_other
-from tests.agent.runs.test_keras import keras_file
 from tests.logic.workers import in_process
 from vitruvius.cli import COMMANDS, main
 from vitruvius.options import options_of
@@ -78,7 +77,6 @@ IN_THE_WAY = {
     "demo --out mine": "mine/report.md",
     "playground --out mine": "mine/index.html",
     "export paper --out mine.onnx": "mine.onnx",
-    "import-keras weights.h5 --out mine.safetensors": "mine.safetensors",
     **{f"bench {name} --out mine": f"mine/{name}.md" for name in FOLDERS},
 }
 """Commands, and a file of somebody else in the place of what each writes."""
@@ -102,8 +100,6 @@ def test_what_is_in_the_way_is_named_and_stays(
     file = Path(IN_THE_WAY[words])
     file.parent.mkdir(exist_ok=True)
     file.write_bytes(FOREIGN)
-    if words.startswith("import-keras"):
-        keras_file(Path("weights.h5"))
     # What takes seconds is not what is claimed.
     monkeypatch.setattr("agent.runs.export.export", lambda _, path: path.write_bytes(b"a network"))
     if words.startswith("report"):

@@ -16,7 +16,7 @@ from logic.workers.standards import standard
 from sim.environment.arguments import house_list
 from vitruvius import settings
 from vitruvius.cli import COMMANDS, main
-from vitruvius.options import Option, options_in, options_of, require
+from vitruvius.options import Option, options_of, require
 
 PLANS = Path(__file__).parents[1] / "fixtures" / "plans.jsonl"
 
@@ -41,7 +41,7 @@ def options() -> Iterator[tuple[str, Option]]:
         if name != "bench":
             yield from ((name, option) for option in options_of(pkgutil.resolve_name(place)))
     for name, (place, _) in STUDIES.items():
-        yield from ((f"bench {name}", option) for option in options_in(place))
+        yield from ((f"bench {name}", option) for option in options_of(pkgutil.resolve_name(place)))
 
 
 OPTIONS = [(name, option) for name, option in options() if option.type in (str, Path)]

@@ -22,7 +22,6 @@ ANSWERS = {
     "evaluate": "agent.evaluation.scores:ScoreFile",
     "record": "vitruvius.answers.houses:Written",
     "export": "vitruvius.answers.houses:Written",
-    "import-keras": "vitruvius.answers.houses:Written",
 }
 """Where the type of a command's answer is, ``module:Class``."""
 

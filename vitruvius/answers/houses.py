@@ -115,7 +115,7 @@ class Drawn(msgspec.Struct, frozen=True):
 
 
 class Written(msgspec.Struct, frozen=True):
-    """Of ``convert``, ``record``, ``export`` and ``import-keras``: the files, as they are named."""
+    """Of ``convert``, ``record`` and ``export``: the files, as they are named."""
 
     files: list[str]
 

@@ -22,7 +22,6 @@ TITLES = {
     "scores": "scores, for vitruvius evaluate --scores",
     "trace": "trace of an episode",
     "grammar": "grammar, for vitruvius generate --grammar",
-    "keras": "weights of Keras, for vitruvius import-keras",
     "settings": "settings, for vitruvius train --preset or --config",
 }
 """What each kind is called."""
@@ -48,7 +47,7 @@ class Info:
     """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
 
     It reads house files of every format, sets of houses, plans that generate reads, checkpoints, folders of
-    train, games, scores, traces, folders of rules, TOML settings and weights of Keras, and runs nothing.
+    train, games, scores, traces, folders of rules and TOML settings, and runs nothing.
     """
 
     thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]

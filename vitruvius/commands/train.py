@@ -1,4 +1,4 @@
-"""``vitruvius train``, ``export`` and ``import-keras``: their options, and what they do.
+"""``vitruvius train``, ``export``: their options, and what they do.
 
 Cheap to import: torch, taichi and all that needs them are imported when a command runs.
 """
@@ -192,43 +192,6 @@ class Export:
         if self.json:
             print_answer("export", Written([str(self.out)]))
         _say(f"{self.out}")
-        return 0
-
-
-@dataclass(frozen=True)
-class ImportKeras:
-    """Take weights that the paper's original program trained, from the HDF5 file that Keras wrote."""
-
-    file: tyro.conf.Positional[Path]
-    """The HDF5 file, with the layers of the paper's network."""
-
-    out: Path = Path("original.safetensors")
-    """The checkpoint: vitruvius evaluate and record take it."""
-
-    replace: bool = False
-    """Lose what the file holds, if anything else."""
-
-    name: str = "original weights"
-    """What to call the agent in tables."""
-
-    json: bool = False
-    """Print one answer as JSON: the checkpoint's name."""
-
-    def run(self) -> int:
-        """Read the weights, write the checkpoint."""
-        from agent.runs import checkpoint
-        from agent.runs.keras import import_keras
-        from logic.house.files import require_file
-        from logic.house.replacing import unless_other
-        from vitruvius.answers.houses import Written
-
-        require_file(self.out, [".safetensors"])
-        made = import_keras(self.file, self.name, shlex.join(["vitruvius", *sys.argv[1:]]))
-        with unless_other(self.out, self.replace) as file:
-            checkpoint.save(made, file)
-        if self.json:
-            print_answer("import-keras", Written([str(self.out)]))
-        _say(f"{self.out}. Next: vitruvius evaluate {quoted(self.out)}")
         return 0
 
 

@@ -152,15 +152,6 @@ class Grammar(Named, tag="grammar", frozen=True):
     shipped: bool
 
 
-class Keras(Named, tag="keras", frozen=True):
-    """Weights in HDF5, as Keras writes them: for ``import-keras``."""
-
-    layers: dict[str, str]
-    """The shapes of each one's arrays."""
-    parameters: int
-    versions: dict[str, str]
-
-
 class Settings(Named, tag="settings", frozen=True):
     """A TOML file for ``train --config``, or a preset."""
 
@@ -172,4 +163,4 @@ class Settings(Named, tag="settings", frozen=True):
     """What is not as in the preset."""
 
 
-Kind = Houses | SetOfHouses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Keras | Settings
+Kind = Houses | SetOfHouses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Settings

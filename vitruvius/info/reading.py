@@ -1,7 +1,7 @@
 """What is in a file that ``recognise`` knows, as one of ``kinds``. Nothing of it runs."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from math import prod
 from os import SEEK_END
@@ -19,7 +19,7 @@ from logic import House, HouseSet, RequestError
 from logic.dataset.sets import files_of_shards, read_manifest, read_set
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
-from logic.opener import content_of, from_json, opened, reason, require_file
+from logic.opener import content_of, from_json, opened
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
@@ -30,7 +30,6 @@ from vitruvius.info.kinds import (
     Games,
     Grammar,
     Houses,
-    Keras,
     Plan,
     Run,
     Scores,
@@ -253,42 +252,6 @@ def read_grammar(name: str, folder: str | Path) -> Grammar:
     )
 
 
-def read_keras(name: str, path: Path) -> Keras:
-    """Weights in HDF5. Raises ``UnknownFileError`` for other HDF5."""
-    import h5py
-
-    from agent.runs.hdf5 import at
-
-    try:
-        require_file(path, MOST_BYTES)
-        with h5py.File(path) as file:
-            shapes, versions = _weights(at(file, "model_weights") if "model_weights" in file else file, at)
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {reason(error)}") from None
-    layers = {
-        layer: ", ".join(" x ".join(map(str, shape)) for shape in arrays) for layer, arrays in shapes.items()
-    }
-    parameters = sum(prod(shape) for arrays in shapes.values() for shape in arrays)
-    return Keras(name=name, layers=layers, parameters=parameters, versions=versions)
-
-
-Shapes = dict[str, list[tuple[int, ...]]]
-"""Shapes of the arrays of each layer, by its name."""
-
-
-def _weights(group: Any, at: Callable[[Any, str], Any]) -> tuple[Shapes, dict[str, str]]:
-    """The shapes of each layer's arrays, of those that have any, and the versions that wrote them."""
-    layers = {
-        layer: [
-            tuple(at(group, f"{layer}/{_text(key)}").shape) for key in at(group, layer).attrs["weight_names"]
-        ]
-        for layer in map(_text, group.attrs["layer_names"])
-    }
-    kept = {"keras_version": "keras", "backend": "backend"}
-    versions = {word: _text(group.attrs[key]) for key, word in kept.items() if key in group.attrs}
-    return {layer: shapes for layer, shapes in layers.items() if shapes}, versions
-
-
 def read_settings(name: str, preset: str, config: TrainConfig) -> Settings:
     """A preset's config, with what is not as in the preset."""
     changed = {key: str(getattr(config, key)) for key in differences(config, PRESETS[preset])}
@@ -300,7 +263,3 @@ def read_settings(name: str, preset: str, config: TrainConfig) -> Settings:
         targets=config.targets,
         changed=changed,
     )
-
-
-def _text(value: Any) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)

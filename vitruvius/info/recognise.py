@@ -29,7 +29,6 @@ from vitruvius.info.reading import (
     read_games,
     read_grammar,
     read_houses,
-    read_keras,
     read_plan,
     read_run,
     read_scores,
@@ -41,7 +40,6 @@ from vitruvius.info.reading import (
 MOST_BYTES = 1 << 28
 """What is read of a JSON file that holds no houses, unpacked."""
 
-HDF5 = b"\x89HDF\r\n\x1a\n"
 """How such a file begins."""
 
 
@@ -108,8 +106,6 @@ def _file(name: str, path: Path) -> Kind:
             start = file.read(16)
     except OSError as error:
         raise UnknownFileError(f"{name}: cannot be read: {error.strerror}") from None
-    if start.startswith(HDF5):
-        return read_keras(name, path)
     if path.suffix == ".safetensors" or start[8:9] == b"{":
         return read_agent(name, path)
     if path.suffix == ".toml":
@@ -179,7 +175,7 @@ def _plan(name: str, path: Path, content: bytes, record: Any) -> Kind | None:
 def _unknown(name: str) -> UnknownFileError:
     return UnknownFileError(
         f"{name}: nothing that Vitruvius writes or reads: no house file, plan, checkpoint, run, grammar, "
-        "games, scores, trace, settings or weights of Keras"
+        "games, scores, trace or settings"
     )
 
 
