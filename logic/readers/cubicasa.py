@@ -1,23 +1,23 @@
 """CubiCasa5K (Kalervo and others, 2019): ``model.svg``, in pixels.
 
 A group of the class ``Space Bedroom`` has the room's polygon, and in many files a label with its size, as in
-``3.20 m x 4.05 m``; groups with the id ``Door`` and ``Window`` have rectangles in the walls.
+``3.20 m x 4.05 m``; groups of the classes ``Door`` and ``Window`` have rectangles in the walls. Their ids are
+the same words, but a drawing program gives each element an id of its own.
 """
 
 import re
 from collections.abc import Iterator
-from itertools import pairwise
 from math import log
 from statistics import median
 from typing import Any
 from xml.etree.ElementTree import Element
 
-import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
 from logic.opener import from_xml
-from logic.readers.sketch import Passage, Sketch, Space, polygons
+from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.svg_shapes import kind, placed, polygon_in
 
 FORMAT = "a plan of CubiCasa5K"
 
@@ -53,51 +53,35 @@ def read_cubicasa(content: bytes, _: Any) -> Sketch:
             f"plan: it has {len(with_rooms)} storeys ({names}): keep the group of one of them in the file"
         )
     spaces, doors, windows, units = list[Space](), list[Passage](), list[Polygon](), list[float]()
-    for group in _groups(tree):
-        if _is_space(group):
-            _, *words = group.get("class", "").split()
-            polygon = _polygon(group)
-            if polygon is not None and words:
-                spaces.append(Space(words[0], (" ".join(words), words[0]), polygon))
-                units += _units(group, polygon)
-        elif group.get("id") in ("Door", "Window") and (polygon := _polygon(group)) is not None:
-            if group.get("id") == "Door":
-                doors.append(Passage(polygon))
-            else:
-                windows.append(polygon)
+    for group, at in placed(tree):
+        what, *words = (group.get("class") or group.get("id") or "").split() or [""]
+        if kind(group) != "g" or what not in ("Space", "Door", "Window"):
+            continue
+        if (polygon := polygon_in(group, at)) is None:
+            continue
+        if what == "Door":
+            doors.append(Passage(polygon))
+        elif what == "Window":
+            windows.append(polygon)
+        elif words:
+            spaces.append(Space(words[0], (" ".join(words), words[0]), polygon))
+            units += _units(group, polygon)
     guessed = "" if units else f"no label says the size of a room, so a pixel is taken to be {PIXEL:g} m"
     return Sketch(FORMAT, spaces, doors, list(windows), median(units) if units else PIXEL, guessed=guessed)
 
 
 def _groups(tree: Element) -> Iterator[Element]:
-    return (each for each in tree.iter() if each.tag.rpartition("}")[2] == "g")
+    return (each for each in tree.iter() if kind(each) == "g")
 
 
 def _is_space(group: Element) -> bool:
     return group.get("class", "").split()[:1] == ["Space"]
 
 
-def _polygon(group: Element) -> Polygon | None:
-    """The polygon right in a group."""
-    for child in group:
-        if child.tag.rpartition("}")[2] == "polygon":
-            found = [
-                float(each) for each in re.findall(r"-?\d+(?:\.\d+)?(?:e-?\d+)?", child.get("points", ""))
-            ]
-            points = list(zip(found[::2], found[1::2], strict=False))
-            if len(points) >= 3 and any(a != b for a, b in pairwise(points)):
-                try:
-                    return max(polygons(Polygon(points)), key=lambda each: each.area, default=None)
-                except (shapely.errors.ShapelyError, ValueError):
-                    what = f"{group.get('id')} {group.get('class')}".strip()
-                    raise RequestError(f"plan: the polygon of {what} is none") from None
-    return None
-
-
 def _units(group: Element, polygon: Polygon) -> Iterator[float]:
     """Metres to a pixel by the sizes in a room's label, in the order in which both sides agree."""
     west, north, east, south = polygon.bounds
-    for text in ("".join(each.itertext()) for each in group.iter() if each.tag.rpartition("}")[2] == "text"):
+    for text in ("".join(each.itertext()) for each in group.iter() if kind(each) == "text"):
         if found := METRES.search(text):
             one, other = (float(each.replace(",", ".")) for each in found.groups())
         elif found := FEET.search(text):
