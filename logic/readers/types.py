@@ -1,31 +1,135 @@
-"""Which type of room other programs' words mean: the table ``types.json``."""
+"""Which type of room words of other programs and people mean: the table ``types.json``, in English, German,
+Dutch, Finnish, French and Spanish.
+"""
 
-import json
+import re
 import unicodedata
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
+import msgspec
+
 OUTSIDE = "outside"
 """In the table: of what is no room of the house, such as a balcony or a column."""
 
+MAX_LETTERS, MAX_WORDS = 100, 4
+"""Letters of a name that are looked at, and words that have a type together, as ``salle de bain``."""
+
+SHORT, HEAD = 2, 4
+"""Letters: most of an abbreviation, and fewest of the last part of a word, as of ``Elternschlafzimmer``."""
+
+TOGETHER = re.compile(r"[/+&,;|]|-(?=\W|[A-ZÀ-Þ])")
+"""Between the uses of a room that is used for several."""
+
+PART, HUMP = re.compile(r"[^\W\d_]+"), re.compile(r"(?<=[a-zà-ÿ])(?=[A-ZÀ-Þ])")
+
+UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
+
+Uses = tuple[str, ...]
+"""Types that a word means: several for a room of several uses, an empty one where any may be."""
+
+
+class Table(msgspec.Struct):
+    """Words for each type of room, or for several of them, as in ``living+kitchen``.
+
+    ``open``: types that may be uses of one room, and the least floor of each, square metres. ``whose``: words
+    that say whose room it is, and its type only without another word.
+    """
+
+    types: dict[str, list[str]]
+    open: dict[str, float]
+    whose: list[str]
+
 
 def meant(words: Iterable[str]) -> tuple[str, bool]:
-    """The type that the first of some words means, and whether any is known. No type, where any may be.
+    """Return the type that the first of some words means, and True if any is known.
 
-    ``outside``: it is no room of the house.
+    There is no type where any may be; ``outside``: it is no room of the house.
     """
-    found = [_table()[key] for word in words if (key := _letters(word)) in _table()]
-    return next(filter(None, found), ""), bool(found)
+    found = [types for word in words if (types := _uses(word))]
+    return next((types[0] for types in found if types[0]), ""), bool(found)
+
+
+def uses(words: Iterable[str]) -> Uses:
+    """Return all types that the first known word means: several for ``Wohnen/Essen/Kochen``."""
+    return next((types for word in words if (types := _uses(word)) and types[0]), ())
+
+
+def least_floor() -> dict[str, float]:
+    """Return the types that may be uses of one room, the most needed first, and their least floor in m²."""
+    return table().open
+
+
+def _uses(word: str) -> Uses:
+    """Return the types that a word means; none for a word that is not known."""
+    word = unicodedata.normalize("NFC", word[:MAX_LETTERS])
+    if whole := _whole(word, word[:1].isupper()):
+        return whole
+    parts = (PART.findall(HUMP.sub(" ", part)) for part in TOGETHER.split(word))
+    groups = [found for found in map(_of_parts, parts) if found]
+    each = dict.fromkeys(kind for runs in groups for run in runs for kind in run if kind)
+    if each and each.keys() <= table().open.keys():
+        return tuple(each)
+    if not groups:
+        return ()
+    # Of ``bedroom with bath`` the first counts; ``kitchen storage`` may be of either.
+    first = dict.fromkeys(kind for kind in groups[0][0] if kind)
+    return tuple(first) if len(first) == 1 else ("",)
+
+
+def _of_parts(parts: list[str]) -> list[list[str]]:
+    """Return the types of known words in a text, as many words at a time as are known; those that follow each
+    other together. A word that says whose room it is counts where no other does.
+    """
+    runs, whose, at = [list[str]()], list[str](), 0
+    while at < len(parts):
+        ends = range(min(len(parts), at + MAX_WORDS), at, -1)
+        end = next((end for end in ends if _of_words(parts[at:end])), at + 1)
+        found = _of_words(parts[at:end])
+        if _letters("".join(parts[at:end])) in table().whose:
+            whose += found
+        elif found:
+            runs[-1] += found
+        elif runs[-1]:
+            runs.append([])
+        at = end
+    return [run for run in runs if run] or ([whose] if whose else [])
+
+
+def _of_words(parts: list[str]) -> Uses:
+    """Return the types of words that follow each other; of one that is unknown, those of its last part."""
+    if (found := _whole("".join(parts), parts[0].isupper())) or len(parts) > 1:
+        return found
+    letters = _letters(parts[0])
+    heads = (letters[start:] for start in range(1, len(letters) - HEAD + 1))
+    found = next((found for head in heads if (found := _words().get(head))), ())
+    return () if {"", OUTSIDE} & {*found} else found
+
+
+def _whole(word: str, is_capital: bool) -> Uses:
+    """Return the types of a word in the table. An abbreviation such as ``OH`` is one in capitals alone."""
+    letters = _letters(word)
+    if len(letters) <= SHORT and not is_capital and letters not in table().types:
+        return ()
+    return _words().get(letters, ())
 
 
 @cache
-def _table() -> dict[str, str]:
-    """The type for each word."""
-    record = json.loads(Path(__file__).with_name("types.json").read_text(encoding="utf-8"))
-    return {_letters(word): kind for kind, words in record.items() for word in words}
+def table() -> Table:
+    """Return the table of words."""
+    return msgspec.json.decode(Path(__file__).with_name("types.json").read_bytes(), type=Table)
+
+
+@cache
+def _words() -> dict[str, Uses]:
+    """Return the types for each word, with and without its accents, and with ``ae`` for an umlaut."""
+    words = [(word, tuple(kind.split("+"))) for kind, some in table().types.items() for word in some]
+    return {_letters(word.translate(UMLAUTS)): kinds for word, kinds in words} | {
+        _letters(word): kinds for word, kinds in words
+    }
 
 
 def _letters(word: str) -> str:
-    """Alike for ``Living_Room``, ``living room 2`` and ``LivingRoom``, and however Unicode composes it."""
-    return "".join(each for each in unicodedata.normalize("NFKC", word).casefold() if each.isalpha())
+    """Return a word alike for ``Living_Room``, ``living room 2`` and ``LivingRoom``, without its accents."""
+    return "".join(each for each in unicodedata.normalize("NFKD", word).casefold() if each.isalpha())

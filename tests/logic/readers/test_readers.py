@@ -3,7 +3,6 @@
 import codecs
 import json
 import re
-import unicodedata
 import warnings
 import zipfile
 from collections.abc import Iterator
@@ -18,7 +17,6 @@ from shapely.geometry import mapping
 from logic import House, HouseFileError, PlanWarning, RequestError, load
 from logic.layout.terms import own_requirements
 from logic.readers import READERS
-from logic.readers.types import meant
 from logic.request.given_plan import read_plan
 from logic.request.own_plan import OwnPlan
 from tests.logic.readers.written import WALL, WORDS, WRITERS, resplan_record
@@ -226,12 +224,6 @@ def test_a_word_that_no_table_has_is_a_room_of_any_type(tmp_path: Path) -> None:
     with pytest.warns(PlanWarning, match="words of no known type, so these rooms may have any: Ballroom"):
         plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Ballroom", HALL)))
     assert [room.type for room in plan.rooms] == ["living", ""]
-
-
-@pytest.mark.parametrize("form", ["NFC", "NFD", "NFKD"])
-def test_a_word_means_its_type_however_unicode_composes_it(form: Any) -> None:
-    assert meant([unicodedata.normalize(form, "Küche")]) == ("kitchen", True)
-    assert meant(["部屋", "🛏️", "Gäste-WC"]) == ("wc", True)
 
 
 def test_a_byte_order_mark_changes_no_plan(homes: list[House], tmp_path: Path) -> None:
