@@ -43,6 +43,7 @@ class Opening(NamedTuple):
 
     box: Box
     is_entrance: bool | None = None
+    is_open: bool = False
 
 
 class Regular(NamedTuple):
@@ -136,7 +137,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
 
     return Regular(
         rooms,
-        [Opening(_bounds(placed(each.shape)), each.is_entrance) for each in sketch.passages],
+        [Opening(_bounds(placed(each.shape)), *each[1:]) for each in sketch.passages],
         [Opening(_bounds(placed(each))) for each in sketch.windows],
         [placed(each.shape) for each in others],
         joints,

@@ -28,10 +28,12 @@ class Space(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """A door or a wide opening: the polygon or line where it is; whether it is the entrance, if known."""
+    """A door or an opening: the polygon or line where it is; whether it is the entrance, if known."""
 
     shape: Geometry
     is_entrance: bool | None = None
+    is_open: bool = False
+    """Whether it has no leaf: a wide gap, or floor that no wall divides."""
 
 
 class Sketch(NamedTuple):

@@ -33,12 +33,14 @@ Uses = tuple[str, ...]
 class Table(msgspec.Struct):
     """Words for each type of room, or for several of them, as in ``living+kitchen``.
 
-    ``open``: types that may be uses of one room, and the least floor of each, square metres. ``whose``: words
-    that say whose room it is, and its type only without another word.
+    ``open``: types that may be uses of one room, and the least floor of each, square metres. ``entered``: the
+    types of rooms by which a house is entered, most likely first. ``whose``: words that say whose room it is,
+    and its type only without another word.
     """
 
     types: dict[str, list[str]]
     open: dict[str, float]
+    entered: list[str]
     whose: list[str]
 
 

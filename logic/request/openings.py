@@ -9,6 +9,7 @@ from logic.house.boxes import WALLS, Box
 from logic.house.parts import OUTSIDE, Door, Window
 from logic.readers.lines import MOST_WALL
 from logic.readers.regular import Opening, Regular
+from logic.readers.types import table
 from logic.request.own_plan import OwnPlan, Wall
 
 REACH = MOST_WALL / 2 + 0.15
@@ -34,8 +35,9 @@ class Placed(NamedTuple):
 def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     """The doors and windows of a drawing in the walls beside them, in a plan of its rooms.
 
-    Where a drawing knows its entrance, other doors to the outside are windows, as they are before a balcony.
-    Between the parts of one room all of their wall is open.
+    Where a drawing does not know its entrance, that is one of the doors that lead outside, by the types of
+    their rooms; the others are garden doors. Where the entrance is known, and before a balcony, they are
+    windows, in a drawing with windows. Between the parts of one room all of their wall is open.
     """
     names = [room.name for room in plan.rooms]
     inner = [wall for wall in plan.walls if wall.behind is not None and wall.room < wall.behind]
@@ -43,19 +45,24 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     doors, windows, notes = list[Door](), list[Window](), list[str]()
     alone: list[str] = []
     knows_entrance = any(each.is_entrance for each in drawn.passages)
+    in_front = list[Door]()
     for opening in drawn.passages:
         found = _nearest(opening, [*inner, *outer])
         if found is None:
             notes.append(f"a door at {_at(opening)} is in no wall: it is passed over")
             continue
         wall, start, end = found
-        if wall.behind is None and (
+        is_garden = wall.behind is None and (
             (knows_entrance and not opening.is_entrance) or _leads_out(opening, drawn)
-        ):
+        )
+        if is_garden and drawn.windows:
             windows.append(Window(*_segment(wall, start, end - start), names[wall.room]))
-        else:
-            between = names[wall.room], OUTSIDE if wall.behind is None else names[wall.behind]
-            doors.append(Door(*_segment(wall, start, _rounded(end - start, noise)), between))
+            continue
+        between = names[wall.room], OUTSIDE if wall.behind is None else names[wall.behind]
+        length = _rounded(end - start, noise)
+        doors.append(Door(*_segment(wall, start, length), between, opening=opening.is_open))
+        if wall.behind is None and not is_garden:
+            in_front.append(doors[-1])
     for opening in drawn.windows:
         if found := _nearest(opening, outer):
             wall, start, end = found
@@ -67,7 +74,36 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
         if alone := _unreached(names, doors):
             some = f"{', '.join(alone[:3])}{' and others' if alone[3:] else ''}"
             notes.append(f"no door that is drawn leads to {some}: there may be more doors than these")
-    return Placed(tuple(_widest(doors, notes)), tuple(windows), bool(doors and alone), notes)
+    kept = _entrance_first(list(_widest(doors, notes)), in_front, plan, [] if knows_entrance else notes)
+    return Placed(tuple(kept), tuple(windows), bool(doors and alone), notes)
+
+
+def _entrance_first(
+    doors: Sequence[Door], in_front: Sequence[Door], plan: OwnPlan, notes: list[str]
+) -> Sequence[Door]:
+    """Return the doors, of those that lead outside the entrance first: that of a hall, a corridor ..."""
+    types, order = {room.name: room.type for room in plan.rooms}, table().entered
+
+    def rank(door: Door) -> tuple[bool, int]:
+        entered = types[_inner(door)]
+        return door not in in_front, order.index(entered) if entered in order else len(order)
+
+    leading = sorted((door for door in doors if door.is_entrance), key=rank)
+    if len(leading) < 2:
+        return doors
+    entrance, *others = leading
+    gardens = ", ".join(dict.fromkeys(map(_inner, others)))
+    are = "that of {} is a garden door" if len(others) == 1 else "those of {} are garden doors"
+    notes.append(
+        f"{len(leading)} doors lead outside: that of {_inner(entrance)} is taken for the entrance, "
+        f"{are.format(gardens)}"
+    )
+    return sorted(doors, key=lambda door: door.is_entrance and door is not entrance)
+
+
+def _inner(door: Door) -> str:
+    """Return the room of a door that leads outside."""
+    return next(name for name in door.between if name != OUTSIDE)
 
 
 def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, float] | None:

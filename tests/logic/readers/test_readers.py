@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from msgspec.structs import replace
 from shapely.geometry import mapping
 
-from logic import House, HouseFileError, PlanWarning, RequestError, load
+from logic import Door, House, HouseFileError, PlanWarning, RequestError, load
 from logic.layout.terms import own_requirements
 from logic.readers import READERS
 from logic.request.given_plan import read_plan
@@ -208,16 +209,65 @@ def test_rooms_of_houseexpo_are_cut_out_of_the_boxes_of_larger_ones(tmp_path: Pa
     }
 
 
-def test_what_is_no_room_is_passed_over_and_a_door_to_it_is_a_window(tmp_path: Path) -> None:
-    doors = (
-        '<g id="Door"><polygon points="100,-10 180,-10 180,0 100,0"/></g>'
-        '<g id="Door"><polygon points="600,100 600,180 610,180 610,100"/></g>'
-    )
+def outer_door(x: float, y: float, word: str = "Door") -> str:
+    """A door in a wall that runs from west to east, 0.8 m wide, as CubiCasa5K has it."""
+    west, north = 100 * x, 100 * y
+    ring = f"{west},{north} {west + 80},{north} {west + 80},{north + 10} {west},{north + 10}"
+    return f'<g class="{word}"><polygon points="{ring}"/></g>'
+
+
+def test_what_is_no_room_is_passed_over_and_a_door_to_it_is_a_window_or_a_garden_door(tmp_path: Path) -> None:
+    """A window in a plan that draws windows. In a plan without them it would be the only one."""
+    doors = outer_door(1, -0.1) + outer_door(4.5, -0.1)
     balcony = ("Outdoor Balcony", [(0, -2), (3, -2), (3, -0.1), (0, -0.1)])
+    rooms = (("LivingRoom", LIVING), ("Entry", HALL), balcony)
     with pytest.warns(PlanWarning, match="passed over, as they are no rooms: Outdoor"):
-        plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Entry", HALL), balcony, more=doors))
-    assert [window.room for window in plan.windows] == ["LivingRoom"]
+        plan = written(tmp_path, svg(*rooms, more=doors + outer_door(1, 4, "Window")))
+    assert [window.room for window in plan.windows] == ["LivingRoom"] * 2
     assert [door.between for door in plan.doors] == [("Entry", "outside")]
+    plan = written(tmp_path, svg(*rooms, more=doors))
+    assert plan.windows == ()
+    assert [door.between for door in plan.doors] == [("Entry", "outside"), ("LivingRoom", "outside")]
+
+
+@pytest.mark.parametrize(
+    ("rooms", "entrance"),
+    [
+        (("LivingRoom", "Entry"), 1),
+        (("LivingRoom", "HallWay"), 1),
+        (("HallWay", "Entry"), 1),
+        (("Kitchen", "LivingRoom"), 1),
+        (("Bedroom", "Kitchen"), 0),
+        (("Entry", "LivingRoom"), 0),
+    ],
+)
+def test_of_doors_that_lead_outside_the_readers_choose_the_entrance(
+    rooms: tuple[str, str], entrance: int, tmp_path: Path
+) -> None:
+    model = svg((rooms[0], LIVING), (rooms[1], HALL), more=outer_door(1, -0.1) + outer_door(4.5, -0.1))
+    first, other = rooms[entrance], rooms[1 - entrance]
+    wanted = (
+        f"2 doors lead outside: that of {first} is taken for the entrance, that of {other} is a garden door"
+    )
+    with pytest.warns(PlanWarning, match=wanted):
+        plan = written(tmp_path, model)
+    assert [door.between for door in plan.doors] == [(first, "outside"), (other, "outside")]
+
+
+@pytest.mark.parametrize("format", ["cubicasa", "imdf", "ifc"])
+def test_a_garden_door_is_read_beside_the_entrance(format: str, homes: list[House], tmp_path: Path) -> None:
+    """In the place of a window of a living room: the reader tells it from the front door."""
+    home = next(each for each in homes if each.start.type == "corridor")
+    pane = next(each for each in home.windows if home.room(each.room).type == "living")
+    x, y, width, height = pane.x, pane.y, min(pane.width, 0.8), min(pane.height, 0.8)
+    garden = Door(x, y, width, height, (pane.room, "outside"))
+    windows = tuple(each for each in home.windows if each.room != pane.room)
+    changed = replace(home, doors=(garden, *home.doors), windows=windows)
+    plan = written(tmp_path, WRITERS[format](changed, np.random.default_rng(0), 0.01))
+    rooms = {room.name: room.type for room in plan.rooms}
+    outer = [rooms[door.between[0]] for door in plan.doors if door.is_entrance]
+    assert outer == ["hall", "living"]
+    assert len(plan.doors) == len(changed.doors)
 
 
 def test_a_word_that_no_table_has_is_a_room_of_any_type(tmp_path: Path) -> None:
