@@ -5,12 +5,14 @@ sizes given, a layout is hard to find by picks that are sampled one after the ot
 """
 
 from collections.abc import Collection
+from contextlib import suppress
 
 import numpy as np
 from clingo import Symbol
 from msgspec import structs
 
 from logic.errors import LimitReached, RequestError
+from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility
 from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import Grammar
@@ -18,7 +20,7 @@ from logic.house.house import House
 from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
 from logic.layout.program import Nogood, Program
 from logic.layout.programs import Programs
-from logic.layout.terms import brief_facts, wall_facts
+from logic.layout.terms import ASKED_DOORS, brief_facts, wall_facts
 from logic.placement.lengths import brief_lengths, metres
 from logic.placement.plan import Pieces, Plan
 from logic.request.brief import Brief
@@ -65,10 +67,27 @@ class BriefMaker(SharedWallsMaker):
         super().__init__(
             rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, thorough=thorough)
         )
-        self._programs = Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)
+
+        def programs(more: Collection[Symbol]) -> Programs:
+            return Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, [*symbols, *more])
+
+        self._all_doors = programs([])
+        self._few_doors = None if brief.is_alone or brief.other_doors else programs([ASKED_DOORS])
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """A furnished house; see ``Maker.made``."""
+        """A furnished house; see ``Maker.made``.
+
+        Doors that the brief does not ask for are left out, where the rules of the grammar permit that.
+        """
+        if self._few_doors:
+            with suppress(NoLayout):
+                return self._made_by(self._few_doors, request, rng, inferences)
+        return self._made_by(self._all_doors, request, rng, inferences)
+
+    def _made_by(
+        self, programs: Programs, request: Request, rng: np.random.Generator, inferences: int
+    ) -> House:
+        self._programs = programs
         self._undecided, self._thorough = (), self.feasibility.thorough
         return super().made(request, rng, inferences)
 

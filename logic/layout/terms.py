@@ -89,13 +89,18 @@ def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
     return found
 
 
+ASKED_DOORS = Function("asked_doors", [])
+"""No other doors than those that a brief asks for: see ``rules/brief/brief.lp``."""
+
+
 def brief_requirements(brief: Brief) -> list[tuple[str, list[Symbol]]]:
     """What a brief requires, each line in words: see ``rules/brief/brief.lp``."""
     return [(line.reason, [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
 
 
 def brief_facts(brief: Brief, on_request: bool, lengths: Iterable[Symbol] = ()) -> list[Symbol]:
-    """What stage 1 is told of a brief beside what it requires: voids, and areas as stairs.
+    """What stage 1 is told of a brief beside what it requires: voids, areas as stairs, and of a brief alone
+    that there are no other doors.
 
     ``on_request``: only of rooms that the brief asks about it is found out whether they share a wall. Stairs
     go as far as the sides of boxes may, by the brief and by ``lengths``, facts of ``wall_facts``; without
@@ -103,6 +108,7 @@ def brief_facts(brief: Brief, on_request: bool, lengths: Iterable[Symbol] = ()) 
     """
     found = [_term("void", number) for number in void_numbers(brief)]
     found += [Function("on_request", [])] if on_request else []
+    found += [ASKED_DOORS] if brief.is_alone and not brief.other_doors else []
     sides = dict(_sides(brief, lengths))
     for box, (least, most) in area_ranges(brief).items():
         ratio = max(STAIR, (most / least) ** 0.5)

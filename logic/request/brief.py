@@ -15,6 +15,7 @@ from msgspec import Meta
 
 from logic.errors import RequestError
 from logic.house.parts import OUTSIDE, Name
+from logic.mismatch import mismatch
 from logic.opener import content_of, from_json
 from logic.spelling import unknown
 
@@ -43,7 +44,6 @@ LONGEST, LARGEST = 400.0, 100_000.0
 """Metres and square metres: what whole numbers of stage 1 can hold."""
 
 Side = Literal["north", "east", "south", "west"]
-Place = Annotated[float, Meta(ge=0, le=LONGEST)]
 Span = float | tuple[float, float]
 """One number, or the least and the greatest: metres, or square metres."""
 
@@ -53,8 +53,11 @@ Tolerance = Annotated[float, Meta(ge=0, le=0.5)]
 Pair = tuple[Name, Name]
 
 
-class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
     """A part of a brief's JSON."""
+
+    comment: str = ""
+    """A note for readers, without effect."""
 
 
 class BriefRoom(Part, frozen=True):
@@ -89,8 +92,8 @@ class Void(Part, frozen=True):
     width: Span | None = None
     depth: Span | None = None
     corner: Literal["north-west", "north-east", "south-east", "south-west"] | None = None
-    x: Place | None = None
-    y: Place | None = None
+    x: Span | None = None
+    y: Span | None = None
 
 
 class Outline(Part, frozen=True):
@@ -111,11 +114,16 @@ class Brief(Part, frozen=True):
     """Rooms that share a wall, with a door in it or without."""
     apart: tuple[Pair, ...] = ()
     """Rooms that share none."""
+    other_doors: bool = False
+    """Whether there may be other doors than ``doors``, as the grammar's rules permit. By default there are
+    none but one into each group of rooms that ``doors`` join, and those that the rules require."""
     entrance: Name | Entrance | None = None
     outline: Outline = Outline()
     area: Span | None = None
     """Of all within the outline but the voids, square metres."""
     tolerance: Tolerance = TOLERANCE
+    schema_: str = msgspec.field(default="", name="$schema")
+    """The schema by which an editor checks the file, without effect."""
 
     @property
     def names(self) -> list[str]:
@@ -140,7 +148,7 @@ def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
     try:
         brief = source if isinstance(source, Brief) else msgspec.convert(source, Brief)
     except msgspec.ValidationError as error:
-        raise RequestError(f"brief: {str(error)[0].lower()}{str(error)[1:]}") from None
+        raise RequestError(f"brief: {mismatch(error, source, Brief)}") from None
     _require_sense(brief)
     return brief
 
@@ -232,6 +240,8 @@ def _require_sense(brief: Brief) -> None:
             _require_span(f"{where}: {name}", span)
             if span is not None and bounds(span, 0)[1] < LEAST_VOID:
                 raise RequestError(f"{where}: {name}: a void is {LEAST_VOID:g} m wide and deep or more")
+        for name, span in (("x", void.x), ("y", void.y)):
+            _require_span(f"{where}: {name}", span, is_place=True)
         if void.corner and (void.x is not None or void.y is not None):
             raise RequestError(f"{where}: a notch at a corner is there: leave out x and y, or corner")
         if brief.area is not None and None in (void.width, void.depth):
@@ -249,10 +259,18 @@ def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> Non
             raise RequestError(f"brief: {key}[{number}]: {pair[0]} and itself: name two rooms")
 
 
-def _require_span(where: str, span: Span | None, largest: float = LONGEST) -> None:
+def _require_span(where: str, span: Span | None, largest: float = LONGEST, *, is_place: bool = False) -> None:
+    """Refuse lengths, areas with ``largest``, and places, which may be 0."""
     if span is None:
         return
     least, most = span if isinstance(span, tuple) else (span, span)
-    if not 0 < least <= most <= largest:
-        given = f"{span:g}" if isinstance(span, float | int) else f"[{least:g}, {most:g}]"
-        raise RequestError(f"{where}: above 0 and up to {largest:g}, the least first, not {given}")
+    unit = "m" if largest == LONGEST else "m²"
+    if least > most:
+        words = f"the least comes first: [{most:g}, {least:g}], not [{least:g}, {most:g}]"
+    elif least < 0 or (least == 0 and not is_place):
+        words = f"must be {'at least 0' if is_place else 'above 0'}, not {least:g} {unit}"
+    elif most > largest:
+        words = f"must be at most {largest:g} {unit}, not {most:g}: lengths are metres, areas square metres"
+    else:
+        return
+    raise RequestError(f"{where}: {words}")

@@ -119,9 +119,9 @@ def _outline(brief: Brief) -> Iterator[Requirement]:
         for axis, span in (("x", void.width), ("y", void.depth)):
             if span is not None:
                 terms.append(("extent", number, axis, *length_range(span, 0)))
-        for axis, away in (("x", void.x), ("y", void.y)):
-            if away is not None:
-                terms.append(("offset", number, axis, *length_range((away, away), 0)))
+        for axis, span in (("x", void.x), ("y", void.y)):
+            if span is not None:
+                terms.append(("offset", number, axis, *length_range(span, 0)))
         for side in void.corner.split("-") if void.corner else ():
             terms.append(("rim", number, side))
         if terms:
@@ -134,7 +134,11 @@ def _void_words(void: Void) -> str:
         for name, span in (("wide", void.width), ("deep", void.depth))
         if span is not None
     ]
-    places = [f"{axis} {place:g} m" for axis, place in (("x", void.x), ("y", void.y)) if place is not None]
+    places = [
+        f"{axis} {_metres(length_range(span, 0))}"
+        for axis, span in (("x", void.x), ("y", void.y))
+        if span is not None
+    ]
     what = f"a notch in the {void.corner}" if void.corner else "a void"
     return ", ".join([what, *sizes]) + (f", at {' and '.join(places)}" if places else "")
 

@@ -3,7 +3,7 @@
 import gc
 from collections import Counter
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 from weakref import ref
 
@@ -228,17 +228,40 @@ def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
         ({"rooms": [{"name": "A"}, {"name": "A"}]}, r"rooms\[1\]: rooms\[0\] is named A too"),
         (brief(2, doors=[["R0", "R0"]]), r"doors\[0\]: R0 and itself"),
         (brief(2, doors=[["R0", "R3"]]), r"doors\[0\]: there is no room R3: there are R0, R1"),
+        (brief(2, nextto=[["R0", "R1"]]), "there is no key nextto: did you mean next_to"),
         (brief(2, entrance="Hal"), "entrance: "),
+        (
+            brief(2, entrance={"room": "R0", "side": "N"}),
+            r"entrance\.side: there is no value N: there are east",
+        ),
+        (brief(2, entrance=["R0", "R1"]), "entrance: must be a text or an object of room, side"),
+        (brief(3, doors=[["R0", "R1", "R2"]]), r"doors\[0\]: must be a list of 2, each a text, not"),
+        ({"rooms": [{"name": "A", "outside": "south"}]}, r'outside: must be a list: write \["south"\]'),
+        ({"rooms": [{"name": "A", "outside": ["South"]}]}, r"outside\[0\]: .* did you mean south"),
+        (
+            {"rooms": [{"name": "A", "area": "10 m2"}]},
+            r"area: must be a number or \[least, most\], not \"10 m2",
+        ),
+        ({"rooms": [{"area": 9}]}, r"rooms\[0\]: name is missing"),
+        (
+            brief(1, outline={"width": 850}),
+            r"outline\.width: must be at most 400 m, not 850: lengths are metres",
+        ),
+        (brief(1, outline={"voids": [{"x": [3, 2]}]}), r"voids\[0\]: x: the least comes first: \[2, 3\]"),
+        (brief(1, outline={"voids": [{"x": -1}]}), r"voids\[0\]: x: must be at least 0"),
         ({"rooms": [{"name": "A", "area": 0.1}]}, r"rooms\[0\] \(A\): area: 0.1 m² is less than the least"),
-        ({"rooms": [{"name": "A", "area": [9, 4]}]}, r"rooms\[0\] \(A\): area: above 0"),
-        ({"rooms": [{"name": "A", "size": [3, -1]}]}, r"rooms\[0\] \(A\): size: above 0"),
-        ({"rooms": [{"name": "A", "colour": "red"}]}, "unknown field `colour`"),
+        ({"rooms": [{"name": "A", "area": [9, 4]}]}, r"rooms\[0\] \(A\): area: the least comes first"),
+        ({"rooms": [{"name": "A", "size": [3, -1]}]}, r"rooms\[0\] \(A\): size: must be above 0"),
+        ({"rooms": [{"name": "A", "colour": "red"}]}, "there is no key colour: there are name"),
         (brief(1, area=20, outline={"voids": [{"width": 2}]}), "area: a house with voids"),
         (brief(1, outline={"voids": [{"width": 0.9}]}), r"voids\[0\]: width: a void is 1 m"),
-        (brief(2, tolerance=0.6), "tolerance"),
-        ({"rooms": [{"name": "A", "area": 5001}]}, r"rooms\[0\] \(A\): area: above 0 and up to 5000"),
-        ({"rooms": [{"name": "A" * 65}]}, "length <= 64"),
-        ({"rooms": [{"name": "two\nlines"}]}, "matching regex"),
+        (brief(2, tolerance=0.6), "tolerance: must be a number, at most 0.5, not 0.6"),
+        (
+            {"rooms": [{"name": "A", "area": 5001}]},
+            r"rooms\[0\] \(A\): area: must be at most 5000 m², not 5001",
+        ),
+        ({"rooms": [{"name": "A" * 65}]}, "name: must be a text, at most 64 long"),
+        ({"rooms": [{"name": "two\nlines"}]}, "name: must be one line, without a space"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
@@ -315,3 +338,54 @@ def test_a_brief_alone_gets_the_doors_that_it_asks_for_and_one_into_each_group_o
             assert {*asked} <= {*doors}
             assert len(others) == groups.n_subsets - 1
             assert not any(groups.connected(*door) for door in others)
+
+
+def others_than(asked: set[frozenset[str]], wanted: dict[str, Any], count: int) -> list[frozenset[str]]:
+    """The doors of houses of home by a brief, but entrances, that are not asked for."""
+    houses = generate(brief=wanted, grammar="home", seed=1, count=count)
+    doors = [frozenset(door.between) for house in houses for door in house.doors if not door.is_entrance]
+    return [door for door in doors if door not in asked]
+
+
+def test_a_brief_has_other_doors_than_it_asks_for_only_where_it_says_so() -> None:
+    asked = {*map(frozenset, FLAT["doors"]), frozenset(("Living", "Kitchen"))}
+    wanted = FLAT | {"doors": [*map(list, asked)]}
+    assert others_than(asked, wanted, 2) == []
+    assert others_than(asked, wanted | {"other_doors": True}, 2)
+
+
+def test_a_door_that_the_rules_require_is_there_though_the_brief_does_not_ask_for_it() -> None:
+    rooms = [{"name": name, "type": name} for name in ("hall", "living", "kitchen", "dining", "bathroom")]
+    rooms += [{"name": name, "type": "bedroom"} for name in ("bed", "guests")]
+    doors = [["hall", name] for name in ("living", "bathroom", "bed", "guests")]
+    doors += [["living", name] for name in ("dining", "kitchen")]
+    assert frozenset(("dining", "kitchen")) in others_than(set(), {"rooms": rooms, "doors": doors}, 1)
+
+
+def test_a_void_lies_in_the_range_of_its_place_and_a_comment_has_no_effect() -> None:
+    court = {"x": [2, 3], "y": [3, 4], "width": 2, "depth": 2, "comment": "a light well"}
+    outline_ = {"width": 8, "depth": 8, "voids": [court]}
+    places = [
+        (court_.x - outline(house)[0], court_.y - outline(house)[1])
+        for house in generate(brief=brief(4, outline=outline_, comment="a note"), count=3)
+        for court_ in free_boxes(house)
+    ]
+    assert len({*places}) == 3
+    assert all(2 - 2e-3 <= x <= 3 + 2e-3 and 3 - 2e-3 <= y <= 4 + 2e-3 for x, y in places)
+
+
+def free_boxes(house: House) -> list[Room]:
+    """The one box of a house's outline that no room covers, found between the lines of its rooms."""
+    xs = sorted({round(at, 6) for room in house.rooms for at in room.box[::2]})
+    ys = sorted({round(at, 6) for room in house.rooms for at in room.box[1::2]})
+    free = [
+        (x, y)
+        for x, x2 in pairwise(xs)
+        for y, y2 in pairwise(ys)
+        if not any(
+            room.box[0] < (x + x2) / 2 < room.box[2] and room.box[1] < (y + y2) / 2 < room.box[3]
+            for room in house.rooms
+        )
+    ]
+    west, north = (min(each) for each in zip(*free, strict=True))
+    return [Room(west, north, 2, 2, "court", "", ())]
