@@ -55,7 +55,7 @@ def _words(reason: str, value: Any, permitted: inspect.Type) -> str:
     if isinstance(value, str) and value in choices:
         return f"must be a list: write [{given}]"
     if isinstance(value, str) and literals == kinds:
-        return unknown("value", value, choices)
+        return unknown("value", value, map(str, choices))
     if "regex" in reason:
         return f"must be one line, without a space at its ends, not {given}"
     if bound := re.search(r"( of length)? ([<>]=?) (\S+)$", reason):

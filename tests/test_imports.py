@@ -23,6 +23,7 @@ FOLDERS = {
             "encoding",
             "opener",
             "spelling",
+            "mismatch",
             "errors",
             "plain",
             "stopping",
