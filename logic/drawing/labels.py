@@ -1,6 +1,7 @@
 """Words on a plan: its title, the rooms' names, and below it the scale and what marks and colours mean."""
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from itertools import chain, product
 from pathlib import Path
@@ -25,6 +26,10 @@ SPOTS = np.array(sorted(product([k / 8 for k in range(-8, 9)], repeat=2), key=la
 """Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first."""
 
 
+UNNAMED = re.compile(r"R?\d+")
+"""Names of rooms that nobody named: of generated houses, and numbers in a plan."""
+
+
 def room_names(
     house: House,
     frame: Frame,
@@ -33,12 +38,12 @@ def room_names(
     least: float = LEAST,
     leaves: Sequence[Leaf] = (),
 ) -> list[tuple[Text, ...]]:
-    """The name of each room, then that of a star's main room, in letters of ``least`` CSS pixels or more;
-    where it fits, the room's area below it. Names keep clear of furniture, and of the swings of doors as far
-    as they can.
+    """The name of each room, or its type where nobody named it, then that of a star's main room, in letters
+    of ``least`` CSS pixels or more; where it fits, the room's area below it. Names keep clear of furniture,
+    and of the swings of doors as far as they can.
 
-    Where a name does not fit so between the walls: what is ``short`` for it, on furniture if need be; without
-    that nothing.
+    Where a name does not fit so between the walls: the room's type; or what is ``short`` for that, on
+    furniture if need be; without that nothing.
     """
     size = min(max(0.3 * frame.scale, 8.5, least), 15.0)
     swings = [frame.place(leaf.swing) for leaf in leaves]
@@ -54,15 +59,15 @@ def room_names(
         area = sum(part.area for part in house.parts(room))
         over = (np.minimum(ends[:, 2:], box[2:]) - np.maximum(ends[:, :2], box[:2]) > 0).all(axis=1)
         taken = pieces, [swings[index] for index in np.flatnonzero(over)[:MAX_SWINGS]]
-        texts = [room.type, *([short[room.type]] if short.get(room.type) else [])]
+        texts = _full(room), short.get(room.type, "")
         names.append(
-            _name(texts, _area(area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
+            _name(*texts, _area(area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
         )
     if main := house.main_room:
         taken = [frame.box(room) for room in house.cut_from(main)], swings
         free = main.area - sum(_shared(main.box, room.box) for room in house.cut_from(main))
         colours = style.inks.edge, style.inks.paper
-        names.append(_name(["main room"], _area(free), frame.box(main), taken, sizes, colours, False))
+        names.append(_name(["main room"], "", _area(free), frame.box(main), taken, sizes, colours, False))
     return names
 
 
@@ -84,13 +89,18 @@ def _shared(one: Box, other: Box) -> float:
 
 
 def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
-    """The types of rooms whose names are not written in full, by ``room_names`` of a house."""
+    """The types of rooms of which neither name nor type is written in full, by ``room_names`` of a house."""
     pairs = zip(house.counted, names, strict=False)
     return {
         room.type
         for room, words in pairs
-        if _has_name(house, room) and (not words or words[0].text != room.type)
+        if _has_name(house, room) and (not words or words[0].text not in _full(room))
     }
+
+
+def _full(room: Room) -> list[str]:
+    """What a room is called, the best first: by the name that somebody gave it, and by its type."""
+    return [room.type] if UNNAMED.fullmatch(room.name) else [*dict.fromkeys((room.name, room.type))]
 
 
 def _has_name(house: House, room: Room) -> bool:
@@ -185,6 +195,7 @@ def _key_width(kind: str) -> float:
 
 def _name(
     texts: Sequence[str],
+    short: str,
     area: str,
     room: Box,
     taken: tuple[Sequence[Box], Sequence[Box]],
@@ -192,10 +203,10 @@ def _name(
     colours: tuple[str, str],
     halo: bool,
 ) -> tuple[Text, ...]:
-    """The first of these texts that fits into a room, with the area below it if that stands clear of what is
-    there.
+    """The first of these texts, or the ``short`` one, that fits into a room, with the area below it if that
+    stands clear of what is there.
 
-    ``taken``: by furniture, which only a last text may hide, and by swings of doors, which any may.
+    ``taken``: by furniture, which only the short text may hide, and by swings of doors, which any may.
     ``sizes``: the best of its letters, and the least. ``colours``: of the words, and of the floor.
     ``halo``: whether the words have a rim in the floor's colour wherever they stand, and not only where they
     lie on something.
@@ -214,7 +225,7 @@ def _name(
                     Text((x, y + 0.62 * size), area, round(0.8 * size, 1), ink, halo=rim),
                 )
     found: tuple[float, Text] | None = None
-    for text, boxes in product(texts, (both, pieces)):
+    for text, boxes in product([*texts, short] if short else texts, (both, pieces)):
         for letter in (size, max(least, 0.85 * size), max(least, 0.7 * size), least):
             place = _spot(text_width(text, letter), 0.75 * letter, room, boxes, letter)
             if place is None:
@@ -223,7 +234,7 @@ def _name(
             if not hidden:
                 edge = rim if boxes is both else floor_colour
                 return (Text((x, y), text, round(letter, 1), ink, halo=edge),)
-            if boxes is pieces and text != texts[0] and (found is None or hidden < found[0]):
+            if boxes is pieces and text == short and (found is None or hidden < found[0]):
                 found = hidden, Text((x, y), text, round(letter, 1), ink, halo=floor_colour)
     return (found[1],) if found else ()
 

@@ -25,7 +25,7 @@ from logic.drawing.plan import BEYOND, INNER, OUTER, Frame, boxes_of, opening, p
 from logic.house.boxes import distance, excess, overlap
 from logic.house.looks import DEFAULT as LOOKS
 from logic.house.part_names import doors_by_name, target_in, windows_by_name
-from logic.house.parts import ORIGINAL, OUTSIDE, Provenance
+from logic.house.parts import ORIGINAL, OUTSIDE, Provenance, Room
 from tests.logic.house.handmade import Sketch, built, sketches, turned, turned_house
 from tests.plans import PLANS
 from tests.sample_houses import changed_star
@@ -476,6 +476,14 @@ def test_a_new_type_and_a_piece_without_a_symbol_show_their_names() -> None:
     )
     texts = [element.text for element in ET.fromstring(plan_svg(strange)).iter(f"{NAMESPACE}text")]
     assert {"<salon> & co", "piano"} <= set(texts)
+
+
+def test_a_room_shows_the_name_that_somebody_gave_it_or_its_type_where_that_is_too_long() -> None:
+    names = ("Nursery", "R1", "The room of the parents and of all of their children")
+    rooms = [Room(4 * k, 0, 4, 4, name, "bedroom", ()) for k, name in enumerate(names)]
+    drawing = plan(House(tuple(rooms)), 300, 300)
+    texts = [shape for shape in flat(drawing.shapes) if isinstance(shape, Text) and shape.anchor == "middle"]
+    assert Counter(text.text for text in texts if "m²" not in text.text) == {"Nursery": 1, "bedroom": 2}
 
 
 def test_svg_and_png_have_the_same_shapes_and_size() -> None:
