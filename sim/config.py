@@ -43,6 +43,11 @@ RAYS = "rays"
 EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, "speed": 2}
 """What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
 
+MEMORY = "memory"
+"""What can be observed of tasks whose terms keep numbers."""
+
+OBSERVABLE = RAYS, *EXTRAS, MEMORY
+
 SENSOR = "sensor"
 """In a field's metadata: it says what a body senses, which an agent takes along to where it is measured."""
 
@@ -121,13 +126,17 @@ class Config:
     forward and left of the start, cosine and sine of the turn; ``goal``, metres forward and left of the body
     to the target; ``geodesic``, the fewest actions to it, -1 where no path leads there; in the backend
     ``free`` also ``speed``, metres forward and radians to the left in a second, or where bodies drive
-    sideways metres forward, metres and radians to the left."""
+    sideways metres forward, metres and radians to the left; ``memory``, the numbers that the task's terms
+    keep."""
 
     flat: bool = sensed(False)
     """Whether an observation is one row of numbers, in the order of ``observe``."""
 
     drift: float = sensed(0.0)
     """Standard deviation of the errors of which ``odometry`` is the sum, as a share of each step and turn."""
+
+    memory: int = 0
+    """Numbers that the task's terms keep: environments set it."""
 
     drives: bool = False
     """Whether bodies move freely: the backend ``free`` sets it."""
@@ -175,8 +184,8 @@ class Config:
             raise ValueError(f"latency is {self.latency} steps: from 0 to {MOST_LATENCY}")
         if len(set(self.kinds)) < len(self.kinds) or len(self.kinds) > MOST_KINDS:
             raise ValueError(f"kinds are {', '.join(self.kinds)}: each once, {MOST_KINDS} at most")
-        if strange := next((each for each in self.observe if each not in (RAYS, *EXTRAS)), None):
-            raise ValueError(f"observe: {unknown('observation', strange, (RAYS, *EXTRAS))}")
+        if strange := next((each for each in self.observe if each not in OBSERVABLE), None):
+            raise ValueError(f"observe: {unknown('observation', strange, OBSERVABLE)}")
         if not self.observe or len(set(self.observe)) < len(self.observe):
             raise ValueError(f"observe is {', '.join(self.observe) or 'nothing'}: one at least, each once")
         if not 0 <= self.drift < float("inf"):
@@ -249,7 +258,7 @@ class Config:
 
     def numbers_of(self, name: str) -> int:
         """How many numbers a part is that is observed beside rays."""
-        return len(self.drive.low) if name == "speed" else EXTRAS[name]
+        return {**EXTRAS, "speed": len(self.drive.low), MEMORY: self.memory}[name]
 
     def extra(self, name: str) -> int:
         """Where a part begins among these numbers."""

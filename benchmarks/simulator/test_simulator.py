@@ -50,6 +50,8 @@ ASKED: dict[str, tuple[dict[str, Any], int]] = {
         {"preset": replace(DEFAULT, observe=("rays", "bump", "last_action", "odometry", "goal"))}, 0,
     ),
     "a step and a bump cost something": ({"targets": {"task": "all", "terms": TERMS}}, 0),
+    "rooms that were visited are kept": ({"targets": {"task": "mixed", "terms": "visit"}}, 0),
+    "a battery, charged in a room": ({"targets": {"task": "mixed", "terms": "battery"}}, 0),
     "distance in infos, in one house, all known": ({"preset": replace(DEFAULT, geodesic=True)}, 16000),
     "progress rewarded, in one house, all known": ({"targets": {"task": "all", "terms": PROGRESS}}, 16000),
     "distance in infos, in 64 houses, none known": ({"preset": replace(DEFAULT, geodesic=True)}, 0),

@@ -79,6 +79,14 @@ class Body:
         return ti.cast(ti.abs(self.centre(origin, cell) - target).max() < near, ti.i32)
 
     @ti.func
+    def meets(self, box, origin, cell, new_origin, new):
+        """Whether a box is in the way of the body from a cell to a new one (i32)."""
+        half = self.half(new)
+        return slides_into(
+            box, self.centre(origin, cell) + (half - self.half(cell)), self.centre(new_origin, new), half
+        )
+
+    @ti.func
     def ahead(self, cell):
         """The cell that is one step forward."""
         forward = self.headings[cell[2]]

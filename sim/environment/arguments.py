@@ -84,7 +84,7 @@ def read_arguments(
     rotation = houses if isinstance(houses, HouseRotation) else None
     bank = house_list(houses)
     check_lengths(bank)
-    config = make.fit(replace(config, drives=False), bank)
+    config = make.fit(replace(config, drives=False, memory=terms_of(wanted).memory), bank)
     require_observed(config, make)
     if config.drives and terms_of(wanted).asks_distance:
         raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")

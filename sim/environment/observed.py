@@ -8,7 +8,7 @@ from gymnasium import spaces
 
 from logic.spelling import unknown
 from sim.actions import ACTIONS
-from sim.config import EXTRAS, RAYS, Config
+from sim.config import EXTRAS, MEMORY, RAYS, Config
 from sim.drive import Drive
 
 
@@ -78,6 +78,8 @@ def only(observation: Any) -> Any:
 def require_observed(config: Config, backend: type) -> None:
     """Raise ``ValueError`` for what a backend lacks, by its ``lacks``, of what is observed."""
     lacks = (*getattr(backend, "lacks", ()), *(() if config.drives else ("speed",)))
+    if MEMORY in config.observe and not config.memory:
+        raise ValueError("observe: the task's terms keep no memory: take others, as visit and battery are")
     for name in config.observe:
         if name in lacks:
             has = [each for each in (RAYS, *EXTRAS) if each not in lacks]

@@ -57,6 +57,9 @@ class Outputs:
         info = {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
         if self.world.config.geodesic:
             info["distance"] = self.world.arrays["last_distance" if last else "distance"].numpy()
+        if self.world.config.memory:
+            kept = self.world.arrays["last_memory" if last else "memory"].numpy()
+            info["memory"] = kept.reshape(-1, self.world.config.memory)
         return info
 
     def finals(self, ended: np.ndarray, info: dict[str, np.ndarray]) -> dict[str, Any]:
@@ -80,6 +83,8 @@ class Outputs:
         info = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
         if self.world.config.geodesic:
             info["distance"] = arrays["distance"].tensor(np.int32, (count,))
+        if self.world.config.memory:
+            info["memory"] = arrays["memory"].tensor(np.float32, (count, self.world.config.memory))
         if self.world.mode == SAME_STEP:
             info["final_obs"] = self._tensor("final", "final_extras")
         observation = self._tensor("observation", "extras")

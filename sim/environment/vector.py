@@ -92,6 +92,7 @@ class HouseVectorEnv(VectorEnv):
     | geodesic | (1,): the fewest actions to the target; -1 where no path leads there | actions |
     | speed | (2,): forward, and the turn to the left; backend ``free`` alone | m/s, rad/s |
     | | or (3,), where bodies drive sideways: forward, to the left, and the turn | |
+    | memory | (n,): what the task's terms keep | theirs |
 
     ## Rewards
     1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
@@ -107,7 +108,8 @@ class HouseVectorEnv(VectorEnv):
     ## Info
     Arrays by environment: ``pose`` (E, 3) of the eye (x, y, heading: metres, radians), ``blocked`` (E,),
     ``house`` (E,) its number in the bank, ``target`` (E, 2) its centre in metres; with ``Config.geodesic``
-    also ``distance`` (E,) int32, the fewest actions to it, as ``Oracle`` counts them, -1 where no path is.
+    also ``distance`` (E,) int32, the fewest actions to it, as ``Oracle`` counts them, -1 where no path is; of
+    terms that keep numbers also ``memory`` (E, n) float32.
 
     ## Random numbers
     They are keyed by (seed + i, episode, counter) for environment i, as in ``SyncVectorEnv``. A trajectory
@@ -122,7 +124,7 @@ class HouseVectorEnv(VectorEnv):
     ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
     types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
     [1.0, 2.0, 0.0]}``, or another task, ``habit``, ``{"task": "object", "piece": "bed"}``, ``{"task":
-    "reach", "room": "hall"}``, or ``module:Class`` of your own: ``sim.tasks.tasks``.
+    "reach", "room": "hall"}``, ``visit``, ``battery``, or ``module:Class`` of your own: ``sim.tasks.tasks``.
     The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
     ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.

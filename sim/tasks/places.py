@@ -14,10 +14,13 @@ from sim.config import Config
 from sim.geometry import TOLERANCE, Geometry
 from sim.tasks.furniture import WeightedTask
 from sim.tasks.survey import Survey
-from sim.tasks.tasks import AnyTask, Box, FixedTask, Task
+from sim.tasks.tasks import AnyTask, Box, FixedTask, Task, has_targets
 
 NORTH = 2
 """The heading of the start nearest to the main room's middle."""
+
+NOWHERE = 1e6
+"""Steps to the only target of a task that has none: no body comes there and no ray."""
 
 LISTED = 4096
 """Entries of a house's list of places, about, where some are drawn more often than others."""
@@ -87,7 +90,10 @@ def places(
     room = _Room(house, geometry, lattice, reached, config)
     if isinstance(task, WeightedTask):
         return Places(first, *_weighted(room, task, heading))
-    return Places(first, np.argwhere(_free(room, task)).astype(np.float32), heading)
+    targets = np.argwhere(_free(room, task)).astype(np.float32)
+    if not has_targets(task):
+        targets = np.full((1, 2), NOWHERE, np.float32)
+    return Places(first, targets, heading)
 
 
 def free_floor(

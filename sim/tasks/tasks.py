@@ -25,7 +25,8 @@ from sim.allowed import imported, is_class_name
 from sim.config import PIXEL
 from sim.geometry import Box
 from sim.tasks.furniture import Habit, Object, WeightedTask
-from sim.tasks.terms import PLAIN, Terms
+from sim.tasks.remembering import Battery, Visit
+from sim.tasks.terms import PLAIN, Terms, terms_of
 
 UNITS = {"m": 1.0, "px": PIXEL}
 """Metres in a unit of length."""
@@ -34,7 +35,8 @@ UNITS = {"m": 1.0, "px": PIXEL}
 class Task(Protocol):
     """Targets appear one after the other in some spaces of a house; picking one up earns 1.
 
-    It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``; also
+    It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``;
+    ``has_targets`` False, and then has none, but the body must come to all of ``spaces``; also
     ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and ``suits(house)``,
     whether it can be played in a house.
     """
@@ -165,21 +167,41 @@ class Reach:
         return [room.box for room in house.rooms if room.type == self.room]
 
 
+@dataclass(frozen=True)
+class Roam:
+    """There are no targets: what is asked stands in the terms. The body must be able to come to all rooms."""
+
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
+    ends_on_pick_up: ClassVar[bool] = False
+    has_targets: ClassVar[bool] = False
+
+    def spaces(self, house: House) -> list[Box]:
+        """The rooms."""
+        return [room.box for room in house.rooms]
+
+
 TARGETS = {
     "main": Collect(secondary=False),
     "secondary": Collect(main=False),
     "mixed": Collect(),
     "all": Collect(),
     "habit": Habit(),
+    "roam": Roam(),
+    "visit": Roam(terms=Visit()),
+    "battery": Collect(terms=Battery()),
 }
 """Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
+
+TERMS = {"plain": Terms, "visit": Visit, "battery": Battery}
+"""Terms that have a name."""
 
 PAPER = Path(__file__).parents[1] / "paper"
 PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
 """Files of the tasks of the paper's house, by name: see the README beside them."""
 
 TASKS = {
-    "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach, "rooms": Rooms,
+    "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach,
+    "roam": Roam, "rooms": Rooms,
 }  # fmt: skip
 """Tasks that take arguments."""
 
@@ -216,7 +238,8 @@ def task(targets: Targets) -> AnyTask:
         )
     try:
         if "terms" in arguments:
-            arguments["terms"] = read_terms(arguments["terms"])
+            usual = terms_of(TARGETS.get(name))
+            arguments["terms"] = read_terms(arguments["terms"], type(usual))
         if name in TARGETS and name not in TASKS:
             return replace(TARGETS[name], **arguments)
         return (TASKS.get(name) or imported(name))(**arguments)
@@ -224,21 +247,32 @@ def task(targets: Targets) -> AnyTask:
         raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
 
 
-def read_terms(given: Any) -> Terms:
-    """Return terms as JSON states them: see ``task``. Raises ``ValueError`` where they are no terms."""
+def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
+    """Return terms as JSON states them, see ``task``, of the ``usual`` class where they name none.
+
+    Raises ``ValueError`` where they are no terms.
+    """
     if isinstance(given, Terms):
         return given
     given = {"class": given} if isinstance(given, str) else given
     if not isinstance(given, dict):
         raise ValueError(f'terms: {{"step": -0.01}} or "module:Class", not {given!r}')
     arguments: dict[str, Any] = {**given}
-    make = imported(name) if isinstance(name := arguments.pop("class", None), str) else Terms
+    name = arguments.pop("class", None)
+    if not (name is None or name in list(TERMS) or is_class_name(name)):
+        raise ValueError(f"terms: {unknown('class', name, TERMS)}, and module:Class")
+    make = usual if name is None else TERMS[name] if name in TERMS else imported(name)
     if not (isinstance(make, type) and issubclass(make, Terms)):
         raise ValueError(f"terms: {name} is no class of sim.tasks.terms.Terms")
     known = [each.name for each in fields(make)]
     if strange := next((key for key in arguments if key not in known), None):
         raise ValueError(f"terms: {unknown('term', strange, known)}")
     return make(**arguments)
+
+
+def has_targets(task: AnyTask) -> bool:
+    """Whether there is anything to pick up in a task."""
+    return getattr(task, "has_targets", True)
 
 
 def suited(targets: Targets, houses: Sequence[House]) -> list[House]:

@@ -8,7 +8,8 @@ from logic.house.looks import spaced
 from logic.spelling import numbered
 from sim.allowed import class_names
 from sim.tasks.furniture import Habit, Object
-from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Rooms, Targets, task
+from sim.tasks.remembering import Visit
+from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Roam, Rooms, Targets, task
 from sim.tasks.terms import Terms, terms_of
 
 
@@ -51,6 +52,10 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
             usual = Habit()
             said = [f"share {share:g}"] * (share != usual.share) + [f"seed {seed}"] * (seed != usual.seed)
             words = ", ".join(["targets in places of habit", *said])
+        case Roam(terms=Visit()):
+            words = "visit all rooms"
+        case Roam():
+            words = "no targets"
         case Points(points=points):
             words = f"targets at {numbered(len(points), 'given place')}"
         case _:

@@ -12,11 +12,12 @@ from sim.backends.backend import Backend
 from sim.backends.doors import Doors
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, ti
-from sim.tasks.terms import Now, Terms
+from sim.tasks.terms import Terms, now_of
 from sim.world.distance_field import NOT_YET, Fields, look_up
 from sim.world.extras import Extras
 from sim.world.observing import Observing
 from sim.world.philox import EPISODE, WHEELS, below, philox, uniform
+from sim.world.surroundings import Surroundings
 
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
@@ -59,7 +60,9 @@ class PlainArrays(NamedTuple):
 
 
 class WorldArrays(NamedTuple):
-    """The same, and what there is of distances and of what is observed beside rays."""
+    """The same, and what there is of distances, of what is observed beside rays, and of what terms keep and
+    see.
+    """
 
     numbers: Floats
     indices: Ints
@@ -81,6 +84,10 @@ class WorldArrays(NamedTuple):
     last_distance: Ints
     past_reals: Reals
     past_cells: Cells
+    memory: Floats
+    last_memory: Floats
+    surroundings: Ints
+    rooms: Ints
 
 
 State = ti.types.struct(
@@ -142,7 +149,8 @@ class Episodes(Observing):
             self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, cast(Any, backend), cast(Any, backend.body)
         self.extras = Extras(config, backend.body)
-        self.ends_on_pick_up, self.terms = ends_on_pick_up, terms
+        self.ends_on_pick_up, self.terms, self.Now = ends_on_pick_up, terms, now_of(terms.memory)
+        self.surroundings = Surroundings(backend.body)
         self.knows_distance = config.knows_distance or terms.asks_distance
         # Apart by more than this, a target is not picked up from where the one before it was.
         self.apart = config.target + max(config.body)
@@ -159,6 +167,13 @@ class Episodes(Observing):
             if uniform(words[0]) < ti.static(self.config.slip):
                 origin, cell, blocked, door = state.origin, state.cell, 0, -1
         self.push(world, e, door)
+        bumped = -1
+        if ti.static(self.terms.sees_bumped):
+            bumped = 0
+            if blocked:
+                bumped = self.surroundings.bumped(
+                    world.surroundings, state.house, state.origin, state.cell, origin, cell, door
+                )
         terminated = 0
         if ti.static(self.config.ends_on_collision):
             terminated = blocked
@@ -175,7 +190,7 @@ class Episodes(Observing):
             if not picked:
                 distance = look_up(world, e, state.cell)
             world.distance[e] = distance
-        now = self.now(state, action, picked, blocked, before, distance)
+        now = self.now(world, e, state, action, picked, blocked, before, distance, bumped)
         earned = self.terms.reward(now)
         terminated |= self.terms.ends(now)
         if ti.static(self.terms.targets > 0):
@@ -228,21 +243,28 @@ class Episodes(Observing):
         return distance
 
     @ti.func
-    def now(self, state, action, picked, blocked, before, distance):
-        """What terms see of a step: see ``Now``."""
-        return Now(
-            action=self.body.number(action),
-            picked=picked,
-            blocked=blocked,
-            found=state.found - 1 + picked,
-            time=state.time,
-            house=state.house,
-            eye=self.body.eye(state.origin, state.cell),
-            heading=self.body.eighth(state.cell),
-            target=state.target,
-            before=before,
-            distance=distance,
-        )
+    def now(self, world: ti.template(), e, state, action, picked, blocked, before, distance, bumped):
+        """What terms see of a step, see ``Now``; they remember it."""
+        now = self.Now()
+        now.action, now.picked, now.blocked = self.body.number(action), picked, blocked
+        now.found, now.time, now.house = state.found - 1 + picked, state.time, state.house
+        now.eye = self.body.eye(state.origin, state.cell)
+        now.heading, now.target = self.body.eighth(state.cell), state.target
+        now.before, now.distance, now.bumped = before, distance, bumped
+        now.room, now.mark, now.marked = -1, 0, 0
+        if ti.static(self.terms.sees_room):
+            now.room, now.mark, now.marked = self.surroundings.room(
+                world.surroundings, world.rooms, e, state.house, now.eye
+            )
+        if ti.static(self.terms.memory > 0):
+            first = e * ti.static(self.terms.memory)
+            for k in ti.static(range(self.terms.memory)):
+                now.was[k] = world.memory[first + k]
+            now.memory = now.was
+            now.memory = self.terms.remember(now)
+            for k in ti.static(range(self.terms.memory)):
+                world.memory[first + k] = now.memory[k]
+        return now
 
     @ti.func
     def move(self, world: ti.template(), e, state, action):
@@ -283,6 +305,8 @@ class Episodes(Observing):
         state = self.sample_start(world, self.sample_target(world, state, -1.0))
         self.aim(world, e, state)
         self.close_doors(world, e, state)
+        for k in ti.static(range(self.terms.memory)):
+            world.memory[e * ti.static(self.terms.memory) + k] = 0.0
         return state
 
     @ti.func

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from sim.actions import ACTIONS, FORWARD, LEFT
-from sim.config import Config
+from sim.config import MEMORY, Config
 from sim.runtime import ti
 from sim.world.philox import ODOMETER, normal, philox
 
@@ -47,6 +47,10 @@ class Extras:
             speeds, first = self.body.speeds(state.cell), at + ti.static(self.config.extra("speed"))
             for k in ti.static(range(len(self.config.drive.low))):
                 world.extras[first + k] = speeds[k]
+        if ti.static(MEMORY in self.config.observe):
+            first = at + ti.static(self.config.extra(MEMORY))
+            for k in ti.static(range(self.config.memory)):
+                world.extras[first + k] = world.memory[e * ti.static(self.config.memory) + k]
         self.notice_distance(world, e)
 
     @ti.func

@@ -73,7 +73,8 @@ def kernels(
     backend = _backend(program, make, config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
     # To set an argument takes time at each launch.
-    Arrays = WorldArrays if episodes.knows_distance or config.extras or config.latency else PlainArrays
+    more = episodes.knows_distance or config.extras or config.latency or terms.memory or terms.surveys
+    Arrays = WorldArrays if more else PlainArrays
     rays, all_rays = config.rays, not by_ray
     Given = ti.i64 if config.drives else ti.i32
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
@@ -175,6 +176,9 @@ def kernels(
                 for k in ti.static(range(config.extra_numbers)):
                     at = e * ti.static(config.extra_numbers) + k
                     world.final_extras[at] = world.extras[at]
+                for k in ti.static(range(terms.memory)):
+                    at = e * ti.static(terms.memory) + k
+                    world.last_memory[at] = world.memory[at]
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = episodes.begin(world, e, state, SAMPLE)

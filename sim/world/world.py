@@ -20,6 +20,7 @@ from sim.tasks.terms import terms_of
 from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
 from sim.world.geodesic import Distances, distance_arrays
 from sim.world.kernels import NEXT_STEP, SAME_STEP, kernels
+from sim.world.surroundings import surroundings
 
 STATE = "reals", "wholes"
 """Arrays that a step depends on and that are not the bank's. Where doors are closed also ``pushes``, which
@@ -43,6 +44,7 @@ class PackedHouses(NamedTuple):
     task: AnyTask
     lattices: list[Lattice]
     places: list[Places]
+    surroundings: Array
 
 
 class World:
@@ -102,6 +104,9 @@ class World:
             "pose": Array(ti.f32, 3 * count),
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
+            "memory": Array(ti.f32, max(1, count * config.memory)),
+            "last_memory": Array(ti.f32, max(1, count * config.memory)),
+            "rooms": Array(ti.i32, count if terms_of(self.task).sees_room else 1),
             "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
             "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, WHOLES),
             **distance_arrays(count, self.kernels.episodes.knows_distance),
@@ -132,13 +137,15 @@ class World:
         check_kinds(houses, self.config.kinds)
         getattr(wanted, "check", lambda houses: None)(houses)
         bank = self.backend.pack(houses)
-        return PackedHouses(list(houses), bank, wanted, *self._places(houses, bank, wanted))
+        about = surroundings(houses, bank, self.config, terms_of(wanted))
+        return PackedHouses(list(houses), bank, wanted, *self._places(houses, bank, wanted), about)
 
     def take(self, loaded: PackedHouses) -> None:
         """Go on in houses that were packed. Nothing is compiled."""
-        self.houses, self.bank, self.task, self.lattices, self.places = loaded
+        self.houses, self.bank, self.task, self.lattices, self.places, about = loaded
         bank = self.bank
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
+        self.arrays["surroundings"] = about
         self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
         self._bind()
         if self.distances:
@@ -306,7 +313,7 @@ class World:
     @property
     def state(self) -> dict[str, np.ndarray]:
         """All that a step depends on, but for the bank: copies (E, 4) float32, (E, WHOLES) int32; where doors
-        are closed also how often each was walked at, (E D,) uint8.
+        are closed also how often each was walked at, (E D,) uint8; of terms that keep numbers also those.
         """
         return {name: self.arrays[name].numpy() for name in self._state_names}
 
@@ -323,4 +330,5 @@ class World:
         doors = ("pushes",) * bool(self.config.closed_doors)
         extras = ("extras",) * bool(self.config.extras)
         past = ("past_reals", "past_cells") * bool(self.config.latency)
-        return (*STATE, *doors, *extras, *past, *("odometer",) * ("odometry" in self.config.observe))
+        odometer = ("odometer",) * ("odometry" in self.config.observe)
+        return (*STATE, *doors, *extras, *past, *odometer, *("memory",) * bool(self.config.memory))

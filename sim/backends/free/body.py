@@ -18,6 +18,9 @@ from sim.runtime import constants, ti
 
 TURN = 2 * math.pi
 
+TOUCH = 1e-3
+"""Metres: a body that drove into something, and slid along it, is no further from it."""
+
 FIELD = 21
 """Bits of a speed of a body that drives sideways."""
 
@@ -160,3 +163,11 @@ class Disc:
         away = ti.max(ti.abs(origin - target) - half, 0.0)
         near = away[0] * away[0] + away[1] * away[1]
         return ti.cast(near < ti.static((self.radius - SKIN) ** 2), ti.i32)
+
+    @ti.func
+    def meets(self, box, origin, cell, new_origin, new):
+        """Whether the disc touches a box (west, north, east, south) after a step (i32)."""
+        low, high = ti.Vector([box[0], box[1]]), ti.Vector([box[2], box[3]])
+        away = ti.max(low - new_origin, new_origin - high, 0.0)
+        near = away[0] * away[0] + away[1] * away[1]
+        return ti.cast(near < ti.static((self.radius + TOUCH) ** 2), ti.i32)

@@ -1,0 +1,146 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportIncompatibleMethodOverride=false
+"""Terms with a memory: visit all rooms; keep a battery from running down."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from logic import House
+from logic.spelling import unknown
+from sim.runtime import ti
+from sim.tasks.terms import MAX_MEMORY, Terms
+
+BITS = 24
+"""Rooms that a number keeps apart: a float32 has so many bits."""
+
+MAX_ROOMS = BITS * (MAX_MEMORY - 1)
+"""Rooms of a house at most."""
+
+
+def _of_types(house: House, types: Sequence[str], purpose: str) -> list[int]:
+    """1 for each room of one of these types, 0 for others. ``ValueError`` where there is none."""
+    marks = [int(room.type in types) for room in house.rooms]
+    if not any(marks):
+        known = sorted({room.type for room in house.rooms})
+        lacking = next((name for name in types if name not in known), "")
+        raise ValueError(f"no room {purpose}: {unknown('room type', lacking, known)}")
+    return marks
+
+
+@ti.data_oriented
+@dataclass(frozen=True)
+class Visit(Terms):
+    """Visit all rooms, each once: the last one ends the episode. A room is visited when the eye is in it, the
+    first room by the first step. The memory: how many were visited, and which, a bit for each.
+    """
+
+    pick_up: float = 0.0
+    """For a pick-up."""
+
+    visit: float = 1.0
+    """For a room that was not visited before."""
+
+    types: tuple[str, ...] = ()
+    """Types of the rooms that are to be visited; none for all rooms."""
+
+    most: int = 48
+    """Rooms that a house has at most: the memory is a number for each 24, and one."""
+
+    sees_room: ClassVar[bool] = True
+    finite: ClassVar[tuple[str, ...]] = (*Terms.finite, "visit")
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for what are no such values."""
+        object.__setattr__(self, "types", (self.types,) if isinstance(self.types, str) else (*self.types,))
+        if not isinstance(self.most, int) or not 1 <= self.most <= MAX_ROOMS:
+            raise ValueError(f"terms: most is {self.most!r}: from 1 to {MAX_ROOMS:,} rooms")
+        super().__post_init__()
+
+    @property
+    def memory(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """See ``Terms``."""
+        return 1 + -(-self.most // BITS)
+
+    def marks(self, house: House) -> list[int]:
+        """See ``Terms``."""
+        if len(house.rooms) > self.most:
+            raise ValueError(f"it has {len(house.rooms)} rooms: let the terms' most be at least as many")
+        return _of_types(house, self.types or [room.type for room in house.rooms], "to visit")
+
+    @ti.func
+    def remember(self, now):
+        """See ``Terms``."""
+        kept = now.was
+        for word in ti.static(range(1, self.memory)):
+            bit = now.room - ti.static(BITS * (word - 1))
+            if now.mark != 0 and 0 <= bit < ti.static(BITS):
+                fresh = 1 - (ti.cast(kept[word], ti.i32) >> bit & 1)
+                kept[0] += ti.cast(fresh, ti.f32)
+                kept[word] += ti.cast(fresh << bit, ti.f32)
+        return kept
+
+    @ti.func
+    def reward(self, now):
+        """See ``Terms``."""
+        return self.basic(now) + ti.static(float(self.visit)) * (now.memory[0] - now.was[0])
+
+    @ti.func
+    def ends(self, now):
+        """See ``Terms``."""
+        return ti.cast(now.memory[0] >= ti.cast(now.marked, ti.f32), ti.i32)
+
+
+@ti.data_oriented
+@dataclass(frozen=True)
+class Battery(Terms):
+    """Keep a battery from running down: each step takes a part of it, each step in a room with a charger
+    gives some back, and an empty one ends the episode. The memory: what was taken, in steps; 0 is full.
+    """
+
+    capacity: int = 400
+    """Steps that a full battery lasts."""
+
+    charge: float = 10.0
+    """Steps that a step in a room with a charger gives back."""
+
+    charger: str = ""
+    """Type of the rooms with a charger; by default the room where episodes start has one."""
+
+    empty: float = 0.0
+    """For the step that empties it."""
+
+    sees_room: ClassVar[bool] = True
+    memory: ClassVar[int] = 1
+    finite: ClassVar[tuple[str, ...]] = (*Terms.finite, "charge", "empty")
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for what are no such values."""
+        if not isinstance(self.capacity, int) or not 0 < self.capacity < 1 << BITS:
+            raise ValueError(f"terms: capacity is {self.capacity!r}: from 1 to {(1 << BITS) - 1:,} steps")
+        if not isinstance(self.charger, str):
+            raise ValueError(f"terms: charger: a room type, not {self.charger!r}")
+        super().__post_init__()
+        if self.charge < 0:
+            raise ValueError(f"terms: charge is {self.charge}: not negative")
+
+    def marks(self, house: House) -> list[int]:
+        """See ``Terms``."""
+        if self.charger:
+            return _of_types(house, [self.charger], "with a charger")
+        return [int(room is house.start) for room in house.rooms]
+
+    @ti.func
+    def remember(self, now):
+        """See ``Terms``."""
+        given = ti.select(now.mark != 0, ti.static(float(self.charge)), 0.0)
+        return ti.max(0.0, now.was + 1.0 - given)
+
+    @ti.func
+    def reward(self, now):
+        """See ``Terms``."""
+        return self.basic(now) + ti.static(float(self.empty)) * ti.cast(self.ends(now), ti.f32)
+
+    @ti.func
+    def ends(self, now):
+        """See ``Terms``."""
+        return ti.cast(now.memory[0] >= ti.static(float(self.capacity)), ti.i32)
