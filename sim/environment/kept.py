@@ -9,6 +9,8 @@ from sim.actions import HEADINGS
 from sim.config import Config
 from sim.geometry import Geometry
 from sim.world.episodes import HOUSE
+from sim.world.kernels import SAMPLE
+from sim.world.world import GUIDE
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 
@@ -45,11 +47,31 @@ def require_state(
         headings = np.concatenate([given.get("past_cells", cells)[:, 2], cells[:, 2]])
         if not ((headings >= 0) & (headings < len(HEADINGS))).all():
             raise ValueError("a state of no house: a body has no heading")
-    known, which = np.unique(house, return_inverse=True)
-    bounds = np.array([geometries[k].bounds for k in known])[which]
-    inside = (bounds[:, :2] - MARGIN_M <= place) & (place <= bounds[:, 2:] + MARGIN_M)
-    if not (inside.all() and np.isfinite(reals).all()):
+    if not (_inside(house, place, geometries) and np.isfinite(reals).all()):
         raise ValueError("a state of no house: a body is outside its house, or a target is nowhere")
+    if GUIDE[0] in given:
+        _require_guide(given[GUIDE[0]], given[GUIDE[1]].astype(np.float64), geometries, config)
+
+
+def _inside(house: np.ndarray, place: np.ndarray, geometries: Sequence[Geometry]) -> bool:
+    """Whether places (n, 2) are in their houses (n,), or not far outside."""
+    known, which = np.unique(house, return_inverse=True)
+    bounds = np.array([geometries[k].bounds for k in known]).reshape(-1, 4)[which]
+    return bool(((bounds[:, :2] - MARGIN_M <= place) & (place <= bounds[:, 2:] + MARGIN_M)).all())
+
+
+def _require_guide(
+    wholes: np.ndarray, reals: np.ndarray, geometries: Sequence[Geometry], config: Config
+) -> None:
+    """Raise ``ValueError`` for options of next episodes that ``set_next`` would not take."""
+    house, given = wholes[:, 0], ~np.isnan(reals[:, 0])
+    known = (house >= given + SAMPLE) & (house < len(geometries))
+    if not known.all() or np.isinf(reals).any() or not _inside(house[given], reals[given, :2], geometries):
+        raise ValueError("a state of other houses: a next episode begins in none of these")
+    heading = np.ascontiguousarray(wholes[given, 3])
+    turned = np.isfinite(heading.view(np.float32)) if config.drives else heading // len(HEADINGS) == 0
+    if not turned.all():
+        raise ValueError("a state of no house: a next episode begins without a heading")
 
 
 def remade(
@@ -63,6 +85,8 @@ def remade(
     envs = kind(**arguments)
     envs.__dict__.update(kept)
     if state is not None:
+        if GUIDE[0] in state:
+            envs.world.guide(*(state[name] for name in GUIDE))
         envs.state = state
     if closed:
         envs.close()

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.error import Error, ResetNeeded
 
 from logic.spelling import unknown
-from sim.world.kernels import KEEP, SAMPLE
+from sim.world.kernels import KEEP
 from sim.world.world import World
 
 SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
@@ -26,7 +26,7 @@ class ResetOptions:
     mask: np.ndarray
     """(E,) bool: which environments begin an episode."""
     wholes: np.ndarray
-    """(E, 4) int32: house, or ``SAMPLE``, or ``KEEP`` outside the mask; then the cell of the start."""
+    """(E, 4) int32: house, or ``SAMPLE`` of kernels, or ``KEEP`` outside the mask; then the start's cell."""
     reals: np.ndarray
     """(E, 4) float32: origin of that cell and centre of the target, metres; NaN where they are sampled."""
 
@@ -62,8 +62,7 @@ def read_options(options: Mapping[str, Any], world: World, first: bool) -> Reset
             raise ValueError(unknown("reset option", option, SHAPES))
     count = world.num_envs
     mask = np.ones(count, bool)
-    wholes, reals = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
-    wholes[:, 0] = SAMPLE
+    wholes, reals = world.unguided()
     if options.get("reset_mask") is not None:
         mask = _array("reset_mask", options["reset_mask"])
         if mask.shape != (count,) or mask.dtype != bool:

@@ -100,7 +100,8 @@ class HouseVectorEnv(VectorEnv):
 
     ## Starting State
     Anywhere free in the main room, at any of the eight headings, not on the first target; or where the task
-    says. ``paper``: at the free place nearest to the main room's middle, heading north.
+    says, as ``{"task": "main", "starts": ["bedroom"]}`` or ``"starts": "all"``, or ``set_next``.
+    ``paper``: at the free place nearest to the main room's middle, heading north.
 
     ## Episode End
     Truncated after 1500 steps; ``paper`` also terminates at a collision.
@@ -286,6 +287,23 @@ class HouseVectorEnv(VectorEnv):
         given = np.array([seed is not None for seed in seeds])
         numbers = [int(self.np_random.integers(2**63)) if seed is None else seed for seed in seeds]
         self.world.seed(np.array(numbers, np.uint64), mask & (given | (not self._ready)))
+
+    def set_next(self, options: dict[str, Any] | None) -> None:
+        """Let each episode that begins by itself begin by these options from now on: ``house``, ``pose`` and
+        ``target`` as for ``reset``, or ``None`` as by default. They may be set anew between any two steps, as
+        a curriculum does; other houses drop them. The first time the step is compiled for it.
+
+        Raises ``ValueError``, and changes nothing, for wrong ones, and where nothing begins by itself or
+        houses rotate.
+        """
+        self._require_open()
+        if self._passing or self.autoreset_mode is AutoresetMode.DISABLED:
+            raise ValueError("options for next episodes: houses rotate, or no episode begins by itself")
+        given = require_mapping(options)
+        if "reset_mask" in given:
+            raise ValueError("options for next episodes: reset_mask is one of reset alone")
+        asked = read_options(given, self.world, first=False)
+        self.world.guide(asked.wholes, asked.reals)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One action (E,) for each environment; fresh arrays come back.

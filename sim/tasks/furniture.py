@@ -5,7 +5,7 @@ All kinds of rooms and pieces come from the houses' own data.
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
 import msgspec
@@ -14,7 +14,7 @@ from logic import House
 from logic.spelling import unknown
 from sim.backends.kinds import pieces_in
 from sim.geometry import Box
-from sim.tasks.terms import PLAIN, Terms
+from sim.tasks.asked import Asked
 
 BESIDE = 0.75
 """Metres from a piece to the outer edge of a target beside it at most: the default target is 0.538 m wide."""
@@ -51,17 +51,17 @@ def beside(house: House, kind: str, margin: float = BESIDE) -> list[Box]:
 
 
 @dataclass(frozen=True)
-class Object:
+class Object(Asked):
     """Find a piece of a kind: a target lies directly beside one, and picking it up ends the episode."""
 
     piece: str
-    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` for what is no name."""
         if not isinstance(self.piece, str):
             raise TypeError(f"piece: the kind of a piece, not {self.piece!r}")
+        super().__post_init__()
 
     def suits(self, house: House) -> bool:
         """Whether a house has such a piece."""
@@ -85,7 +85,7 @@ class Object:
 
 
 @dataclass(frozen=True)
-class Habit:
+class Habit(Asked):
     """Pick up targets, as many as can be, that lie where the house's habits put them.
 
     A house's regions are the rooms of each type, and the floor beside the pieces of each kind. An order of
@@ -95,13 +95,13 @@ class Habit:
 
     share: float = 0.65
     seed: int = 0
-    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for what is no share."""
         if not 0 < self.share <= 1:
             raise ValueError(f"share: above 0 and at most 1, not {self.share}")
+        super().__post_init__()
 
     def order(self, house: House) -> list[tuple[str, str]]:
         """The regions, the favourite first: ("room", type) and ("piece", kind)."""

@@ -4,6 +4,7 @@ A target's place is one that the body can itself come to, and whose whole square
 task puts it, if the body can pick it up there.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,13 +78,14 @@ def places(
 ) -> Places:
     """Find a house's starts and a task's targets from what the body can do there.
 
-    Bodies start at the cell ``start`` (i, j, heading), where the task gives one. Else they start in the main
-    room of a star, in the hub of another house, or as ``House.start`` says.
+    Bodies start at the cell ``start`` (i, j, heading), where the task gives one, or in its ``start_spaces``.
+    Else they start in the main room of a star, in the hub of another house, or as ``House.start`` says.
 
     Raises ``ValueError`` where the body has nowhere to stand there, where it cannot come to a room
     in which the task has targets, or where a target has nowhere to lie.
     """
-    starts, reached, heading = _starts(house, geometry, lattice, survey, config, start)
+    spaces = getattr(task, "start_spaces", lambda house: [])(house)
+    starts, reached, heading = _starts(house, geometry, lattice, survey, config, start, spaces)
     first = np.argwhere(starts).astype(np.int32)
     if isinstance(task, FixedTask):
         return Places(first, _given(house, lattice, reached, config, task).astype(np.float32), heading, True)
@@ -107,7 +109,7 @@ def free_floor(
 
 def _starts(
     house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config,
-    start: np.ndarray | None,
+    start: np.ndarray | None, spaces: Sequence[Box] = (),
 ) -> tuple[np.ndarray, np.ndarray, int]:  # fmt: skip
     """Where episodes start, where the body can come to from there, (X, Y) bool, and the starts' heading."""
     free = survey.part > 0
@@ -119,16 +121,20 @@ def _starts(
             raise ValueError("the body cannot turn where the task starts")
         reached = survey.part == survey.part[i, j]
     else:
-        body = max(config.body) / 2
-        starts = free & _within(geometry.floor, body, lattice) & ~_touched(geometry.rooms, body, lattice)
+        body, usual = max(config.body) / 2, house.start.box
+        spaces, starts = spaces or [usual], np.zeros_like(free)
+        for space in spaces:
+            outside = _touched(geometry.rooms, body, lattice) if space == usual else np.zeros_like(free)
+            starts |= free & _within(_row(space), body, lattice) & ~outside
         if not starts.any():
-            raise ValueError(f"the body has nowhere to stand in {_name(house.start.box, house)}")
+            names = ", ".join(_name(space, house) for space in spaces)
+            raise ValueError(f"the body has nowhere to stand in {names}")
         # Of parts of the house that no path joins, the body lives in the one with most of that room.
         reached = survey.part == np.bincount(survey.part[starts]).argmax()
         starts &= reached
         heading = -1 if config.random_start else NORTH
         if not config.random_start:
-            starts = _nearest(starts, geometry.floor, lattice)
+            starts = _nearest(starts, _row(spaces[0]), lattice)
     return starts, reached, heading
 
 

@@ -24,6 +24,7 @@ from logic.spelling import unknown
 from sim.allowed import imported, is_class_name
 from sim.config import PIXEL
 from sim.geometry import Box
+from sim.tasks.asked import Asked
 from sim.tasks.furniture import Habit, Object, WeightedTask
 from sim.tasks.remembering import Battery, Visit
 from sim.tasks.terms import PLAIN, Terms, terms_of
@@ -36,7 +37,8 @@ class Task(Protocol):
     """Targets appear one after the other in some spaces of a house; picking one up earns 1.
 
     It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``;
-    ``has_targets`` False, and then has none, but the body must come to all of ``spaces``; also
+    ``start_spaces(house)``, the rectangles where episodes start, none for the usual room; ``has_targets``
+    False, and then has none, but the body must come to all of ``spaces``; also
     ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and ``suits(house)``,
     whether it can be played in a house.
     """
@@ -112,12 +114,11 @@ def _finite(values: Any, count: int) -> bool:
 
 
 @dataclass(frozen=True)
-class Collect:
+class Collect(Asked):
     """Pick up targets, as many as can be: in the main room (the hub), in the other rooms, or in both."""
 
     main: bool = True
     secondary: bool = True
-    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def spaces(self, house: House) -> list[Box]:
@@ -132,17 +133,17 @@ class Collect:
 
 
 @dataclass(frozen=True)
-class Rooms:
+class Rooms(Asked):
     """Pick up targets, as many as can be, in rooms of these types."""
 
     rooms: Sequence[str]
-    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` for what is no list of names."""
         if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in self.rooms):
             raise TypeError(f"rooms: a list of room types, not {self.rooms!r}")
+        super().__post_init__()
 
     def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
@@ -150,17 +151,17 @@ class Rooms:
 
 
 @dataclass(frozen=True)
-class Reach:
+class Reach(Asked):
     """Reach a room of a type: a target lies in one of those, and picking it up ends the episode."""
 
     room: str
-    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` for a room that is no text."""
         if not isinstance(self.room, str):
             raise TypeError(f"room: a room type, not {self.room!r}")
+        super().__post_init__()
 
     def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
@@ -168,10 +169,9 @@ class Reach:
 
 
 @dataclass(frozen=True)
-class Roam:
+class Roam(Asked):
     """There are no targets: what is asked stands in the terms. The body must be able to come to all rooms."""
 
-    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
     has_targets: ClassVar[bool] = False
 

@@ -32,7 +32,7 @@ def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
     except ValueError:
         return _own(given) if isinstance(given, dict) else str(given)
     words = _shipped(asked, named)
-    return words + _terms(asked) if words else _own(given)
+    return words + _starts(asked, named) + _terms(asked) if words else _own(given)
 
 
 def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
@@ -61,6 +61,14 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
         case _:
             words = ""
     return words
+
+
+def _starts(asked: AnyTask, named: Callable[[str], str]) -> str:
+    """Where episodes start, after a task's words, if not in the usual room."""
+    starts = getattr(asked, "starts", ())
+    if starts == "all":
+        return ", from all rooms"
+    return f", from rooms of type {_listed([named(each) for each in starts], 'or')}" if starts else ""
 
 
 def _terms(asked: AnyTask) -> str:

@@ -88,6 +88,8 @@ class WorldArrays(NamedTuple):
     last_memory: Floats
     surroundings: Ints
     rooms: Ints
+    next_wholes: Cells
+    next_reals: Reals
 
 
 State = ti.types.struct(

@@ -65,16 +65,18 @@ def kernels(
     serial: bool,
     ends_on_pick_up: bool,
     terms: Terms,
+    guided: bool = False,
 ) -> Kernels:
     """Kernels for a running Taichi. Arguments are named for the world's arrays. ``serial``: in the calling
-    thread alone, as to wake others takes longer than to step a few environments.
+    thread alone, as to wake others takes longer than to step a few environments. ``guided``: episodes that
+    begin by themselves begin as ``next_wholes`` and ``next_reals`` say.
     """
     lanes = 1 if by_ray else config.rays
     backend = _backend(program, make, config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
     # To set an argument takes time at each launch.
     more = episodes.knows_distance or config.extras or config.latency or terms.memory or terms.surveys
-    Arrays = WorldArrays if more else PlainArrays
+    Arrays = WorldArrays if more or guided else PlainArrays
     rays, all_rays = config.rays, not by_ray
     Given = ti.i64 if config.drives else ti.i32
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
@@ -95,6 +97,32 @@ def kernels(
         target[2 * e], target[2 * e + 1] = state.target[0], state.target[1]
         house[e] = state.house
 
+    @ti.func
+    def begin(world: ti.template(), e, state, whole, real):
+        """The next episode of an environment, as a row of ``option_wholes`` and of ``option_reals`` says; and
+        what is observed beside rays.
+        """
+        state = episodes.begin(world, e, state, whole[0])
+        if real[0] == real[0]:
+            state.origin = ti.Vector([real[0], real[1]])
+            state.cell = ti.Vector([whole[1], whole[2], whole[3]])
+        if real[2] == real[2]:
+            state.target = ti.Vector([real[2], real[3]])
+        episodes.close_doors(world, e, state)
+        episodes.aim(world, e, state)
+        episodes.notice(world, e, state, -1, 0)
+        return state
+
+    @ti.func
+    def begin_next(world: ti.template(), e, state):
+        """The next episode of an environment, which begins by itself."""
+        if ti.static(guided):
+            state = begin(world, e, state, world.next_wholes[e], world.next_reals[e])
+        else:
+            state = episodes.begin(world, e, state, SAMPLE)
+            episodes.notice(world, e, state, -1, 0)
+        return state
+
     @kernel
     def reset(world: Arrays, option_wholes: Options, option_reals: Reals, observation: Observation):
         """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
@@ -104,16 +132,7 @@ def kernels(
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
             if option_wholes[e][0] != ti.static(KEEP):
-                state = episodes.begin(world, e, loaded(world, e), option_wholes[e][0])
-                at = option_reals[e]
-                if at[0] == at[0]:
-                    state.origin = ti.Vector([at[0], at[1]])
-                    state.cell = ti.Vector([option_wholes[e][1], option_wholes[e][2], option_wholes[e][3]])
-                if at[2] == at[2]:
-                    state.target = ti.Vector([at[2], at[3]])
-                episodes.close_doors(world, e, state)
-                episodes.aim(world, e, state)
-                episodes.notice(world, e, state, -1, 0)
+                state = begin(world, e, loaded(world, e), option_wholes[e], option_reals[e])
                 store(world, e, state)
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, observation)
@@ -157,8 +176,7 @@ def kernels(
                     prefetched[e] &= touch(world, at, after.cell)
             state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
-                state = episodes.begin(world, e, state, SAMPLE)
-                episodes.notice(world, e, state, -1, 0)
+                state = begin_next(world, e, state)
                 reward[e] = 0.0
                 flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
@@ -181,8 +199,7 @@ def kernels(
                     world.last_memory[at] = world.memory[at]
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
-                    state = episodes.begin(world, e, state, SAMPLE)
-                    episodes.notice(world, e, state, -1, 0)
+                    state = begin_next(world, e, state)
             store(world, e, state)
             if ti.static(serial):
                 show(pose, target, house, e, state)
@@ -197,9 +214,7 @@ def kernels(
                 ti.loop_config(serialize=serial)
                 for e in range(world.reals.shape[0]):
                     if world.wholes[e][ti.static(OVER)]:
-                        state = episodes.begin(world, e, loaded(world, e), SAMPLE)
-                        episodes.notice(world, e, state, -1, 0)
-                        store(world, e, state)
+                        store(world, e, begin_next(world, e, loaded(world, e)))
             ti.loop_config(serialize=serial)
             for e, r in ti.ndrange(world.reals.shape[0], rays):
                 episodes.look(world, e, loaded(world, e), r, 1, observation)

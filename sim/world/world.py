@@ -1,7 +1,7 @@
 """The state of E environments over a bank of houses: the arrays that their kernels read and write."""
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,12 +19,15 @@ from sim.tasks.tasks import AnyTask, FixedTask, Targets, task
 from sim.tasks.terms import terms_of
 from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
 from sim.world.geodesic import Distances, distance_arrays
-from sim.world.kernels import NEXT_STEP, SAME_STEP, kernels
+from sim.world.kernels import NEXT_STEP, SAME_STEP, SAMPLE, kernels
 from sim.world.surroundings import surroundings
 
 STATE = "reals", "wholes"
 """Arrays that a step depends on and that are not the bank's. Where doors are closed also ``pushes``, which
 is as long as the bank's doors ask for."""
+
+GUIDE = "next_wholes", "next_reals"
+"""Arrays of options for episodes that begin by themselves."""
 
 TABLES = "numbers", "indices", "places"
 """Arrays of the bank."""
@@ -70,7 +73,10 @@ class World:
         self.config = backend.fit(config, houses)
         ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
         self.serial = num_envs <= FEW and not by_ray
-        self.kernels = kernels(start(), self.config, backend, mode, by_ray, self.serial, ends, terms)
+        self._compile = partial(
+            kernels, start(), self.config, backend, mode, by_ray, self.serial, ends, terms
+        )
+        self.kernels, self.guided = self._compile(), False
         self.backend: Backend = self.kernels.backend
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
@@ -101,6 +107,8 @@ class World:
             "prefetched": Array(ti.i32, count),
             "option_wholes": Array(ti.i32, count, 4),
             "option_reals": Array(ti.f32, count, 4),
+            "next_wholes": Array(ti.i32, 1, 4),
+            "next_reals": Array(ti.f32, 1, 4),
             "pose": Array(ti.f32, 3 * count),
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
@@ -148,6 +156,8 @@ class World:
         self.arrays["surroundings"] = about
         self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
         self._bind()
+        if self.guided:
+            self.guide(*self.unguided())
         if self.distances:
             self.distances.forget()
 
@@ -231,6 +241,23 @@ class World:
         self.arrays["option_reals"].fill(option_reals)
         self.run("reset")
 
+    def guide(self, next_wholes: np.ndarray, next_reals: np.ndarray) -> None:
+        """Let episodes that begin by themselves begin as options say, see the kernel ``reset``, until other
+        houses are loaded. The first time the step is compiled for it.
+        """
+        if not self.guided:
+            self.kernels, self.guided, self.launches = self._compile(guided=True), True, {}
+            self.arrays["next_wholes"] = Array(ti.i32, self.num_envs, 4)
+            self.arrays["next_reals"] = Array(ti.f32, self.num_envs, 4)
+        self.arrays["next_wholes"].fill(next_wholes)
+        self.arrays["next_reals"].fill(next_reals)
+
+    def unguided(self) -> tuple[np.ndarray, np.ndarray]:
+        """Options that leave all to be sampled, (E, 4) int32 and float32."""
+        wholes = np.zeros((self.num_envs, 4), np.int32)
+        wholes[:, 0] = SAMPLE
+        return wholes, np.full((self.num_envs, 4), np.nan, np.float32)
+
     def place(
         self, house: np.ndarray, pose: np.ndarray, bank: Bank | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -313,7 +340,8 @@ class World:
     @property
     def state(self) -> dict[str, np.ndarray]:
         """All that a step depends on, but for the bank: copies (E, 4) float32, (E, WHOLES) int32; where doors
-        are closed also how often each was walked at, (E D,) uint8; of terms that keep numbers also those.
+        are closed also how often each was walked at, (E D,) uint8; of terms that keep numbers also those; and
+        options of episodes that begin by themselves, if there are any.
         """
         return {name: self.arrays[name].numpy() for name in self._state_names}
 
@@ -331,4 +359,5 @@ class World:
         extras = ("extras",) * bool(self.config.extras)
         past = ("past_reals", "past_cells") * bool(self.config.latency)
         odometer = ("odometer",) * ("odometry" in self.config.observe)
-        return (*STATE, *doors, *extras, *past, *odometer, *("memory",) * bool(self.config.memory))
+        memory, guide = ("memory",) * bool(self.config.memory), GUIDE * self.guided
+        return (*STATE, *doors, *extras, *past, *odometer, *memory, *guide)

@@ -1,0 +1,39 @@
+"""What all tasks that come with the project may be asked for: terms, and where episodes start."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from logic import House
+from logic.spelling import unknown
+from sim.geometry import Box
+from sim.tasks.terms import PLAIN, Terms
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Of a task beside its targets."""
+
+    terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
+    """What is rewarded, and when an episode ends."""
+    starts: Literal["all"] | Sequence[str] = field(default=(), kw_only=True, repr=False)
+    """Types of the rooms where episodes start, or ``all``; by default the main room, or hub, alone."""
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` for what are no types of rooms."""
+        if self.starts != "all":
+            if isinstance(self.starts, str) or not all(isinstance(name, str) for name in self.starts):
+                raise TypeError(f"starts: a list of room types, or all, not {self.starts!r}")
+            object.__setattr__(self, "starts", tuple(self.starts))
+
+    def start_spaces(self, house: House) -> list[Box]:
+        """The rectangles of which a body that starts lies wholly in one; none for the usual room.
+
+        Raises ``ValueError`` where a house has no such room.
+        """
+        if self.starts == "all":
+            return [room.box for room in house.rooms]
+        known = {room.type for room in house.rooms}
+        if self.starts and not known & set(self.starts):
+            raise ValueError(f"starts: {unknown('room type', self.starts[0], sorted(known))}")
+        return [room.box for room in house.rooms if room.type in self.starts]
