@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from codeop import CommandCompiler
 from collections.abc import Callable
 from pathlib import Path
 
@@ -27,6 +28,30 @@ def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
         same = file.read_bytes() == picture.read_bytes()
         assert same, f"{picture.name} is another: ./run python -m tests.docs.reader draws all pictures again"
     CLAIMS.get(page.stem, lambda: None)()
+
+
+@pytest.mark.parametrize("page", PAGES[:-2], ids=lambda page: page.stem)
+def test_a_tutorial_says_where_its_python_runs_and_a_session_takes_each_block_as_it_stands(
+    page: Path,
+) -> None:
+    text = page.read_text()
+    for block in blocks(text):
+        if block.language == "python" and not block.file:
+            assert "`./run python`" in text[: text.index(block.text)]
+            assert is_taken(block.text), block.line
+
+
+def is_taken(text: str) -> bool:
+    """Return True if a Python session takes these lines one by one: a blank line ends what is indented."""
+    compiled, waiting = CommandCompiler(), list[str]()
+    try:
+        for line in [*text.splitlines(), ""]:
+            waiting.append(line)
+            if compiled("\n".join(waiting), symbol="single"):
+                waiting.clear()
+    except SyntaxError:
+        return False
+    return not any(waiting)
 
 
 ELSEWHERE = {

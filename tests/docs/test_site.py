@@ -1,6 +1,7 @@
 """The documentation as a site: built without a warning, it needs no network, and its search no server."""
 
 import sys
+import tomllib
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -9,7 +10,7 @@ from urllib.parse import unquote, urldefrag, urlsplit
 import pytest
 from playwright.sync_api import Page
 
-from docs.builder.build import Copy
+from docs.builder.build import Copy, pages_of
 from logic.errors import RequestError
 from tests.browsing import cut_on_paper, findings, too_wide
 from tests.docs.reader import ROOT
@@ -64,6 +65,12 @@ def test_it_has_every_page_of_the_documentation(site: Path) -> None:
     pages = {file.relative_to(ROOT) for file in (ROOT / "docs").rglob("*.md")}
     named = {file.with_suffix(".html").with_stem(file.stem.replace("README", "index")) for file in pages}
     assert not [str(file) for file in named if not (site / file).exists()]
+
+
+def test_its_menu_names_every_page_of_the_documentation() -> None:
+    nav = tomllib.loads((ROOT / "docs/builder/zensical.toml").read_text())["project"]["nav"]
+    pages = {file.relative_to(ROOT).as_posix() for file in (ROOT / "docs").rglob("*.md")}
+    assert pages - {*pages_of(nav)} == set()
 
 
 def test_its_reference_has_all_public_names(site: Path) -> None:

@@ -19,7 +19,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watched]:
 
 @pytest.fixture
 def editor(server: Watched, page: Page) -> Page:
-    """The page with the brief that one begins with: two rooms and a door."""
+    """The page with the brief that one begins with: the rooms and the door of the house that is shown."""
     page.goto(f"{server.address}#rooms=2&seed=0&count=2&size=260")
     drawn(page, 2)
     page.get_by_label("By a brief").check()
@@ -31,6 +31,19 @@ def editor(server: Watched, page: Page) -> Page:
 def brief(page: Page) -> dict[str, Any]:
     """What the page says as JSON."""
     return json.loads(page.locator("#brief-json").input_value())
+
+
+def test_a_brief_begins_as_the_house_that_is_shown_so_that_it_has_a_house(
+    server: Watched, page: Page
+) -> None:
+    page.goto(f"{server.address}#rooms=4&seed=0&count=1&size=260")
+    drawn(page, 1)
+    joints = page.locator("#sheet [data-part^='R'][data-part*='-R']").count()
+    page.get_by_label("By a brief").check()
+    expect(page.locator(".bubble")).to_have_count(4)
+    assert [room["name"] for room in brief(page)["rooms"]] == [f"Room {number}" for number in range(1, 5)]
+    assert len(brief(page)["doors"]) == joints
+    drawn(page, 1)
 
 
 def test_a_bubble_that_is_dropped_on_another_has_a_door_to_it_and_lines_turn(
@@ -60,7 +73,10 @@ def test_what_the_table_says_stands_in_the_json_and_in_the_address(editor: Page)
     editor.get_by_label("Outer wall of").first.select_option("south")
     editor.get_by_label("Width, m").fill("6")
     said = {
-        "rooms": [{"name": "Hall", "area": [8, 9.5], "outside": ["south"]}, {"name": "Room 2"}],
+        "rooms": [
+            {"name": "Hall", "type": "room", "area": [8, 9.5], "outside": ["south"]},
+            {"name": "Room 2", "type": "room"},
+        ],
         "doors": [["Hall", "Room 2"]],
         "entrance": "Hall",
         "outline": {"width": 6},

@@ -105,6 +105,7 @@ def test_the_first_houses_that_one_sees_are_homes_with_an_entrance(page, at):
     drawn(page, f"{at}#count=1")
     expect(page.locator("#command")).to_contain_text("--grammar home")
     expect(page.locator("[data-part=entrance]")).to_have_count(1)
+    expect(page.locator("[hidden]:visible")).to_have_count(0)
 
 
 def test_random_numbers_are_those_of_numpy(opened):

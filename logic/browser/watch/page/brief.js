@@ -20,8 +20,8 @@ let wrong = {};
 let types = [];
 let changed = () => {};
 
-/** `onChange()` is called after each change. */
-export function initBrief(onChange) {
+/** `onChange()` is called after each change; a brief begins as what `shownHouse()` is, so that there is a house of it. */
+export function initBrief(onChange, shownHouse) {
   let pause = 0;
   changed = (soon = true) => {
     note({ brief: brief && JSON.stringify(brief) }, "brief");
@@ -29,7 +29,7 @@ export function initBrief(onChange) {
     pause = setTimeout(onChange, soon ? 0 : PAUSE);
   };
   byId("by-brief").addEventListener("change", ({ target }) => {
-    brief = target.checked ? { rooms: ["Room 1", "Room 2"].map((name) => ({ name })), doors: [["Room 1", "Room 2"]] } : null;
+    brief = target.checked ? briefOf(shownHouse()) : null;
     draw();
     changed();
   });
@@ -54,6 +54,21 @@ export function initBrief(onChange) {
   byId("brief-json").addEventListener("input", ({ target }) => readJson(target.value));
   initBubbles(join, (joint) => setKind(joint, after(joint.kind)));
   readBriefAddress();
+}
+
+/** The rooms of a house, named by their types, and the doors between them; of no house two rooms with a door. */
+function briefOf(house = { rooms: [{ name: "R0" }, { name: "R1" }], doors: [{ between: ["R0", "R1"] }] }) {
+  const names = new Map();
+  for (const { name, type = "room", part_of } of house.rooms) {
+    const number = house.rooms.filter((each) => (each.type ?? "room") === type && names.has(each.name)).length + 1;
+    const words = type.replace(/[A-Z]/g, (letter) => ` ${letter.toLowerCase()}`);
+    if (!part_of) names.set(name, `${words[0].toUpperCase()}${words.slice(1)} ${number}`);
+  }
+  const rooms = house.rooms.filter(({ name }) => names.has(name)).map(({ name, type }) => ({ name: names.get(name), type }));
+  const order = [...names.keys()];
+  const inner = house.doors.map(({ between }) => between).filter((pair) => pair.every((name) => names.has(name)));
+  const pairs = inner.map((pair) => pair.toSorted((one, other) => order.indexOf(one) - order.indexOf(other)));
+  return { rooms, doors: pairs.map((pair) => pair.map((name) => names.get(name))) };
 }
 
 /** Show what the address says. */

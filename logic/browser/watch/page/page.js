@@ -45,7 +45,7 @@ import { initBrief, readBrief, readBriefAddress, showTypes } from "./brief.js";
 import { byId, element } from "./dom.js";
 import { initRequest, readAddress, readRequest, showCommand, showKinds } from "./request.js";
 import { showFindings, showRules } from "./rules.js";
-import { initSheet, keepFirst, mark, setOutdated, showHouse, showProblem } from "./sheet.js";
+import { firstHouse, initSheet, keepFirst, mark, setOutdated, showHouse, showProblem } from "./sheet.js";
 
 /** Milliseconds after which it is said that an answer is on its way. */
 const PATIENCE = 500;
@@ -147,7 +147,8 @@ async function lint(version) {
     const findings = await engine.lint(version, signal);
     if (!signal.aborted) showFindings(findings);
   } catch (error) {
-    if (!signal.aborted) say(error.message);
+    // The houses are there: that line stays.
+    if (!signal.aborted) say(`${byId("status").textContent} Not all rules were judged.`, error.message);
   }
 }
 
@@ -172,8 +173,10 @@ function closeAnswer() {
   mark();
 }
 
-function say(text) {
+/** Say how things are; `more` where the pointer rests on it. */
+function say(text, more = "") {
   byId("status").textContent = text;
+  byId("status").title = more;
 }
 
 onTravel(async () => {
@@ -185,7 +188,7 @@ onTravel(async () => {
 initRequest(redraw, refuse);
 byId("brief-switch").hidden = !engine.briefs;
 byId("no-briefs").hidden = engine.briefs;
-initBrief(redraw);
+initBrief(redraw, firstHouse);
 initSheet(ask);
 initAnswer(() => {
   const part = document.querySelector(".asked");

@@ -43,6 +43,9 @@ export function showHouse(index, house, types, svg) {
   fill(cell, plan);
 }
 
+/** The first house that is shown; undefined without one. */
+export const firstHouse = () => [...sheet().children].map((cell) => houses.get(cell)).find(Boolean);
+
 /** There is no house `index`, for this reason. */
 export function showProblem(index, text) {
   fill(cellOf(index), element("p", { className: "problem" }, text));
