@@ -46,6 +46,9 @@ DISSECTION, BRIEF = TOPOLOGIES / "dissection.lp", RULES / "brief" / "brief.lp"
 COMMENT = re.compile(r"%\*.*?(?:\*%|\Z)|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
 
+TYPES = re.compile(r"\btype\s*\(([\w\s;()]*)\)\s*\.")
+"""A fact that names room types."""
+
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
 
@@ -96,6 +99,14 @@ class Grammar:
         own = tuple(file for file in self.own if file.stem != self.topology_name)
         topology = (*PLANS, ADJACENT, DISSECTION, BRIEF)
         return replace(self, own=own, topology=topology, topology_name=DISSECTION.stem)
+
+    @property
+    def types(self) -> frozenset[str]:
+        """Names of the room types that its files state as facts: read as text, as its topology is."""
+        texts = (COMMENT.sub("", _content(file, MOST_BYTES).decode("utf-8", "replace")) for file in self.own)
+        return frozenset(
+            name for text in texts for some in TYPES.findall(text) for name in re.findall(r"\w+", some)
+        )
 
     @property
     def names_contacts(self) -> bool:

@@ -22,7 +22,7 @@ from logic.opener import content_of, opened
 from logic.readers.world import MOST_BYTES, read_world
 from logic.spelling import numbered, unknown
 
-WORLDS = (".json", ".geojson")
+WORLDS = (".json", ".geojson", ".geojsonl", ".geojsons")
 """How the names of plans end that are read as houses to simulate."""
 
 

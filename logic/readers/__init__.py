@@ -10,26 +10,27 @@ from logic.readers.ifc import is_ifc, read_ifc
 from logic.readers.imdf import is_imdf, read_imdf
 from logic.readers.resplan import is_resplan, read_resplan
 from logic.readers.sketch import Sketch
+from logic.readers.storeys import of_one_storey
 
 
 class Reader(NamedTuple):
-    """A format: whether content, with the JSON that it is if any, is of it; and what it holds."""
+    """A format: whether content, with the JSON that it is if any, is of it; and what a storey of it holds."""
 
     recognises: Callable[[bytes, Any], bool]
-    read: Callable[[bytes, Any], Sketch]
+    read: Callable[[bytes, Any, str | None], Sketch]
 
 
 READERS = (
-    Reader(is_houseexpo, read_houseexpo),
-    Reader(is_resplan, read_resplan),
-    Reader(is_imdf, read_imdf),
-    Reader(is_cubicasa, read_cubicasa),
-    Reader(is_ifc, read_ifc),
+    Reader(is_houseexpo, of_one_storey(read_houseexpo)),
+    Reader(is_resplan, of_one_storey(read_resplan)),
+    Reader(is_imdf, of_one_storey(read_imdf)),
+    Reader(is_cubicasa, of_one_storey(read_cubicasa)),
+    Reader(is_ifc, of_one_storey(read_ifc)),
 )
 
 
-def sketch(content: bytes, record: Any) -> Sketch | None:
+def sketch(content: bytes, record: Any, storey: str | None = None) -> Sketch | None:
     """A plan of one of ``READERS``; None for another file. Raises ``RequestError`` for what is none."""
     content = content.removeprefix(BOM_UTF8)
     reader = next((each for each in READERS if each.recognises(content, record)), None)
-    return reader and reader.read(content, record)
+    return reader and reader.read(content, record, storey)

@@ -1,5 +1,7 @@
-"""GeoJSON (RFC 7946): what is some, and the features of it."""
+"""GeoJSON (RFC 7946), also a feature a line (RFC 8142): what is some, and the features of it."""
 
+import re
+from codecs import BOM_UTF8
 from collections.abc import Mapping
 from typing import Any
 
@@ -7,8 +9,15 @@ import msgspec
 
 from logic.errors import RequestError
 from logic.house.promises import Thickness
+from logic.opener import from_json
 
 GEOJSON = "FeatureCollection"
+
+SEPARATOR, MAX_LINES = b"\x1e", 1 << 16
+"""Record separator before each text of a sequence, and number of lines."""
+
+SEQUENCE = re.compile(rb"(?:\xef\xbb\xbf)?[\s\x1e]*+\{")
+"""How a sequence begins."""
 
 GEOMETRIES = ("Polygon", "MultiPolygon")
 """Those that may be a room."""
@@ -18,6 +27,27 @@ def is_geojson(record: object) -> bool:
     """Whether a JSON value is GeoJSON: a collection of features, a feature, or a polygon."""
     kinds = (GEOJSON, "Feature", "GeometryCollection", *GEOMETRIES)
     return isinstance(record, Mapping) and record.get("type") in kinds and "format" not in record
+
+
+def from_text(content: bytes) -> Any:
+    """Return the value of a JSON text, or the collection that a sequence of GeoJSON is.
+
+    A sequence has a text a line, each with or without a record separator before it. Raises ``ValueError`` for
+    what is neither.
+    """
+    try:
+        return from_json(content)
+    except ValueError:
+        lines = content.removeprefix(BOM_UTF8).replace(SEPARATOR, b"\n").split(b"\n", MAX_LINES + 1)
+        if not SEQUENCE.match(content) or len(lines) > MAX_LINES:
+            raise
+        found = []
+        for text in filter(bytes.strip, lines):
+            record = from_json(text)
+            if not is_geojson(record):
+                raise
+            found += features(record)
+        return {"type": GEOJSON, "features": found}
 
 
 def features(record: Mapping[str, Any]) -> list[Any]:

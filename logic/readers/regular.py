@@ -4,7 +4,7 @@ Whatever the format: here alone are units, rotation, noise, walls and rooms of s
 """
 
 from cmath import exp, phase
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from itertools import combinations, pairwise
 from math import atan2, degrees, radians
 from statistics import median
@@ -21,7 +21,7 @@ from logic.readers.corners import boxes, moved, squared
 from logic.readers.lines import common_lines
 from logic.readers.sketch import Sketch, Space, require_plain
 from logic.readers.types import OUTSIDE as NO_ROOM
-from logic.readers.types import meant
+from logic.readers.types import kind_of
 from logic.readers.units import metres_to
 from logic.spelling import numbered
 
@@ -59,15 +59,15 @@ class Regular(NamedTuple):
     notes: list[str]
 
 
-def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
+def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str] | None = None) -> Regular:
     """What a house can hold of a sketch. ``unit`` is the user's, in the place of the file's; corners may be
-    ``snap`` metres beside their places, and a centimetre at least.
+    ``snap`` metres beside their places, and a centimetre at least. ``types``: those of the grammar, if known.
 
     Raises ``RequestError`` for what no house can hold: where, and what would do.
     """
     noise = max(snap, 0.01)
     notes = [f"{sketch.guessed}: if it is not, say --plan-unit"] if sketch.guessed and not unit else []
-    kinds = [meant(space.words) for space in sketch.spaces]
+    kinds = [kind_of(space, types) for space in sketch.spaces]
     spaces = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind != NO_ROOM]
     others = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind == NO_ROOM]
     if not spaces or len(spaces) > MOST_ROOMS:
@@ -115,7 +115,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float) -> Regular:
         own = [name, *_more(name, len(parts) - 1, taken)]
         for part, each in zip(parts, own, strict=True):
             # Of a room of several corners the largest part is of its type.
-            kind = meant(space.words)[0] if each == name else ""
+            kind = kind_of(space, types)[0] if each == name else ""
             whole = name if each != name and _touch(part, parts[0]) else UNSET
             rooms.append(_room(each, kind, part, whole))
         joints += [

@@ -25,6 +25,8 @@ class Space(NamedTuple):
     name: str
     words: tuple[str, ...]
     shape: Polygon
+    type: str = ""
+    """Its type in the words of a grammar, if the file says that."""
 
 
 class Passage(NamedTuple):

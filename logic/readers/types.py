@@ -4,11 +4,13 @@ Dutch, Finnish, French and Spanish.
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from functools import cache
 from pathlib import Path
 
 import msgspec
+
+from logic.readers.sketch import Space
 
 OUTSIDE = "outside"
 """In the table: of what is no room of the house, such as a balcony or a column."""
@@ -35,22 +37,30 @@ class Table(msgspec.Struct):
 
     ``open``: types that may be uses of one room, and the least floor of each, square metres. ``entered``: the
     types of rooms by which a house is entered, most likely first. ``whose``: words that say whose room it is,
-    and its type only without another word.
+    and its type only without another word. ``elements``: words for what is no room but a part of a house.
     """
 
     types: dict[str, list[str]]
     open: dict[str, float]
     entered: list[str]
     whose: list[str]
+    elements: dict[str, list[str]]
 
 
-def meant(words: Iterable[str]) -> tuple[str, bool]:
+def meant(words: Iterable[str], types: Collection[str] | None = None) -> tuple[str, bool]:
     """Return the type that the first of some words means, and True if any is known.
 
-    There is no type where any may be; ``outside``: it is no room of the house.
+    There is no type where any may be, as where ``types``, those of a grammar, do not have it. ``outside``: it
+    is no room of the house.
     """
-    found = [types for word in words if (types := _uses(word))]
-    return next((types[0] for types in found if types[0]), ""), bool(found)
+    found = [uses for word in words if (uses := _uses(word))]
+    kind = next((uses[0] for uses in found if uses[0]), "")
+    return kind if types is None or kind in (*types, OUTSIDE) else "", bool(found)
+
+
+def kind_of(space: Space, types: Collection[str] | None = None) -> tuple[str, bool]:
+    """Return the type of a room and True if its words are known: see ``meant``."""
+    return (space.type, True) if space.type or not space.words else meant(space.words, types)
 
 
 def uses(words: Iterable[str]) -> Uses:
@@ -115,6 +125,12 @@ def _whole(word: str, is_capital: bool) -> Uses:
     if len(letters) <= SHORT and not is_capital and letters not in table().types:
         return ()
     return _words().get(letters, ())
+
+
+def element(word: str) -> str:
+    """Return what a word means beside rooms: ``door``, ``entrance``, ``opening``, ``window`` or ``part``."""
+    letters = _letters(word[:MAX_LETTERS])
+    return next((what for what, words in table().elements.items() if letters in map(_letters, words)), "")
 
 
 @cache

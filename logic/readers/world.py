@@ -22,8 +22,8 @@ from logic.errors import HouseFileError, PlanWarning, RequestError
 from logic.house.house import House
 from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
 from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
-from logic.opener import from_json, reason
-from logic.readers.features import features, inner_wall, is_geojson
+from logic.opener import reason
+from logic.readers.features import features, from_text, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline
 from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
 from logic.spelling import numbered
@@ -55,7 +55,7 @@ def read_world(content: bytes, path: Path) -> House | None:
     for more cells or walls than a house may have.
     """
     try:
-        record = from_json(content)
+        record = from_text(content)
     except ValueError:
         return None
     try:

@@ -6,7 +6,7 @@ or leave gaps. Which rules it breaks is found later, as a proof (``logic.generat
 
 import io
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from errno import EFBIG
 from itertools import chain, combinations
 from pathlib import Path
@@ -22,15 +22,16 @@ from logic.house.boxes import TOLERANCE, Box, overlap
 from logic.house.files import load
 from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
-from logic.opener import STANDARD, content_of, from_json
+from logic.opener import STANDARD, content_of
 from logic.readers import sketch
-from logic.readers.features import is_geojson
+from logic.readers.features import from_text, is_geojson
 from logic.readers.lines import MOST_WALL
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
+from logic.readers.storeys import require_none
 from logic.request.geojson import from_geojson
 from logic.request.openings import placed
-from logic.request.other_formats import named
+from logic.request.other_formats import READ, named
 from logic.request.own_plan import OwnPlan
 from logic.request.snapping import snapped
 from logic.spelling import numbered
@@ -41,7 +42,7 @@ MOST_BYTES = 1 << 24
 SNAP, MOST_SNAP = 0.01, 0.5
 """Metres within which edges are one wall, and how much that may be."""
 
-HINT = "rooms are rectangles side by side, and walls have no thickness: draw rooms to the middle of each wall"
+HINT = "draw all rooms to the middle of their walls, or all of them from wall to wall"
 
 HINT_OF_WALLS = (
     f"walls between rooms are {MOST_WALL:g} m thick at most: draw what lies there as part of a room"
@@ -49,30 +50,39 @@ HINT_OF_WALLS = (
 
 
 def read_plan(
-    source: str | Path | House | OwnPlan | Mapping[str, Any], unit: str | None = None, snap: float = SNAP
+    source: str | Path | House | OwnPlan | Mapping[str, Any],
+    unit: str | None = None,
+    snap: float = SNAP,
+    storey: str | None = None,
+    types: Collection[str] | None = None,
 ) -> OwnPlan:
     """A plan from a house, from GeoJSON or one of ResPlan's plans, or from a file, known by its content.
 
     ``unit``: see ``metres_to``; by default what the file says, or metres. ``snap``: metres within which edges
-    are one wall. Warns (``PlanWarning``) of what was moved or passed over. Raises ``HouseFileError`` for a
-    file that cannot be read, ``RequestError`` for what is no plan.
+    are one wall. ``storey``: the one of several that is read, by name. ``types``: those of the grammar that
+    the file's words may mean, if they are known. Warns (``PlanWarning``) of what was moved or passed over.
+    Raises ``HouseFileError`` for a file that cannot be read, ``RequestError`` for what is no plan.
     """
     if not 0 <= snap <= MOST_SNAP:
         raise RequestError(f"snap must be 0 to {MOST_SNAP:g} m, not {snap!r}")
     if isinstance(source, OwnPlan):
+        require_none(storey)
         _require_rooms(source.rooms)
         _require_plan(source, HINT)
         return source
-    found, drawn = _read(source), None
+    found, drawn, noise, hint = _read(source, storey), None, max(snap, SNAP), HINT_OF_WALLS
+    doors, windows = (), ()
     if isinstance(found, House):
+        require_none(storey)
         rooms = [msgspec.structs.replace(room, children=()) for room in found.tiles]
-        doors, windows, notes = found.doors, found.windows, list[str]()
-    elif isinstance(found, Sketch):
-        drawn = regular(found, unit, snap)
-        rooms, doors, windows, notes = drawn.rooms, (), (), drawn.notes
+        doors, windows, notes, hint = found.doors, found.windows, list[str](), HINT
     else:
-        rooms, notes = from_geojson(found, unit or "m", snap)
-        doors, windows = (), ()
+        if isinstance(found, Sketch):
+            drawn = regular(found, unit, snap, types)
+        else:
+            drawn, is_made_regular = from_geojson(found, unit, snap, storey, types)
+            noise, hint = (noise, hint) if is_made_regular else (0.0, HINT)
+        rooms, notes = drawn.rooms, drawn.notes
     _require_rooms(rooms)
     on_lines = snapped(rooms, doors, windows, snap)
     if on_lines.moved:
@@ -80,12 +90,12 @@ def read_plan(
         notes.append(f"{how_many} moved by {on_lines.farthest:.2g} m at most, onto walls beside them: --snap")
     plan = OwnPlan(on_lines.rooms, on_lines.doors, on_lines.windows)
     if drawn:
-        openings = placed(plan, drawn, max(snap, SNAP))
+        openings = placed(plan, drawn, noise)
         notes += openings.notes
         plan = OwnPlan(plan.rooms, openings.doors, openings.windows, has_more_doors=openings.has_more)
     for note in notes:
         warnings.warn(f"plan: {note}", PlanWarning, stacklevel=3)
-    _require_plan(plan, HINT_OF_WALLS if drawn else HINT)
+    _require_plan(plan, hint)
     return plan
 
 
@@ -112,33 +122,40 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
     )
 
 
-def _read(source: str | Path | House | Mapping[str, Any]) -> House | Sketch | Mapping[str, Any]:
+def _read(
+    source: str | Path | House | Mapping[str, Any], storey: str | None
+) -> House | Sketch | Mapping[str, Any]:
     """A house, a plan of another program, or GeoJSON."""
-    found = _from_file(Path(source)) if isinstance(source, str | Path) else source
+    found = _from_file(Path(source), storey) if isinstance(source, str | Path) else source
     if isinstance(found, House):
         if found.occupancy:
             raise RequestError("plan: it is a map of cells, without rooms: draw them as GeoJSON")
         return found
-    return found if isinstance(found, Sketch) else sketch(b"", found) or found
+    return found if isinstance(found, Sketch) else sketch(b"", found, storey) or found
 
 
-def _from_file(path: Path) -> House | Sketch | dict[str, Any]:
+def _from_file(path: Path, storey: str | None) -> House | Sketch | dict[str, Any]:
     try:
         content = content_of(path, MOST_BYTES)
+        if not content.strip():
+            raise HouseFileError(f"{path}: is empty, and {READ}")
     except OSError as error:
         if error.errno == EFBIG:
             raise HouseFileError(f"{path}: {error.strerror}: a plan is of one house") from None
         content = b""  # ``load`` says why
+    record, damage = None, ""
     try:
-        record = from_json(content)
-    except ValueError:
-        record = None  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
-    if found := sketch(content, record):
+        record = from_text(content)
+    except ValueError as error:  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
+        damage = str(error) if content else ""
+    if found := sketch(content, record, storey):
         return found
     if isinstance(record, dict) and is_geojson(record):
         return record
     if what := named(content):
         raise HouseFileError(f"{path}: {what}")
+    if damage and path.suffix.lower().startswith(".geojson"):
+        raise HouseFileError(f"{path}: is no GeoJSON: {damage}")
     # The standard input is read once.
     houses = load(path, io.BytesIO(content) if path == STANDARD else None)
     if len(houses) > 1:

@@ -37,6 +37,7 @@ def generate(
     plan: str | Path | House | OwnPlan | Mapping[str, Any] | None = None,
     plan_unit: str | None = None,
     snap: float = SNAP,
+    storey: str | None = None,
     keep: House | None = None,
     brief: str | Path | Mapping[str, Any] | Brief | None = None,
     grammar: str | Path | None = None,
@@ -60,8 +61,8 @@ def generate(
     ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, a
     plan of ResPlan, or a file of these, HouseExpo, CubiCasa5K, IMDF or IFC (``docs/house-file.md``). Doors,
     windows and furniture are generated in it, and ``rooms`` may be left out. ``plan_unit`` is the file's:
-    ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges within ``snap`` metres of each other are one
-    wall, of which is warned (``PlanWarning``).
+    ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit; ``storey`` names the one of several that is read.
+    Edges within ``snap`` metres of each other are one wall, of which is warned (``PlanWarning``).
     ``brief`` says what is wanted of each room by its name (``docs/briefs.md``), as JSON, a file of it, or a
     ``Brief``: without a grammar it alone says what the house is.
     ``grammar`` is a shipped grammar's name or a directory; by default ``family``. House ``i`` is
@@ -78,7 +79,7 @@ def generate(
     seed, start = whole("seed", seed, 0), whole("start", start, 0)
     whole("the index of the last house", start + count - 1, 0)
     asked = {"types": types, "furniture": furniture, "cell": cell, "keep": keep, "brief": brief}
-    drawn = {"plan": plan, "plan_unit": plan_unit, "snap": snap}
+    drawn = {"plan": plan, "plan_unit": plan_unit, "snap": snap, "storey": storey}
     series = series_of(rooms, **asked, **drawn, grammar=grammar, inferences=inferences, seconds=seconds)
     return series.houses(seed, range(start, start + count), workers)
 
@@ -92,6 +93,7 @@ def series_of(
     plan: str | Path | House | OwnPlan | Mapping[str, Any] | None = None,
     plan_unit: str | None = None,
     snap: float = SNAP,
+    storey: str | None = None,
     keep: House | None = None,
     brief: str | Path | Mapping[str, Any] | Brief | None = None,
     grammar: str | Path | None = None,
@@ -101,7 +103,9 @@ def series_of(
     """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its, but
     that ``rooms`` may be a range: then house i has ``least + i % n`` rooms, of the n numbers that it has.
     """
-    own = None if plan is None else read_plan(plain(plan), plan_unit, snap)
+    own = None
+    if plan is not None:
+        own = read_plan(plain(plan), plan_unit, snap, storey, find(grammar or "family").types)
     asked = None if brief is None else read_brief(plain(brief))
     if keep is not None and keep.main_room is None:
         if own is None:

@@ -37,6 +37,7 @@ def nearest_plan(
     *,
     plan_unit: str | None = None,
     snap: float = SNAP,
+    storey: str | None = None,
     types: Mapping[str, Count] | None = None,
     furniture: Mapping[str, Count] | None = None,
     grammar: str | Path | None = None,
@@ -52,7 +53,7 @@ def nearest_plan(
     are those of ``generate``; ``seconds`` is for each house or proof that it takes. Raises as ``generate``
     does: ``Unsatisfiable`` where walls elsewhere make no house of it.
     """
-    own = read_plan(plain(plan), plan_unit, snap)
+    own = read_plan(plain(plan), plan_unit, snap, storey, find(grammar or "family").types)
     asked: dict[str, Any] = {"types": types or {}, "furniture": furniture or {}}
 
     def house(some: OwnPlan) -> House:

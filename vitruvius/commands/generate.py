@@ -77,6 +77,9 @@ class Generate:
     snap: float = 0.01
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
 
+    storey: str | None = None
+    """Name of the storey of the plan that is read, where it has several."""
+
     keep: Streamed | None = None
     """House file: a house of it keeps its rooms, and the rest is generated around them. Where rooms share
     walls, all walls, doors and windows stay; types and furniture of the other rooms are generated."""
@@ -149,7 +152,7 @@ class Generate:
         from logic.opener import STANDARD
 
         say_warnings()
-        require_plan(self.plan, self.plan_unit, self.snap)
+        require_plan(self.plan, self.plan_unit, self.snap, self.storey)
         if self.count_layouts:
             from vitruvius.commands.layouts import count_layouts
 
@@ -208,6 +211,7 @@ class Generate:
             "plan": plan or self._plan_kept(),
             "plan_unit": self.plan_unit,
             "snap": self.snap,
+            "storey": self.storey,
             "keep": self._kept(),
             "grammar": self.grammar,
             "inferences": self.inferences,
@@ -264,6 +268,7 @@ class Generate:
             self.plan,
             plan_unit=self.plan_unit,
             snap=self.snap,
+            storey=self.storey,
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             grammar=self.grammar or "family",

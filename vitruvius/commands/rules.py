@@ -54,6 +54,9 @@ class Explain:
     snap: float = 0.01
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
 
+    storey: str | None = None
+    """Name of the storey of the plan that is read, where it has several."""
+
     cell: float = 0.0
     """Side of a grid's cell in metres; 0 for none."""
 
@@ -79,7 +82,7 @@ class Explain:
                 "explain a request, as in explain --rooms 3 --type bathroom=9, or a part of a house, as in "
                 "explain houses.jsonl --why R3"
             )
-        require_plan(self.plan, self.plan_unit, self.snap)
+        require_plan(self.plan, self.plan_unit, self.snap, self.storey)
         houses = generate(
             rooms=self.rooms,
             types=counts("--type", self.type),
@@ -88,6 +91,7 @@ class Explain:
             plan=self.plan,
             plan_unit=self.plan_unit,
             snap=self.snap,
+            storey=self.storey,
             cell=self.cell,
             grammar=self.grammar,
             seconds=self.seconds,
@@ -114,6 +118,7 @@ class Explain:
         words += [("--type", each) for each in self.type] + [("--piece", each) for each in self.piece]
         words += [("--cell", self.cell)] if self.cell else []
         words += [("--plan-unit", self.plan_unit)] if self.plan_unit else []
+        words += [("--storey", self.storey)] if self.storey else []
         return " ".join(["vitruvius generate", *(f"{flag} {quoted(value)}" for flag, value in words)])
 
     def _house(self, file: Path) -> int:

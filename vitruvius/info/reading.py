@@ -105,7 +105,7 @@ def read_plan(name: str, found: Sketch | dict[str, Any]) -> Plan:
         rooms = (
             regular(found, None, SNAP).rooms
             if isinstance(found, Sketch)
-            else from_geojson(found, snap=SNAP)[0]
+            else from_geojson(found, snap=SNAP).drawn.rooms
         )
     except RequestError as error:
         raise UnknownFileError(f"{name}: {format_}, but no plan: {error}") from None

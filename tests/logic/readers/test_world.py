@@ -216,7 +216,7 @@ def test_info_shows_as_houses_what_is_no_plan_to_furnish(tmp_path: Path) -> None
         assert isinstance(found, Houses)
         assert found.houses == 1
     (tmp_path / "bent").write_text(json.dumps(bent))  # by this name it is no house
-    with pytest.raises(UnknownFileError, match="no rectangle along the axes"):
+    with pytest.raises(UnknownFileError, match="R0 has an arc from"):
         recognised(str(tmp_path / "bent"))
 
 

@@ -1,0 +1,26 @@
+"""Degrees of longitude and latitude, made metres."""
+
+from collections.abc import Sequence
+from math import cos, radians, sin, sqrt
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely import Geometry
+
+EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
+"""Of WGS 84: the radius, metres, and the square of the first eccentricity."""
+
+
+def plane(shapes: Sequence[Geometry]) -> Any:
+    """Return what makes metres east and north of the midst of shapes: exact to a millimetre within a house.
+
+    Raises ``ValueError`` for what are no degrees.
+    """
+    lon, lat = shapely.union_all(shapes).centroid.coords[0]
+    if not (abs(lon) <= 180 and abs(lat) < 89):
+        raise ValueError(f"{lon:g}, {lat:g} are no degrees of longitude and latitude")
+    curve = 1 - ECCENTRICITY * sin(radians(lat)) ** 2
+    east = radians(1) * EQUATOR / sqrt(curve) * cos(radians(lat))
+    north = radians(1) * EQUATOR * (1 - ECCENTRICITY) / curve**1.5
+    return lambda points: (points - np.array([lon, lat])) * np.array([east, north])

@@ -1,0 +1,312 @@
+"""GeoJSON (RFC 7946): polygons are rooms, with types in any words; lines, points and polygons are doors and
+windows, where a property says so. In metres, another unit, or degrees.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import pairwise
+from statistics import median
+from typing import Any, NamedTuple
+
+import shapely
+from shapely import Geometry, LineString, Point
+from shapely.geometry import shape
+
+from logic.errors import RequestError
+from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
+from logic.opener import reason
+from logic.readers.degrees import plane
+from logic.readers.features import GEOMETRIES, features
+from logic.readers.sketch import FAR, Passage, Sketch, Space, polygons
+from logic.readers.storeys import chosen
+from logic.readers.types import element, meant
+from logic.readers.units import metres_to
+from logic.spelling import numbered, printable
+
+FORMAT = "GeoJSON"
+
+NAMES = ("name", "Name", "NAME", "label", "id")
+"""Properties that name a room, the first that is there."""
+
+WORDS = (
+    "type",
+    "room",
+    "room_type",
+    "roomType",
+    "category",
+    "class",
+    "subtype",
+    "usage",
+    "use",
+    "function",
+    "indoor",
+)
+"""Properties that may say the type of a room, or that a feature is a door."""
+
+KINDS = ("kind", "element", "feature_type", "layer", "Layer", *WORDS, *NAMES[:4])
+"""Properties that may say what a feature is."""
+
+FLAGS = ("entrance", "door", "window")
+"""Properties that say what a point or a line is, as in ``door=yes``."""
+
+ROOM_KINDS, OTHER_KINDS = ("room", "area"), ("piece", "wall")
+"""What our own exports call rooms, and parts of a house that are no rooms, doors or windows."""
+
+LEVELS = ("storey", "level", "level_id", "floor", "story")
+"""Properties that may say the storey of a feature."""
+
+ATOM = re.compile(r"[a-z]\w*", re.ASCII)
+"""A word of a grammar."""
+
+DOOR = 0.8
+"""Metres: the width of a door that is drawn as a point."""
+
+LARGEST, SMALLEST = 50.0, 0.01
+"""Metres: where half of the sides of rooms are longer or shorter, their unit is another one."""
+
+
+class Drawn(NamedTuple):
+    """A plan in metres, y growing north; for each room the one that it is a part of, or an empty text."""
+
+    sketch: Sketch
+    wholes: list[str]
+    notes: list[str]
+
+
+class Feature(NamedTuple):
+    """A room, a door or a window as a feature says it: its number in the file, and which of these it is."""
+
+    number: int
+    what: str
+    properties: Mapping[str, Any]
+    geometry: Mapping[str, Any]
+    id: Any
+
+
+def read_geojson(
+    record: Mapping[str, Any], unit: str | None, storey: str | None, types: Collection[str] | None
+) -> Drawn:
+    """Return the rooms, doors and windows of GeoJSON, in metres.
+
+    ``unit``: see ``metres_to``; without it metres, or degrees where the numbers are such. ``types``: those of
+    the grammar, if known. Raises ``RequestError`` for what is no plan, naming the room.
+    """
+    passed = Counter[str]()
+    read = (_feature(each, number, passed) for number, each in enumerate(features(record)))
+    found = _of_storey([each for each in read if each], storey)
+    rooms = [each for each in found if each.what == "room"]
+    others = [each for each in found if each.what != "room"]
+    if len(rooms) > MOST_ROOMS or len(others) > MOST_OPENINGS:
+        many = f"{numbered(len(rooms), 'room')} and {len(others):,} doors and windows"
+        raise RequestError(f"plan: it has {many}: at most {MOST_ROOMS:,} and {MOST_OPENINGS:,} are read")
+    if not rooms:
+        beside = f", but {_counted(passed)}" if passed else ""
+        raise RequestError(f"plan: it has no polygon that is a room{beside}")
+    spaces, wholes, unknown = list[Space](), list[str](), set[str]()
+    for each in rooms:
+        name = _name(each)
+        literal, words = _words(each, name, types, unknown)
+        for part in _polygons(each, name):
+            spaces.append(Space(name, words, part, literal))
+            wholes.append(str(each.properties.get("part_of") or ""))
+    shapes = [_geometry(each) for each in others]
+    flat, notes = _flat([each.shape for each in spaces], unit)
+    spaces = [each._replace(shape=flat(each.shape)) for each in spaces]
+    openings = [(each.what, _in_wall(flat(some), spaces)) for each, some in zip(others, shapes, strict=True)]
+    doors = [
+        Passage(some, what == "entrance" or None, what == "opening")
+        for what, some in openings
+        if what != "window"
+    ]
+    windows = [some for what, some in openings if what == "window"]
+    if passed:
+        notes.append(f"passed over beside the rooms: {_counted(passed)}")
+    if unknown:
+        some = ", ".join(sorted(unknown)[:8])
+        notes.append(f"words of no known type, so these rooms may have any: {some}")
+    return Drawn(Sketch(FORMAT, spaces, doors, windows, north_up=True), wholes, notes)
+
+
+def _feature(feature: Any, number: int, passed: Counter[str]) -> Feature | None:
+    """Return a feature with what it is. One that is no room, door or window is counted in ``passed``, but for
+    what our own exports say is another part of a house.
+    """
+    where = f"plan: features[{number}]"
+    if not isinstance(feature, Mapping):
+        raise RequestError(f"{where}: is no feature, but {type(feature).__name__}")
+    properties, geometry = feature.get("properties") or {}, feature.get("geometry")
+    if not isinstance(properties, Mapping):
+        raise RequestError(f"{where}: its properties are no object, but {type(properties).__name__}")
+    kind = geometry.get("type") if isinstance(geometry, Mapping) else None
+    what = _what(properties, kind in GEOMETRIES)
+    if properties.get("kind") in OTHER_KINDS:
+        return None
+    if not isinstance(geometry, Mapping) or what == "part" or (not what and kind not in GEOMETRIES):
+        passed[printable(str(kind))[:40] if kind else "feature without geometry"] += 1
+        return None
+    return Feature(number, what or "room", properties, geometry, feature.get("id"))
+
+
+def _what(properties: Mapping[str, Any], is_area: bool) -> str:
+    """Return what the properties of a feature say that it is: nothing of a room."""
+    if properties.get("kind") in ROOM_KINDS:
+        return ""
+    said = (properties.get(key) for key in KINDS)
+    found = next((what for word in said if isinstance(word, str) and (what := element(word))), "")
+    if not found and not is_area:
+        found = next((key for key in FLAGS if properties.get(key) not in (None, "", "no", False)), "")
+    if found == "door" and properties.get("opening") is True:
+        return "opening"
+    return found
+
+
+def _of_storey(found: Sequence[Feature], storey: str | None) -> list[Feature]:
+    """Return the features of one storey. Those that say none are of each."""
+    levels = [
+        next((str(each.properties[key]) for key in LEVELS if key in each.properties), "") for each in found
+    ]
+    of_rooms = dict.fromkeys(
+        level for each, level in zip(found, levels, strict=True) if level and each.what == "room"
+    )
+    if len(of_rooms) < 2 and storey is None:
+        return list(found)
+    if not of_rooms:
+        raise RequestError("plan: no room says its storey, as in level: leave --storey out")
+    one = list(of_rooms)[chosen(list(of_rooms), storey)]
+    return [each for each, level in zip(found, levels, strict=True) if level in (one, "")]
+
+
+def _words(
+    room: Feature, name: str, types: Collection[str] | None, unknown: set[str]
+) -> tuple[str, tuple[str, ...]]:
+    """Return a room's type in the grammar's own words, if it says it, and the words for its type, best first.
+
+    A word that is none of a grammar and means no type is added to ``unknown``.
+    """
+    own = room.properties.get("type")
+    if own is not None and not isinstance(own, str):
+        raise RequestError(
+            f"plan: features[{room.number}]: the type of room {name} is a word, not {own!r}"[:200]
+        )
+    if own == "" and room.properties.get("kind") == "room":
+        return "", ()  # our own export: any type
+    if own and (own in types if types is not None else ATOM.fullmatch(own) and meant([own]) != ("", True)):
+        return own, ()
+    said = [word for key in WORDS if isinstance(word := room.properties.get(key), str) and word.strip()]
+    words = (*said, *([name] if meant([name])[1] else []))
+    kind, is_known = meant(words)
+    if own and not is_known and ATOM.fullmatch(own):
+        return own, ()  # the grammar's error says that it has no such type
+    if said and not (is_known and kind == meant(words, types)[0]):
+        unknown.add(said[0][:40])
+    return "", words if is_known else ()
+
+
+def _name(room: Feature) -> str:
+    """Return what a room is called: any words, or a number; ``R3`` where nothing is said."""
+    said = [room.properties[key] for key in NAMES if room.properties.get(key) not in (None, "")]
+    said += [room.id] if room.id not in (None, "") else []
+    for value in said:
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            continue
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        words = " ".join("".join(each if each.isprintable() else " " for each in text).split())
+        if words:
+            return words[:LONGEST_NAME]
+    return f"R{room.number}"
+
+
+def _polygons(room: Feature, name: str) -> Iterator[shapely.Polygon]:
+    """Yield the polygons of a room. Raises ``RequestError`` for corners that are none."""
+    where = f"plan: features[{room.number}]: room {name}"
+    rings = room.geometry.get("coordinates")
+    parts: Any = rings if room.geometry.get("type") == "MultiPolygon" else [rings]
+    if (
+        not isinstance(parts, Sequence)
+        or not parts
+        or not all(isinstance(part, Sequence) and part for part in parts)
+    ):
+        raise RequestError(f"{where} has no corners")
+    for part in parts:
+        shell, *holes = ([*_corners(ring, where)] for ring in part)
+        if len({*shell}) < 4:
+            raise RequestError(f"{where} has {len({*shell})} corners: a rectangle has four")
+        try:
+            found = [*polygons(shapely.Polygon(shell, holes))]
+        except (shapely.errors.ShapelyError, ValueError) as error:
+            raise RequestError(f"{where}: {reason(error)[:80]}") from None
+        if not found:
+            raise RequestError(f"{where} has no area: draw it again, or leave it out")
+        yield from found
+
+
+def _corners(ring: Any, where: str) -> Iterator[tuple[float, float]]:
+    for point in ring if isinstance(ring, Sequence) else ():
+        numbers = point[:2] if isinstance(point, Sequence) and not isinstance(point, str) else ()
+        if len(numbers) < 2 or not all(type(each) in (int, float) and abs(each) <= FAR for each in numbers):
+            raise RequestError(
+                f"{where}: a corner is two numbers, x and y, of {FAR:.0e} at most, not {str(point)[:40]!r}"
+            )
+        yield float(numbers[0]), float(numbers[1])
+
+
+def _geometry(opening: Feature) -> Geometry:
+    """Return where a door or a window is. Raises ``RequestError`` for what is no geometry."""
+    try:
+        found = shapely.force_2d(shape(dict(opening.geometry)))
+        if found.is_empty or not (abs(shapely.get_coordinates(found)) < FAR).all():
+            raise ValueError
+        return found
+    except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
+        raise RequestError(f"plan: features[{opening.number}]: its geometry is none") from None
+
+
+def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, list[str]]:
+    """Return what makes metres of a geometry, and what is to be said of it.
+
+    Raises ``RequestError`` for rooms whose sizes are no rooms' in metres, with the unit that they look like.
+    """
+    factor = metres_to(unit or "m")
+    bounds = [each.bounds for each in shapes]
+    middle = factor * median(
+        side for west, south, east, north in bounds for side in (east - west, north - south)
+    )
+    on_earth = all(abs(edge) <= (180, 90)[k % 2] for box in bounds for k, edge in enumerate(box))
+    if middle < SMALLEST and on_earth and unit is None:
+        project = plane(shapes)
+        lon, lat = shapely.union_all(shapes).centroid.coords[0]
+        return (lambda some: shapely.transform(some, project)), [
+            f"degrees of longitude and latitude, made metres around {lon:.5f}, {lat:.5f}"
+        ]
+    if middle < SMALLEST:
+        size = f"half of the rooms' sides are shorter than {middle:.2g} {unit or 'm'}"
+        raise RequestError(f"plan: {size}: these are no rooms in metres: say --plan-unit")
+    if middle > LARGEST:
+        size = f"half of the rooms' sides are longer than {middle / factor:,.0f}"
+        guess = {"mm": middle > 700, "cm": middle > 100}
+        found = next((name for name, is_so in guess.items() if is_so and factor == 1), None)
+        words = {"mm": "millimetres", "cm": "centimetres, or pixels"}
+        like = f"these look like {words[found] if found else 'pixels'}"
+        metres = f" {found}, or" if found else ""
+        raise RequestError(
+            f"plan: {like} ({size}): say --plan-unit{metres} how many metres one is, as in --plan-unit 0.02"
+        )
+    if factor == 1:
+        return (lambda some: some), []
+    return (lambda some: shapely.transform(some, lambda points: points * factor)), []
+
+
+def _in_wall(opening: Geometry, spaces: Sequence[Space]) -> Geometry:
+    """Return a door that is drawn as a point as a line along the nearest wall of a room."""
+    if not isinstance(opening, Point):
+        return opening
+    room = min(spaces, key=lambda each: each.shape.exterior.distance(opening)).shape
+    sides = map(LineString, pairwise(room.exterior.coords))
+    side = min((each for each in sides if each.length > 0), key=lambda each: each.distance(opening))
+    start = max(0.0, min(side.project(opening) - DOOR / 2, side.length - DOOR))
+    return LineString([side.interpolate(start), side.interpolate(start + DOOR)])
+
+
+def _counted(passed: Counter[str]) -> str:
+    return ", ".join(numbered(number, kind) for kind, number in sorted(passed.items()))
