@@ -28,6 +28,7 @@ EXAMPLES = ROOT / "examples"
 LIBRARIES = {
     "stable_baselines": "stable_baselines3",
     "free_motion": "stable_baselines3",
+    "hindsight": "stable_baselines3",
     "torchrl_ppo": "torchrl",
     "one_file": "torch",
 }
@@ -190,3 +191,10 @@ def test_a_stack_of_frames_is_that_of_stable_baselines():
     for _ in range(10):
         np.testing.assert_array_equal(ours(torch.from_numpy(seen[:, -80:])).numpy(), seen)
         seen = theirs.step(np.array([2, 1, 0]))[0]
+
+
+def test_hindsight_learns_through_the_adapter(houses, monkeypatch, capsys):
+    module = example("hindsight")
+    monkeypatch.setattr(module, "CONFIG", replace(module.CONFIG, steps=12))
+    assert 0 <= module.main(houses, steps=400, environments=4) <= 1
+    assert capsys.readouterr().out.startswith("400 steps: ")

@@ -3,11 +3,11 @@
 Importing this needs that library, which is not among our dependencies.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from stable_baselines3.common.vec_env import VecEnv
 
 
@@ -15,7 +15,8 @@ class StableBaselinesVecEnv(VecEnv):
     """A ``VectorEnv`` that resets in the same step: ``DQN("MlpPolicy", StableBaselinesVecEnv(envs))``.
 
     Options are for all environments together, as Gymnasium's: ``set_options({"house": [0, 1]})``. So are
-    attributes and methods: whichever environment is asked for, they are those of the one object.
+    attributes and methods: whichever environment is asked for, they are those of the outermost wrapper that
+    has them, or else of the environment.
     """
 
     def __init__(self, envs: VectorEnv, infos: bool = False) -> None:
@@ -77,21 +78,34 @@ class StableBaselinesVecEnv(VecEnv):
         return self.envs.render() or [None] * self.num_envs  # pyright: ignore[reportReturnType]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """The attribute, for each environment asked for."""
-        return [getattr(self.envs.unwrapped, attr_name) for _ in self._get_indices(indices)]
+        """Return the attribute, for each environment asked for."""
+        return [getattr(self._owner(attr_name), attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Set the attribute, for all environments."""
-        setattr(self.envs.unwrapped, attr_name, value)
+        """Set the attribute where it is, for all environments."""
+        setattr(self._owner(attr_name), attr_name, value)
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        """Call the method once; what it returns, for each environment asked for."""
-        returned = getattr(self.envs.unwrapped, method_name)(*args, **kwargs)
+        """Call the method once; return its result for each environment asked for."""
+        returned = getattr(self._owner(method_name), method_name)(*args, **kwargs)
         return [returned for _ in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """Wrappers of single environments wrap none of these."""
-        return [False for _ in self._get_indices(indices)]
+        """Return for each environment asked for if a wrapper of this class is around it."""
+        wrapped = any(isinstance(layer, wrapper_class) for layer in self._layers())
+        return [wrapped for _ in self._get_indices(indices)]
+
+    def _layers(self) -> Iterator[VectorEnv]:
+        """Yield the wrappers, from the outermost on, and the environment."""
+        layer = self.envs
+        while isinstance(layer, VectorWrapper):
+            yield layer
+            layer = layer.env
+        yield layer
+
+    def _owner(self, name: str) -> VectorEnv:
+        """Return the outermost layer with an attribute, or else the environment."""
+        return next((layer for layer in self._layers() if hasattr(layer, name)), self.envs.unwrapped)
 
 
 def _info_of(infos: dict[str, Any], index: Any) -> dict[str, Any]:
