@@ -98,12 +98,15 @@ def geometry(house: House) -> Geometry:
 
 
 def shut(house: House, door: Any) -> Box:
-    """Where a door is that is shut: at the face of its wall in its first room."""
+    """Return the segment of a door that is shut: at the face of its wall in the first room that it names."""
     if not house.half_wall:
         return door.box
-    between = next(room for room in house.rooms if room.name in door.between)
-    room, axis, box = between.box, int(door.height == 0), [*door.box]
-    box[axis] = box[axis + 2] = min(room[axis::2], key=lambda face: abs(face - door.box[axis]))
+    first = house.whole(next(room for name in door.between for room in house.rooms if room.name == name))
+    axis, box = int(door.height == 0), [*door.box]
+    middle = (box[1 - axis] + box[3 - axis]) / 2
+    parts = [part.box for part in house.parts(first) if part.box[1 - axis] < middle < part.box[3 - axis]]
+    faces = [face for part in parts or [first.box] for face in part[axis::2]]
+    box[axis] = box[axis + 2] = min(faces, key=lambda face: abs(face - door.box[axis]))
     return box[0], box[1], box[2], box[3]
 
 

@@ -5,11 +5,15 @@ from itertools import combinations
 import numpy as np
 import pytest
 import shapely
+from msgspec import structs
 
-from sim.geometry import geometry
+from logic import Door, House, Room
+from logic.house.promises import Thickness
+from sim.geometry import geometry, shut
 from tests import sample_houses
 from tests.plans import PLANS, random_plan
 from tests.reference import walls
+from tests.thick import thickened
 
 
 def as_lines(rows: np.ndarray) -> shapely.MultiLineString:
@@ -50,3 +54,31 @@ def test_pieces_and_their_children_are_solid():
     np.testing.assert_array_equal(shape.pieces, [[1.5, 1.5, 0.5, 0.5]])
     house = sample_houses.example()
     assert len(geometry(house).pieces) == sum(len(room.pieces) for room in house.star.rooms) > 10
+
+
+@pytest.mark.parametrize("house", [thickened(house) for house in PLANS.values()])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_closed_door_of_a_thick_wall_is_at_the_face_in_the_room_that_it_names_first(house, turned):
+    for door in house.doors:
+        names = door.between[::-1] if turned else door.between
+        at = shapely.LineString(np.reshape(shut(house, structs.replace(door, between=names)), (2, 2)))
+        first = next(room for name in names for room in house.rooms if room.name == name)
+        assert (
+            shapely.hausdorff_distance(at, shapely.box(*first.box).boundary.intersection(at.buffer(1e-6)))
+            < 1e-5
+        )
+
+
+def test_a_closed_door_of_a_room_in_parts_is_at_the_face_of_the_part_beside_it():
+    """The room's own rectangle has a face as near to the door's line, elsewhere."""
+    parts = (
+        Room(0, 0, 2, 2, "A", "hall"),
+        Room(0, 2.3, 2, 2, "A2", "hall", part_of="A"),
+        Room(2.3, 0, 2, 4.3, "B", "hall"),
+        Room(-2.3, 2.3, 2, 2, "C", "hall"),
+    )
+    house = House(
+        parts, (Door(-0.15, 3, 0, 1, ("A", "C")),), topology="own", wall_thickness=Thickness(0.3, 0.3)
+    )
+    assert shut(house, house.doors[0])[0] == 0
+    assert shut(house, structs.replace(house.doors[0], between=("C", "A")))[0] == pytest.approx(-0.3)
