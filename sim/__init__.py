@@ -6,6 +6,7 @@
 # ruff: noqa: E402 - that logic is ours is checked before it is imported
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 
@@ -17,6 +18,7 @@ from sim.allowed import allow
 from sim.baselines.oracle import Oracle, shortest_path
 from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
+from sim.environment.arguments import BACKENDS, CELL_HOUSES
 from sim.environment.rotation import HouseRotation
 from sim.environment.single import HouseEnv
 from sim.environment.vector import HouseVectorEnv
@@ -42,15 +44,17 @@ __all__ = [
     "shortest_path",
 ]
 
-gymnasium.register(
-    "Vitruvius/House-v0",
-    entry_point="sim.environment.single:HouseEnv",
-    vector_entry_point="sim.environment.vector:HouseVectorEnv",
-)
+
+def _register(name: str, **arguments: Any) -> None:
+    """Register an environment, single and of many, with arguments of its own."""
+    one, many = "sim.environment.single:HouseEnv", "sim.environment.vector:HouseVectorEnv"
+    gymnasium.register(f"Vitruvius/{name}-v0", entry_point=one, vector_entry_point=many, kwargs=arguments)
+
+
+_register("House")
+for _backend in BACKENDS:  # for libraries that take the keyword ``backend`` themselves, as TorchRL does
+    _register(
+        f"House-{_backend}", backend=_backend, **({"houses": CELL_HOUSES} if _backend == "grid" else {})
+    )
+_register("Paper", houses="paper-house", targets="paper-main", preset="paper")
 gymnasium.register("Vitruvius/MiniGrid-v0", entry_point="sim.adapters.minigrid:MiniGridHouseEnv")
-gymnasium.register(
-    "Vitruvius/Paper-v0",
-    entry_point="sim.environment.single:HouseEnv",
-    vector_entry_point="sim.environment.vector:HouseVectorEnv",
-    kwargs={"houses": "paper-house", "targets": "paper-main", "preset": "paper"},
-)

@@ -41,6 +41,11 @@ def imported(name: str) -> Any:
     return getattr(importlib.import_module(module), attribute)
 
 
+def class_name(kind: type) -> str:
+    """Return the ``module:Class`` of a class; one that a function made has ``<locals>`` in it."""
+    return f"{kind.__module__}:{kind.__qualname__}"
+
+
 def is_class_name(name: Any) -> bool:
     """Return True for text of the form ``module:Class``."""
     return isinstance(name, str) and ":" in name and not name.startswith("{")

@@ -1,13 +1,14 @@
 """What the body, its eye, its task and its episodes are like. Metres and degrees."""
 
-from dataclasses import dataclass, field, fields, replace
-from numbers import Integral, Real
-from typing import Any, Literal
+from dataclasses import dataclass, field, replace
+from math import isclose
+from typing import Any, Literal, cast
 
 import numpy as np
 
 from logic.spelling import unknown
 from sim.drive import COMMANDS, Drive
+from sim.fields import Derived, settle
 
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
@@ -19,6 +20,9 @@ MOST_RAYS = 1024
 MOST_KINDS = 64
 """Kinds of pieces that an observation tells apart at most."""
 
+LEAST_SPACING = 0.1
+"""Degrees between rays on a lattice: each direction of a ray is a row of a table."""
+
 MOST_ANGLE_NOISE = 45
 """Degrees."""
 
@@ -27,13 +31,6 @@ DEVIATIONS = 4.0
 
 MOST_LATENCY = 255
 """Steps: poses are kept for so long."""
-
-KINDS: dict[Any, tuple[Any, str]] = {
-    bool: ((bool, np.bool_), "True or False"),
-    int: (Integral, "a whole number"),
-    float: (Real, "a number"),
-}
-"""What the values of fields are, by the fields' types; NumPy's numbers are among them."""
 
 MOST_PUSHES = 255
 """Steps that a door may take to open: they are counted in 8 bits."""
@@ -64,8 +61,9 @@ class Config:
     body: tuple[float, float] = (8 * PIXEL, 8 * PIXEL)
     """Side of the axis-aligned square body, metres: at the headings along an axis, and on a diagonal."""
 
-    eye: tuple[float, float] = (4 * PIXEL, 4 * PIXEL)
-    """Where the eye is, metres east and south of the body's north-west corner, at the same two headings."""
+    eye: tuple[float, float] = cast(Any, None)
+    """Where the eye is, metres east and south of the body's north-west corner, at the same two headings; by
+    default in the middle of the body."""
 
     step: float = 2 * PIXEL
     """How far ``forward`` goes along an axis, metres; on a diagonal it goes as far along both axes."""
@@ -87,8 +85,8 @@ class Config:
     """Degrees from the heading to ray 0, counter-clockwise. 58.5 makes 40 rays mirror-symmetric."""
 
     ray_spacing: float = sensed(3)
-    """Degrees from a ray to the next one, clockwise: a divisor of 45, so that directions are few, or in the
-    backend ``free`` any number."""
+    """Degrees from a ray to the next one, clockwise: a part of 45, as 3 or 22.5, so that directions are few,
+    or in the backend ``free`` any number."""
 
     range: float = sensed(220 * PIXEL)
     """How far a ray sees, metres."""
@@ -162,13 +160,14 @@ class Config:
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for impossible values."""
-        for each in fields(self):
-            kind, words = KINDS.get(each.type, (object, ""))
-            if not isinstance(value := getattr(self, each.name), kind):
-                raise ValueError(f"{each.name} must be {words}, not {value!r}")
+        settle(self)
         lengths = (*self.body, self.step, self.range, self.target)
         if not all(0 < length < float("inf") for length in lengths):
             raise ValueError("body, step, range and target must be positive lengths in metres")
+        if self.eye is None:
+            object.__setattr__(self, "eye", Derived(side / 2 for side in self.body))
+        if not all(0 <= at <= side for at, side in zip(self.eye, self.body, strict=True)):
+            raise ValueError(f"eye is {self.eye} m: it must lie in the body, which is {self.body} m wide")
         if not (1 <= self.rays <= MOST_RAYS and 1 <= self.steps < 2**31):
             found = f"{self.rays} rays and {self.steps} steps"
             raise ValueError(f"{found}: 1 to {MOST_RAYS:,} rays and 1 to {2**31 - 1:,} steps")
@@ -211,12 +210,18 @@ class Config:
 
     def require_few_directions(self) -> None:
         """Raise ``ValueError`` where rays have more directions than a table of eight headings can serve."""
-        if self.ray_spacing % 1 or 45 % self.ray_spacing:
+        if not (self.ray_spacing >= LEAST_SPACING and isclose(45 / self.ray_spacing, self.rays_in_a_turn)):
             raise ValueError(
-                f"ray_spacing is {self.ray_spacing:g} degrees: it must divide 45, but for backend free"
+                f"ray_spacing is {self.ray_spacing:g} degrees: it must divide 45 and be {LEAST_SPACING} at "
+                "least, but for backend free"
             )
         if self.angle_noise:
             raise ValueError(f"angle_noise is {self.angle_noise:g} degrees: the backend free alone has it")
+
+    @property
+    def rays_in_a_turn(self) -> int:
+        """Rays between two headings of the lattice, which are 45 degrees apart."""
+        return round(45 / self.ray_spacing)
 
     @property
     def ray_angles(self) -> np.ndarray:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from math import hypot, isfinite, pi
 from typing import Literal
 
+from sim.fields import settle
+
 MOST_COMMANDS = 1024
 """Commands that a discrete action chooses from at most."""
 
@@ -65,8 +67,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for impossible values."""
-        # JSON has lists.
-        object.__setattr__(self, "commands", tuple(tuple(pair) for pair in self.commands))
+        settle(self, "drive: ")
         if not (0 < self.time_step < float("inf") and 0 < self.speed < float("inf")):
             raise ValueError(f"drive: time_step {self.time_step} s, speed {self.speed} m/s: both above 0")
         if not all(0 <= each < float("inf") for each in (self.reverse, self.sideways, self.turn_speed)):

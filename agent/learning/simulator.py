@@ -1,7 +1,7 @@
 """The simulator that an agent learns in, by its config. Without torch, so that a mistake is told at once."""
 
 from collections.abc import Iterable
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 
 import msgspec
 
@@ -11,6 +11,7 @@ from logic.spelling import unknown
 from sim.actions import ACTIONS, FORWARD
 from sim.allowed import allow, class_names
 from sim.config import DEFAULT, PRESETS, SENSOR, Config
+from sim.fields import stated
 from sim.tasks.tasks import task
 
 SENSED = tuple(each.name for each in fields(Config) if SENSOR in each.metadata)
@@ -26,7 +27,7 @@ def simulator(config: TrainConfig) -> Config:
     Raises ``RequestError`` for a field, or a value of one, that cannot be.
     """
     known = [field.name for field in fields(Config)]
-    values = asdict(PRESETS[config.world])
+    values = stated(PRESETS[config.world])
     given = set[str]()
     for text in config.sim:
         name, _, value = text.partition("=")

@@ -132,7 +132,7 @@ class Planner:
             noise=world.noise / self.cell,
             dropout=world.dropout > 0,
             slip=world.slip > 0,
-            eighth=int(45 // world.ray_spacing),
+            eighth=world.rays_in_a_turn,
             errs=errs,
             prior=prior,
             led=led,

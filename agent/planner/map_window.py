@@ -52,7 +52,7 @@ class MapWindow(VectorWrapper):
         seen = env.single_observation_space
         parts = dict(seen.spaces) if isinstance(seen, spaces.Dict) else {RAYS: seen}
         box = spaces.Box(0, 255, (len(LAYERS), side, side), np.uint8)
-        self.single_observation_space = spaces.Dict({**parts, MAP: box})
+        self.single_observation_space = spaces.Dict({**parts, MAP: box}, sort_keys=False)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.ended = torch.zeros(self.num_envs, dtype=torch.bool)
 
@@ -85,8 +85,10 @@ class MapWindow(VectorWrapper):
         call; in ``SAME_STEP`` ``final_obs`` in the info has a copy, valid where an episode ended.
         """
         seen, reward, terminated, truncated, info = self.inner.step_torch(actions)
-        ended, final = terminated | truncated, info.get("final_obs")
-        last = self._follow(seen, final, info["blocked"], actions, ended)
+        ended, final, blocked = terminated | truncated, info.get("final_obs"), info["blocked"]
+        if final is not None:
+            blocked = torch.where(ended, info["final_info"]["blocked"], blocked)
+        last = self._follow(seen, final, blocked, actions, ended)
         if final is not None:
             info = info | {"final_obs": self._parts(final) | {MAP: last}}
         return self._parts(seen) | {MAP: self.window.cells}, reward, terminated, truncated, info

@@ -20,6 +20,7 @@ from logic import House
 from sim.backends.backend import PIECE, WALL
 from sim.backends.grid.cells import Cells
 from sim.environment.arguments import Houses
+from sim.environment.specs import KeepsSpec
 from sim.environment.vector import HouseVectorEnv
 from sim.geometry import shut
 from sim.tasks.tasks import Targets
@@ -55,7 +56,7 @@ class PieceTile(WorldObj):
         return r
 
 
-class MiniGridHouseEnv(MiniGridEnv):
+class MiniGridHouseEnv(KeepsSpec, MiniGridEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
     """An agent of MiniGrid looks for a target in a house.
 
     An episode has the house, the start and the first target of ``HouseEnv`` with ``backend="grid"`` and the
@@ -79,12 +80,16 @@ class MiniGridHouseEnv(MiniGridEnv):
         **arguments: Any,
     ) -> None:
         self.envs = HouseVectorEnv(houses, backend="grid", targets=targets)
-        self.doors_open, self._episode = doors_open, {}
+        self.doors_open, self.episode_steps, self._episode = doors_open, max_steps, {}
         self._cells = [Cells(shape, self.envs.config.step) for shape in self.envs.geometries]
         width, height = (2 * max(size) + 1 for size in zip(*(each.size for each in self._cells), strict=True))
         super().__init__(
             MissionSpace(mission_func=_mission), width=width, height=height, max_steps=max_steps, **arguments
         )
+
+    def lengthen(self, steps: int) -> None:
+        """See ``KeepsSpec``."""
+        self.max_steps = self.episode_steps = steps
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

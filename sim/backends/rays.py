@@ -32,8 +32,8 @@ def directions(config: Config) -> np.ndarray:
     """Degrees from east, counter-clockwise, of every direction: heading h looks along those from row
     ``turn * ((8 - h) % 8)`` on, where ``turn`` rows make 45 degrees. (7 turn + R,) float64.
     """
-    rows = np.arange(7 * (45 // config.ray_spacing) + config.rays)
-    return config.first_ray - config.ray_spacing * rows
+    rows = np.arange(7 * config.rays_in_a_turn + config.rays)
+    return config.first_ray - 45 * rows / config.rays_in_a_turn
 
 
 @ti.data_oriented
@@ -127,7 +127,7 @@ class Rays(Hits):
 
     def __init__(self, config: Config, lanes: int) -> None:
         super().__init__(config, lanes, outermost(config))
-        self.turn = int(45 // config.ray_spacing)
+        self.turn = config.rays_in_a_turn
         degrees = directions(config)
         east, south = np.cos(np.deg2rad(degrees)), -np.sin(np.deg2rad(degrees))
         east[degrees % 180 == 90] = PARALLEL

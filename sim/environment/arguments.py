@@ -1,7 +1,7 @@
 """An environment's arguments, read and checked: its houses, its backend and its configuration."""
 
 import pkgutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,16 +13,24 @@ from logic.spelling import unknown
 from sim.allowed import allow, class_names, imported, is_class_name
 from sim.backends.backend import METHODS, Backend
 from sim.config import PRESETS, Config
+from sim.drive import Drive
 from sim.environment.observed import require_observed
 from sim.environment.rotation import HouseRotation
+from sim.fields import made
 from sim.geometry import check_lengths
 from sim.tasks.tasks import PAPER, AnyTask, Targets, task
 from sim.tasks.terms import terms_of
+
+Preset = str | Config | dict[str, Any]
+"""A preset's name, a configuration, or a dictionary of the fields that differ from the preset ``default``."""
 
 Houses = str | Path | Sequence[House] | dict[str, Any] | HouseRotation
 
 BANK = Path(__file__).with_name("houses.jsonl.gz")
 """32 houses to begin with, by ``vitruvius generate --rooms 4 --count 32 --out`` this file."""
+
+CELL_HOUSES = "cell-houses"
+"""As many in cells of 0.3 m, by name, for the backend ``grid``: with ``--cell 0.3``."""
 
 PAPER_HOUSE = "paper-house"
 """The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
@@ -60,7 +68,7 @@ def read_arguments(
     houses: Houses,
     backend: str,
     targets: Targets,
-    preset: str | Config,
+    preset: Preset,
     max_episode_steps: int | None,
     render_mode: str | None,
     device: str,
@@ -85,6 +93,8 @@ def read_arguments(
     bank = house_list(houses)
     check_lengths(bank)
     config = make.fit(replace(config, drives=False, memory=terms_of(wanted).memory), bank)
+    if not config.drives and config.drive != Drive():
+        raise ValueError(f"preset has a drive, which backend {backend!r} does not use: take the backend free")
     require_observed(config, make)
     if config.drives and terms_of(wanted).asks_distance:
         raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")
@@ -92,8 +102,8 @@ def read_arguments(
 
 
 def house_list(houses: Houses) -> list[House]:
-    """The houses of a file, of a request for ``logic.generate``, or of a list, or the one that is named
-    ``PAPER_HOUSE``; of a rotation those of its first period. ``ValueError`` if none.
+    """The houses of a file, of a request for ``logic.generate``, or of a list, or those that are named
+    ``CELL_HOUSES`` or ``PAPER_HOUSE``; of a rotation those of its first period. ``ValueError`` if none.
     """
     if isinstance(houses, HouseRotation):
         houses = list(houses.period(0))
@@ -103,11 +113,13 @@ def house_list(houses: Houses) -> list[House]:
         houses = list(generate(**houses))
     elif str(houses) == PAPER_HOUSE:
         houses = load(PAPER / "house.json", whole_pixels=True)
+    elif str(houses) == CELL_HOUSES:
+        houses = load(BANK.with_name("cells.jsonl.gz"))
     elif isinstance(houses, str | Path):
         houses = load(houses)
     if not isinstance(houses, Iterable):
         raise ValueError(f"houses must be a path, a request or a list of House, not {type(houses).__name__}")
-    houses = list(houses)
+    houses = [House.from_dict(each) if isinstance(each, dict) else each for each in houses]
     if not houses:
         raise ValueError("no house to simulate: the bank is empty")
     for strange in (each for each in houses if not isinstance(each, House)):
@@ -139,9 +151,11 @@ def backend_class(name: str) -> type[Backend]:
     return make
 
 
-def configuration(preset: str | Config, max_episode_steps: int | None) -> Config:
-    """A preset, by name or itself, with another length of episodes if that is given."""
-    if not isinstance(preset, Config):
+def configuration(preset: Preset, max_episode_steps: int | None) -> Config:
+    """Return the configuration of a preset, with another length of episodes if that is given."""
+    if isinstance(preset, Mapping):
+        preset = made(Config, preset, "field of preset")
+    elif not isinstance(preset, Config):
         require("preset", preset, PRESETS)
         preset = PRESETS[preset]
     if max_episode_steps is not None:

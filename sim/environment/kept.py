@@ -14,7 +14,7 @@ from sim.world.world import GUIDE
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 
-KEPT = (*SPACES, "_np_random", "_np_random_seed", "spec")
+KEPT = (*SPACES, "_np_random", "_np_random_seed", "_spec")
 """What a pickled environment has beside its arguments and its state: spaces sample at random, too."""
 
 

@@ -14,14 +14,14 @@ from sim.drive import Drive
 
 def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]:
     """The spaces of one environment's observations and actions: of rays alone their ``Box``, else a ``Dict``
-    of the parts that ``Config.observe`` names, or where it is ``flat``, a ``Box`` (n,) of all.
+    of the parts that ``Config.observe`` names, in that order, or where it is ``flat``, a ``Box`` (n,) of all.
     """
     parts: dict[str, spaces.Space[Any]] = {name: _box(config, name) for name in config.observe}
     if config.flat:
         low, high = (np.concatenate([getattr(part, end).ravel() for part in parts.values()]) for end in ENDS)
         seen: spaces.Space[Any] = spaces.Box(low, high, low.shape, np.float32)
     else:
-        seen = parts[RAYS] if config.observe == (RAYS,) else spaces.Dict(parts)
+        seen = parts[RAYS] if config.observe == (RAYS,) else spaces.Dict(parts, sort_keys=False)
     return seen, _commands(config.drive) if config.drives else spaces.Discrete(ACTIONS)
 
 

@@ -19,6 +19,10 @@ FARTHEST_M = 1e6
 """Distance of a place from the origin: further away, float32 does not resolve centimetres."""
 
 
+TARGET_MARGIN_M = 100.0
+"""Distance of a given target from its house at most: outside the house, no body sees it."""
+
+
 @dataclass(frozen=True)
 class ResetOptions:
     """What a reset is asked for, by environment."""
@@ -80,6 +84,7 @@ def read_options(options: Mapping[str, Any], world: World, first: bool) -> Reset
         reals[:, :2], wholes[:, 1:] = world.place(wholes[:, 0], poses)
     if options.get("target") is not None:
         targets = _floats("target", options["target"], (count, 2))
+        _require_near(targets[mask], wholes[mask, 0], world)
         reals[:, 2:] = targets
     wholes[~mask, 0] = KEEP
     return ResetOptions(mask, wholes, reals)
@@ -114,6 +119,21 @@ def house_numbers(value: Any, world: World) -> np.ndarray:
     if given.min() < 0 or given.max() >= len(world.houses):
         raise ValueError(f"option house: the bank has houses 0 to {len(world.houses) - 1}")
     return given
+
+
+def _require_near(targets: np.ndarray, numbers: np.ndarray, world: World) -> None:
+    """Raise ``ValueError`` for a target (n, 2) that is far from its house, or where houses are sampled, from
+    any house of the bank.
+    """
+    bounds = np.array([shape.bounds for shape in world.bank.geometries])
+    low, high = bounds[:, None, :2] - TARGET_MARGIN_M, bounds[:, None, 2:] + TARGET_MARGIN_M
+    near = ((low <= targets) & (targets <= high)).all(axis=2)  # (H, n)
+    good = np.where(numbers == SAMPLE, near.all(axis=0), near[numbers, np.arange(len(targets))])
+    if not good.all():
+        (x, y), number = targets[~good][0].tolist(), numbers[~good][0]
+        house = int((~near[:, ~good][:, 0]).argmax()) if number == SAMPLE else number
+        where = f"more than {TARGET_MARGIN_M:g} m from house {house}"
+        raise ValueError(f"option target: ({x:.3f}, {y:.3f}) m is {where}")
 
 
 def _array(name: str, value: Any) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from sim.environment.observed import observed
 from sim.world.episodes import HOUSE
-from sim.world.kernels import BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
+from sim.world.kernels import BLOCKED, FINAL_BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
 from sim.world.world import World
 
 
@@ -45,8 +45,10 @@ class Outputs:
         return [part.reshape(self.world.num_envs, -1) for part in parts]
 
     def flags(self) -> np.ndarray:
-        """Which environments terminated, were truncated, were blocked (3, E) bool: a copy."""
-        return self.world.arrays["flags"].numpy().view(bool).reshape(3, self.world.num_envs)
+        """Return which environments terminated, were truncated and blocked (3, E) bool, a copy; in
+        ``SAME_STEP`` (4, E), with those that were blocked as their episodes ended.
+        """
+        return self.world.arrays["flags"].numpy().view(bool).reshape(-1, self.world.num_envs)
 
     def info(
         self, flags: np.ndarray | None = None, last: bool = False, stepped: bool = False
@@ -54,7 +56,8 @@ class Outputs:
         """The info of the environments: copies. ``last``, ``stepped``: see ``World.describe``."""
         pose, target, house = self.world.describe(last, stepped)
         flags = self.flags() if flags is None else flags
-        info = {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
+        blocked = flags[FINAL_BLOCKED if last else BLOCKED].copy()
+        info = {"pose": pose, "blocked": blocked, "house": house, "target": target}
         if self.world.config.geodesic:
             info["distance"] = self.world.arrays["last_distance" if last else "distance"].numpy()
         if self.world.config.memory:
@@ -62,31 +65,31 @@ class Outputs:
             info["memory"] = kept.reshape(-1, self.world.config.memory)
         return info
 
-    def finals(self, ended: np.ndarray, info: dict[str, np.ndarray]) -> dict[str, Any]:
+    def finals(self, ended: np.ndarray) -> dict[str, Any]:
         """What an info has more in ``SAME_STEP``, where episodes ended (E,) bool in this step: their last
-        observations and infos. ``blocked`` in the info becomes the new episodes'.
+        observations and infos.
         """
         if not ended.any():
             return {}
         observation = self.observation(final=True, chosen=ended)
         last = self.info(last=True)
         masks = {f"_{name}": ended.copy() for name in last}
-        info["blocked"][ended] = False
         final = {"final_obs": observation, "_final_obs": ended}
         return final | {"final_info": last | masks, "_final_info": ended.copy()}
 
     def tensors(self, device: str) -> tuple[Any, tuple[Any, ...]]:
         """The actions to be written, and what ``step_torch`` returns, in the world's own memory."""
         arrays, count = self.world.arrays, self.world.num_envs
-        flags = arrays["flags"].tensor(np.bool_, (3, count))
+        flags = arrays["flags"].tensor(np.bool_, (arrays["flags"].shape[0] // count, count))
         wholes = arrays["wholes"].tensor(np.int32, arrays["wholes"].shape)
-        info = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
+        info: dict[str, Any] = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
         if self.world.config.geodesic:
             info["distance"] = arrays["distance"].tensor(np.int32, (count,))
         if self.world.config.memory:
             info["memory"] = arrays["memory"].tensor(np.float32, (count, self.world.config.memory))
         if self.world.mode == SAME_STEP:
             info["final_obs"] = self._tensor("final", "final_extras")
+            info["final_info"] = {"blocked": flags[FINAL_BLOCKED]}
         observation = self._tensor("observation", "extras")
         reward, action = arrays["reward"].tensor(np.float32, (count,)), arrays["action"]
         outputs = observation, reward, flags[TERMINATED], flags[TRUNCATED], info

@@ -8,16 +8,16 @@ import numpy as np
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
 from logic.spelling import keywords
-from sim.config import Config
-from sim.environment.arguments import BANK, METADATA, Houses, read_arguments
+from sim.environment.arguments import BANK, METADATA, Houses, Preset, read_arguments
 from sim.environment.observed import only, single_spaces
 from sim.environment.options import for_one, read_seeds
+from sim.environment.specs import KeepsSpec
 from sim.environment.steps import orders
 from sim.environment.vector import HouseVectorEnv
 from sim.tasks.tasks import Targets
 
 
-class HouseEnv(gymnasium.Env):
+class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleVariableOverride]
     """One environment: ``HouseVectorEnv`` with ``num_envs=1``, and its arguments.
 
     Taichi starts at the first reset. So one may be made, for its spaces, in a process that is then forked, as
@@ -34,7 +34,7 @@ class HouseEnv(gymnasium.Env):
         *,
         backend: str = "continuous",
         targets: Targets = "main",
-        preset: str | Config = "default",
+        preset: Preset = "default",
         seed: int | None = None,
         max_episode_steps: int | None = None,
         device: str = "cpu",
@@ -63,7 +63,7 @@ class HouseEnv(gymnasium.Env):
             "device": device,
             "by_ray": by_ray,
         }
-        self.render_mode = render_mode
+        self.render_mode, self.episode_steps = render_mode, asked.config.steps
         self.observation_space, self.action_space = single_spaces(asked.config)
         self._over = self._closed = False
 
@@ -71,6 +71,10 @@ class HouseEnv(gymnasium.Env):
     def envs(self) -> HouseVectorEnv:
         """The vector environment of one, made when it is first asked for."""
         return HouseVectorEnv(num_envs=1, render_mode=self.render_mode, **self._arguments)
+
+    def lengthen(self, steps: int) -> None:
+        """See ``KeepsSpec``."""
+        self._arguments["max_episode_steps"] = self.episode_steps = steps
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

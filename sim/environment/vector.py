@@ -13,12 +13,12 @@ from logic import House
 from logic.spelling import keywords, unknown
 from sim.allowed import allow, class_names
 from sim.backends.backend import Backend
-from sim.config import Config
 from sim.environment.arguments import (
     BANK,
     METADATA_OF_MANY,
     MOST_ENVIRONMENTS,
     Houses,
+    Preset,
     house_list,
     read_arguments,
     whole,
@@ -30,6 +30,7 @@ from sim.environment.outputs import Outputs
 from sim.environment.passing import Passing
 from sim.environment.pictures import Pictures, scene_of
 from sim.environment.rotation import HouseRotation, require_next_step
+from sim.environment.specs import KeepsSpec
 from sim.environment.steps import orders, require_going_on
 from sim.environment.window import ScreenWindow
 from sim.geometry import Geometry
@@ -54,7 +55,7 @@ MOST_TARGETS = 1 << 16
 """Of an episode, that ``targets`` says at once."""
 
 
-class HouseVectorEnv(VectorEnv):
+class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
     """Bodies with 40 rays look for targets in furnished houses, all stepped by one kernel.
 
     ## Description
@@ -79,8 +80,8 @@ class HouseVectorEnv(VectorEnv):
     ``Config.kinds`` puts columns before the distance: whether the ray ends on a piece of each of these kinds.
     Ray i looks 58.5 - 3 i degrees counter-clockwise from the heading. The ``paper`` preset looks at 60 - 3 i
     and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
-    ``Config.observe`` names more that an agent may know, and then the space is a ``Dict`` of the parts; or
-    with ``Config.flat`` a ``Box`` (n,) of all their numbers:
+    ``Config.observe`` names more that an agent may know, and then the space is a ``Dict`` of the parts, in
+    that order; or with ``Config.flat`` a ``Box`` (n,) of all their numbers:
 
     | part | space | unit |
     |---|---|---|
@@ -128,9 +129,9 @@ class HouseVectorEnv(VectorEnv):
     "reach", "room": "hall"}``, ``visit``, ``battery``, or ``module:Class`` of your own: ``sim.tasks.tasks``.
     The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.
-    ``max_episode_steps``: in place of the preset's. ``gymnasium.make`` keeps it for a wrapper of its own,
-    which makes episodes shorter, never longer: for those take ``preset=replace(DEFAULT, steps=3000)``.
+    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``sim.Config``, or a dictionary of
+    its fields, ``{"rays": 20, "observe": ["rays", "goal"]}``.
+    ``max_episode_steps``: in place of the preset's; the spec has the number.
     ``seed``: of the first reset, if that is given none.
     ``render_mode``: ``rgb_array``, or ``human``, which shows each step in a window (pygame).
     """
@@ -143,7 +144,7 @@ class HouseVectorEnv(VectorEnv):
         *,
         backend: str = "continuous",
         targets: Targets = "main",
-        preset: str | Config = "default",
+        preset: Preset = "default",
         seed: int | None = None,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
@@ -176,7 +177,7 @@ class HouseVectorEnv(VectorEnv):
             mode=MODES[self.autoreset_mode],
             by_ray=self.device != "cpu" if by_ray is None else bool(by_ray),
         )
-        self.config = self.world.config
+        self.config, self.episode_steps = self.world.config, self.world.config.steps
 
         self.single_observation_space, self.single_action_space = single_spaces(self.config)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -253,9 +254,9 @@ class HouseVectorEnv(VectorEnv):
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
-        ``target`` (E, 2) in metres and radians, in place of those sampled; ``reset_mask`` (E,)
-        bool, those environments that begin a new episode, all but the first time. ``ValueError`` for wrong
-        ones, before anything is changed.
+        ``target`` (E, 2) in metres and radians, in place of those sampled, a target at most 100 m from its
+        house; ``reset_mask`` (E,) bool, those environments that begin a new episode, all but the first time.
+        ``ValueError`` for wrong ones, before anything is changed.
         """
         self._require_open()
         given = require_mapping(options)
@@ -322,7 +323,7 @@ class HouseVectorEnv(VectorEnv):
         info = self._outputs.info(flags, stepped=not self._passing)
         reward = self.world.arrays["reward"].numpy()
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
-            info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED], info)
+            info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED])
         self._pictures.show()
         return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
 
@@ -332,8 +333,9 @@ class HouseVectorEnv(VectorEnv):
         """``step`` with tensors and without copies: the batched path.
 
         ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,
-        terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and ``final_obs`` where the
-        mode is ``SAME_STEP``) is the same memory at each call: clone what must outlive the next one.
+        terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and where the mode is
+        ``SAME_STEP`` ``final_obs``, and ``final_info`` with ``blocked``, valid where an episode ended) is the
+        same memory at each call: clone what must outlive the next one.
         """
         given = self._orders.read_tensor(actions, self.device)
         self._check(given)

@@ -13,7 +13,7 @@ A new task is a class of a few lines, given to an environment as ``targets=``:
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -21,8 +21,9 @@ import numpy as np
 
 from logic import House
 from logic.spelling import unknown
-from sim.allowed import imported, is_class_name
+from sim.allowed import class_name, imported, is_class_name
 from sim.config import PIXEL
+from sim.fields import stated
 from sim.geometry import Box
 from sim.tasks.asked import Asked
 from sim.tasks.furniture import Habit, Object, WeightedTask
@@ -205,6 +206,9 @@ TASKS = {
 }  # fmt: skip
 """Tasks that take arguments."""
 
+SHORT = "rooms", "points"
+"""Tasks that a dictionary may state by their first argument alone."""
+
 AnyTask = Task | FixedTask | WeightedTask
 Targets = str | dict[str, Any] | AnyTask
 
@@ -229,7 +233,9 @@ def task(targets: Targets) -> AnyTask:
             raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
         return given
     arguments = dict(given)
-    name = arguments.pop("task", next((short for short in ("rooms", "points") if short in arguments), None))
+    name = arguments.pop("task", next((short for short in SHORT if short in arguments), None))
+    if name is None:
+        raise ValueError(f"targets: {unknown('argument', next(iter(arguments), '{}'), ('task', *SHORT))}")
     if name not in [*TASKS, *TARGETS] and not is_class_name(name):
         names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(
@@ -273,6 +279,34 @@ def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
 def has_targets(task: AnyTask) -> bool:
     """Whether there is anything to pick up in a task."""
     return getattr(task, "has_targets", True)
+
+
+def stated_task(targets: Targets) -> Any:
+    """Return a task as JSON keeps it, from which ``task`` makes it again: a name, a text or a dictionary.
+
+    A task is returned as it is if no ``module:Class`` names its class, or if it has attributes and is no
+    dataclass.
+    """
+    if isinstance(targets, str):
+        return targets
+    if isinstance(targets, dict):
+        return {key: _stated_terms(value) for key, value in targets.items()}
+    name = next((name for name, kind in TASKS.items() if type(targets) is kind), class_name(type(targets)))
+    if "<locals>" in name or not (is_dataclass(targets) or not vars(targets)):
+        return targets
+    record = {"task": name}
+    for each in fields(targets) if is_dataclass(targets) else ():
+        value = getattr(targets, each.name)
+        if each.name != "terms" or value != PLAIN:
+            record[each.name] = _stated_terms(value)
+    return record
+
+
+def _stated_terms(value: Any) -> Any:
+    """Return an argument of a task as JSON keeps it; ``read_terms`` reads terms."""
+    if isinstance(value, Terms) and type(value) is not Terms:
+        return {"class": class_name(type(value))} | stated(value)
+    return stated(value)
 
 
 def suited(targets: Targets, houses: Sequence[House]) -> list[House]:

@@ -46,9 +46,8 @@ from functools import cache
 from math import isfinite
 from typing import Any, ClassVar, TypeVar
 
-import numpy as np
-
 from logic import House
+from sim.fields import settle
 from sim.runtime import ti
 
 MAX_MEMORY = 64
@@ -137,15 +136,14 @@ class Terms:
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for what are no finite numbers, and for counts that are none."""
+        settle(self, "terms: ")
         for name in self.finite:
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+            if not isfinite(value := getattr(self, name)):
                 raise ValueError(f"terms: {name} must be a finite number, not {value!r}")
         if not 0 <= self.discount <= 1:
             raise ValueError(f"terms: discount is {self.discount}: from 0 to 1")
         for name in ("targets", "steps"):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**31:
+            if not 0 <= (value := getattr(self, name)) < 2**31:
                 raise ValueError(f"terms: {name} must be a whole number from 0, not {value!r}")
         if not isinstance(self.memory, int) or not 0 <= self.memory <= MAX_MEMORY:
             raise ValueError(f"terms: memory is {self.memory!r}: from 0 to {MAX_MEMORY} numbers")

@@ -24,8 +24,8 @@ from sim.world.episodes import (
     store,
 )
 
-TERMINATED, TRUNCATED, BLOCKED = range(3)
-"""Rows of ``step``'s flags."""
+TERMINATED, TRUNCATED, BLOCKED, FINAL_BLOCKED = range(4)
+"""Rows of ``step``'s flags; ``SAME_STEP`` alone has the last one, the move that ended an episode."""
 
 NEXT_STEP, SAME_STEP, DISABLED = range(3)
 """What follows an episode's end: the next step begins another episode, or the same one does, or none."""
@@ -160,8 +160,8 @@ def kernels(
         """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
 
         Fills ``observation``, ``extras``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated,
-        blocked; in ``SAME_STEP`` also ``final``, ``final_extras`` and the ``last`` state; where few are
-        stepped also what ``describe`` does, as a launch of its own takes as long as the step.
+        blocked; in ``SAME_STEP`` also a fourth row, ``final``, ``final_extras`` and the ``last`` state; where
+        few are stepped also what ``describe`` does, as a launch of its own takes as long as the step.
         """
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
@@ -187,6 +187,10 @@ def kernels(
                 told = 0 if ti.static(config.drives) else ti.cast(action[e], ti.i32)
                 episodes.notice(world, e, state, told, blocked)
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
+                if ti.static(mode == SAME_STEP):
+                    flags[ti.static(FINAL_BLOCKED) * world.reals.shape[0] + e] = ti.cast(blocked, ti.u8)
+                    if state.over:  # what is not final is the next episode's
+                        flags[ti.static(BLOCKED) * world.reals.shape[0] + e] = ti.u8(0)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)
                 if ti.static(episodes.knows_distance):

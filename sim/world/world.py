@@ -103,7 +103,7 @@ class World:
             "past_reals": Array(ti.f32, count * (config.latency + 1) if config.latency else 1, 4),
             "past_cells": Array(ti.i32, count * (config.latency + 1) if config.latency else 1, 4),
             "reward": Array(ti.f32, count),
-            "flags": Array(ti.u8, 3 * count),
+            "flags": Array(ti.u8, (4 if mode == SAME_STEP else 3) * count),
             "prefetched": Array(ti.i32, count),
             "option_wholes": Array(ti.i32, count, 4),
             "option_reals": Array(ti.f32, count, 4),

@@ -7,7 +7,7 @@ from logic.house.house import House
 from logic.house.parts import Door, Piece, Room
 from sim.config import DEFAULT
 
-ROBOT = replace(DEFAULT, range=RANGE, body=(2 * RADIUS, 2 * RADIUS), eye=(RADIUS, RADIUS))
+ROBOT = replace(DEFAULT, range=RANGE, body=(2 * RADIUS, 2 * RADIUS))
 """Its 40 rays lie 3 degrees apart."""
 
 NAMES = {sign: f"R{number}" for number, sign in enumerate(SIGNS)}

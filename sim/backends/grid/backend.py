@@ -43,7 +43,7 @@ class Grid(Motion, Sight):
                     f"house {index} of {len(houses)}: the edge at {stray:.3f} m is off the grid of "
                     f"{cell:g} m; the grid backend takes houses that were generated with one --cell"
                 )
-        body = {"body": (cell, cell), "eye": (cell / 2, cell / 2), "step": cell, "in_cells": True}
+        body = {"body": (cell, cell), "eye": None, "step": cell, "in_cells": True}
         return replace(config, collision="swept", **body)
 
     def pack(self, houses: Sequence[House]) -> Bank:

@@ -159,7 +159,7 @@ def compare(
             found = np.vstack([found, some[shape.holds(some) & (far > radius + 1e-4) & (far < limit)]])
         pose[house == k, :2] = found[rng.permutation(len(found))[:each]]
     pose[:, 2] = rng.uniform(0, 2 * np.pi, count)
-    corner = np.tile([[1e3, 1e3]], (count, 1))  # a target that nobody sees
+    corner = np.tile([[90.0, 90.0]], (count, 1))  # a target that nobody sees
     seen, info = envs.reset(seed=seed, options={"house": house, "pose": pose, "target": corner})
     pose = info["pose"].astype(float)
     v, w = rng.uniform(-drive.reverse, drive.speed, count), rng.uniform(-8, 8, count)

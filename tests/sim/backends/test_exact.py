@@ -131,9 +131,7 @@ def test_rays_and_moves_mirror_and_turn_with_the_house(envs, walked, name):
 @pytest.fixture(scope="module")
 def fast():
     """Bodies with steps of a metre and more."""
-    return HouseVectorEnv(
-        HOUSES, num_envs=EACH, preset=replace(DEFAULT, body=(0.1, 0.1), eye=(0.05, 0.05), step=1.1)
-    )
+    return HouseVectorEnv(HOUSES, num_envs=EACH, preset=replace(DEFAULT, body=(0.1, 0.1), step=1.1))
 
 
 def crossed(boxes: Boxes, old: np.ndarray, new: np.ndarray) -> np.ndarray:

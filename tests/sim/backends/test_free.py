@@ -278,8 +278,8 @@ def test_commands_are_a_discrete_choice_of_the_same_motions():
             "of backend Continuous there",
         ),
         (
-            {"backend": "continuous", "preset": replace(DEFAULT, ray_spacing=2.5)},
-            "ray_spacing is 2.5 degrees",
+            {"backend": "continuous", "preset": replace(DEFAULT, ray_spacing=2.0)},
+            "ray_spacing is 2 degrees",
         ),
         (
             {"backend": "grid", "preset": replace(DEFAULT, angle_noise=1.0)},

@@ -21,7 +21,7 @@ HOUSES = [
 EACH = 100
 """Poses in each house."""
 
-SMALL = Config(body=(0.02, 0.02), eye=(0.01, 0.01))
+SMALL = Config(body=(0.02, 0.02))
 CONFIGS = {
     "default": DEFAULT,
     "all round": replace(SMALL, rays=120, step=2.5),

@@ -7,6 +7,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+import torch
+from gymnasium.wrappers.vector import FlattenObservation
 
 from sim import DEFAULT, Config, HouseEnv, HouseVectorEnv, check_vector_env
 from sim.actions import ACTIONS, FORWARD, LEFT
@@ -205,3 +207,39 @@ def test_actions_that_are_no_numbers_are_refused():
     with pytest.raises(ValueError, match="actions must be integers 0, 1 or 2, not float64"):
         envs.step(np.full(COUNT, np.nan))
     assert FORWARD > LEFT
+
+
+def test_parts_are_in_the_order_of_observe_everywhere():
+    """In spaces, in observations of many, of one and of Gymnasium's vector environments, and in flat rows."""
+    config = replace(DEFAULT, observe=("rays", "goal", "bump"))
+    name, arguments = "sim:Vitruvius/House-v0", {"houses": HOUSES, "preset": config}
+    many = gymnasium.make_vec(name, 2, **arguments)
+    sync = gymnasium.make_vec(name, 2, vectorization_mode="sync", **arguments)
+    observations = [envs.reset(seed=1)[0] for envs in (many, sync, gymnasium.make(name, **arguments))]
+    for parts in (many.single_observation_space.spaces, many.observation_space.spaces, *observations):
+        assert tuple(parts) == config.observe
+    rows = HouseVectorEnv(HOUSES, 2, preset=replace(config, flat=True)).reset(seed=1)[0]
+    np.testing.assert_array_equal(FlattenObservation(many).reset(seed=1)[0], rows)
+
+
+@pytest.mark.parametrize("by_ray", [False, True])
+def test_step_torch_says_what_step_says_where_episodes_end_and_begin_in_one_step(by_ray):
+    """Bodies walk until they bump, so that many are blocked as their episodes end."""
+    arguments = {"autoreset_mode": "SameStep", "max_episode_steps": 7, "by_ray": by_ray}
+    one, other = (made(DEFAULT, **arguments) for _ in range(2))
+    one.reset(seed=3)
+    other.reset(seed=3)
+    last = 0
+    for _ in range(30):
+        ahead = np.full(COUNT, FORWARD)
+        seen, _, terminated, truncated, info = one.step(ahead)
+        tensors, _, _, _, told = other.step_torch(torch.from_numpy(ahead))
+        np.testing.assert_array_equal(tensors, seen)
+        np.testing.assert_array_equal(told["blocked"], info["blocked"])
+        np.testing.assert_array_equal(other.info()["blocked"], info["blocked"])
+        if (ended := terminated | truncated).any():
+            final = info["final_info"]["blocked"]
+            np.testing.assert_array_equal(told["final_info"]["blocked"][ended], final[ended])
+            assert not info["blocked"][ended].any()
+            last += final[ended].sum()
+    assert last > 0

@@ -106,7 +106,7 @@ ARGUMENTS = {
     "num_envs is 1000000000000: from 1 to 16,777,216": {"num_envs": 10**12},
     "backend must be a name, one of continuous, free, grid or module:Class, not None": {"backend": None},
     "there is no autoreset_mode same: did you mean SameStep": {"autoreset_mode": "same"},
-    "there is no preset {'steps': 3}": {"preset": {"steps": 3}},
+    "there is no preset ['steps']": {"preset": ["steps"]},
     "there is no device cuda:1": {"device": torch.device("cuda:1")},
 }
 

@@ -156,7 +156,7 @@ def test_counted_a_task_rewards_pick_ups_and_ends_as_before():
 WRONG = {
     "terms: there is no term stepp: did you mean step?": {"stepp": 1},
     "terms: step must be a finite number, not nan": {"step": float("nan")},
-    "terms: step must be a finite number, not '1'": {"step": "1"},
+    "terms: step must be a number, not '1'": {"step": "1"},
     "terms: targets must be a whole number from 0, not -1": {"targets": -1},
     "terms: discount is 2: from 0 to 1": {"discount": 2},
     "terms: sim.tasks.tasks:Reach is no class of sim.tasks.terms.Terms": "sim.tasks.tasks:Reach",
