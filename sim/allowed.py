@@ -1,4 +1,4 @@
-"""User-defined classes that text may name as ``module:Class``: tasks, terms and backends.
+"""User-defined classes that text may name as ``module:Class``: tasks, terms, backends and networks.
 
 Importing a class runs its module. The text of a file (a checkpoint, settings, scores, a trace) may therefore
 name a class only if the user of this process has named it, in Python or on the command line.

@@ -55,6 +55,10 @@ def learning_curve(history: Sequence[Progress], result: Result | None = None) ->
     millions = [progress.steps / 1e6 for progress in history]
     targets = [progress.targets for progress in history]
     axes.plot(millions, targets, color=COLOURS["agent"], linewidth=2)
+    held_out = [(now.steps / 1e6, now.held_out) for now in history if now.held_out is not None]
+    if held_out:
+        axes.plot(*zip(*held_out, strict=True), "o-", color=OTHER, markersize=4, label="in held-out houses")
+        axes.legend(loc="lower right", frameon=False)
     place = len(history) * 3 // 5
     axes.annotate(
         "while learning",

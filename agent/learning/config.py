@@ -151,6 +151,10 @@ class QLearningConfig(TrainConfig):
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""
 
+    module: str = ""
+    """A torch.nn.Module of your own, module:Class, in place of the network: it takes the numbers of rays,
+    channels, remembered signals and actions, and is called with observations and memories."""
+
     gamma: float = 0.99
     """Discount per step."""
 
@@ -184,6 +188,8 @@ class QLearningConfig(TrainConfig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.module and ":" not in self.module:
+            raise RequestError(f"module: give module:Class, not {self.module!r}")
         if len(self.half_lives) > MOST_HALF_LIVES:
             raise RequestError(f"half_lives are at most {MOST_HALF_LIVES}, not {len(self.half_lives)}")
         if not all(0 < half_life < inf for half_life in self.half_lives):

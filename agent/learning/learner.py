@@ -66,6 +66,9 @@ class Progress:
     map: float | None = None
     """Steps a second of the maps alone, over the whole run."""
 
+    held_out: float | None = None
+    """Targets in an episode in houses that it does not learn in, where it was evaluated just now."""
+
 
 @dataclass
 class Clock:

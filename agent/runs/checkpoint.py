@@ -14,6 +14,7 @@ from agent.algorithms.build import network_of
 from agent.algorithms.table import ALGORITHMS
 from agent.learning.config import TrainConfig
 from agent.runs.released import FORMAT, LEARNT_IN, CheckpointError, located, require_sizes
+from logic.errors import RequestError
 from logic.house.files import write_whole
 from logic.spelling import printable
 
@@ -79,7 +80,10 @@ def load(path: str | Path) -> Checkpoint:
         )
     try:
         config = config_of(record["algorithm"], json.loads(record["config"]))
-        network = network_of(config)
+        try:
+            network = network_of(config)
+        except RequestError as error:  # a module of a user's own, which no file may name
+            raise CheckpointError(f"{path}: {error}") from None
         learnt_in = _keys(tensors.pop(LEARNT_IN, None))
         network.load_state_dict(tensors)
         if not all(value.isfinite().all() for value in network.state_dict().values()):

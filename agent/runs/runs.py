@@ -6,6 +6,8 @@
 | ``config.json`` | what was asked for, in which houses, by which command, with which versions |
 | ``metrics.jsonl`` | a line for each report: ``agent.learning.learner.Progress`` |
 | ``tensorboard/`` | the same for TensorBoard |
+| ``best.safetensors`` | the network that was best in held-out houses, if it is evaluated in any |
+| ``checkpoints/`` | networks that are kept on the way, by their steps, if that is asked for |
 | ``state.pt.gz`` | all that the next step depends on: for ``--resume`` |
 """
 
@@ -38,6 +40,7 @@ from agent.progress import progress
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
+from agent.runs.watching import Watcher, Watching
 from logic import House, HouseSet, HouseStream
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
@@ -45,6 +48,9 @@ from logic.opener import archive_of, content_of, opened, reason
 from logic.spelling import keywords
 from logic.stopping import Terminated, at_signals
 from sim import HouseRotation
+
+NOTHING = Watching()
+"""Beside learning."""
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
@@ -131,13 +137,14 @@ def run(
     command: str = "",
     resume: bool = False,
     every: float | None = None,
+    watching: Watching = NOTHING,
 ) -> tuple[Checkpoint, list[Progress]]:
     """Train an agent in the houses, to the end of its run; its files lie in the folder ``path``. Those of a
     ``HouseSet`` or a ``HouseStream``, of any number, rotate: see ``sim.HouseRotation``.
 
     With ``resume`` a run that lies there goes on where it was last kept, bit for bit on the CPU; where there
     is none, one begins. ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no
-    lines.
+    lines. ``watching`` says what is done beside learning.
 
     Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
     number any more; the last good checkpoint is kept then. Raises what a signal is to raise
@@ -147,9 +154,9 @@ def run(
         folder = Folder(Path(path))
         if ranks.rank():  # the first rank alone writes
             learner = _learner(houses, config)
-            return _learn(learner, folder, name, command, resume, every)
+            return _learn(learner, folder, name, command, resume, every, watching)
         with folder.alone(resume):
-            return _learn(_learner(houses, config), folder, name, command, resume, every)
+            return _learn(_learner(houses, config), folder, name, command, resume, every, watching)
 
 
 def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Learner:
@@ -177,7 +184,13 @@ def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Le
 
 
 def _learn(
-    learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
+    learner: Learner,
+    folder: Folder,
+    name: str,
+    command: str,
+    resume: bool,
+    every: float | None,
+    watching: Watching,
 ) -> tuple[Checkpoint, list[Progress]]:
     """Learn to the end, or to the report after a signal; save the run then and every half a minute."""
     config, houses = learner.config, learner.houses
@@ -186,13 +199,16 @@ def _learn(
     unnamed = isinstance(houses, HouseSet | HouseStream)
     learnt_in = frozenset[int]() if unnamed else frozenset(map(house_key, houses))
     made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)
+    watching.require(config, learnt_in)
+    watcher = Watcher(watching, made, folder.path, history) if not ranks.rank() else None
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
         write_whole(folder.config, _described(made, learner).encode())
     saved, ends = perf_counter(), list[KeyboardInterrupt]()
     with progress("training", every if not ranks.rank() else None) as tell, at_signals(ends.append):
         try:
-            for now in learner.train():
+            for report in learner.train():
+                now = watcher.look(report) if watcher else report
                 history.append(now)
                 rate = now.steps / max(now.seconds, 1e-9)
                 words = f"{now.steps / 1e6:.2f} M steps, {rate:,.0f}/s, {now.targets:.1f} targets"
@@ -210,8 +226,9 @@ def _learn(
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
         finally:
             learner.envs.close()  # else the process waits for the houses that are being made
-            if writer:
+            if writer and watcher:
                 writer.close()
+                watcher.close()
     result = replace(made, network=learner.network.eval(), steps=learner.steps)
     _keep(learner, result, folder)
     return result, history

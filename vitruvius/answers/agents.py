@@ -37,6 +37,8 @@ class Trained(msgspec.Struct, frozen=True):
     simulator: float
     """Steps a second of the simulator alone; ``learner`` of all else."""
     learner: float
+    held_out: float | None = None
+    """Targets in an episode in held-out houses, of the best evaluation, if there was one."""
 
 
 def schema() -> dict[str, Any]:

@@ -8,7 +8,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
@@ -18,6 +18,7 @@ from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.table import PRESETS
 from agent.learning.config import TrainConfig
 from logic.errors import RequestError
+from logic.request.request import whole
 from logic.spelling import quoted, unknown
 from vitruvius.commands.common import print_answer
 from vitruvius.options import Streamed, options_of
@@ -29,6 +30,12 @@ else:
     Preset = Literal[tuple(PRESETS)]
 Kind = TypeVar("Kind", bound=TrainConfig)
 
+MOST_RUNS = 1000
+"""Of a command, one after the other."""
+
+HELD_OUT = 64
+"""Houses of a set's split validation that an agent is evaluated in while it learns."""
+
 
 @dataclass(frozen=True)
 class Train(Generic[Kind]):
@@ -38,7 +45,7 @@ class Train(Generic[Kind]):
     python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
     """
 
-    groups: ClassVar = {"out": "The run", "preset": "Settings"}
+    groups: ClassVar = {"out": "The run", "evaluate_every": "Beside learning", "preset": "Settings"}
 
     houses: tyro.conf.Positional[Streamed | None] = None
     """House file to learn in: vitruvius generate makes one. Or the folder of a set, of whose split train 128
@@ -48,13 +55,31 @@ class Train(Generic[Kind]):
 
     out: Path = Path("runs/train")
     """Folder for agent.safetensors, config.json, metrics.jsonl, report.html, learning-curve.png and
-    tensorboard/."""
+    tensorboard/, best.safetensors and checkpoints/."""
 
     resume: bool = False
     """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): the last report of the run."""
+
+    evaluate_every: int = 0
+    """Environment steps between two evaluations in --held-out houses, an episode in each; the best agent is
+    kept as best.safetensors. 0: none."""
+
+    held_out: Streamed | None = None
+    """House file of houses that the agent does not learn in, for --evaluate-every. Of a set by default the
+    first 64 houses of its split validation."""
+
+    keep_every: int = 0
+    """Environment steps between two checkpoints that are kept in checkpoints/. 0: none."""
+
+    seeds: int = 1
+    """Runs, one after the other: with --seed and the seeds after it, each in a folder seed-N of --out."""
+
+    hook: str | None = None
+    """Function of your own, module:function, that is called with each report of the run
+    (agent.learning.learner.Progress), as for a tracker of experiments."""
 
     preset: Preset = "pqn"
     """Where all settings that are not given come from: train --preset NAME --help shows its values."""
@@ -79,7 +104,8 @@ class Train(Generic[Kind]):
     def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
         """The command with the defaults of the preset and of the file of settings that the arguments name."""
         # Classes on the command line are allowed; classes in a file of settings are not.
-        if stated := [text for text in _given(arguments, "--targets") if ":" in text]:
+        flags = "--targets", "--module", "--hook"
+        if stated := [text for flag in flags for text in _given(arguments, flag) if ":" in text]:
             from sim.allowed import allow, class_names
 
             allow(*(name for text in stated for name in class_names(text)))
@@ -111,55 +137,93 @@ class Train(Generic[Kind]):
         allow_named(self.allow)
         simulator(self.learning)
         require_task(self.learning.targets)
-        from agent.banks import require_training
-        from agent.evaluation.plots import learning_curve
-        from agent.report.folder import require_report, write_report
-        from agent.runs.runs import run
-        from logic import HouseSet, HouseStream
-        from logic.dataset.sets import SET
-        from logic.house.files import require_folder, write_whole
-        from sim.environment.arguments import BANK, house_list
-        from vitruvius.answers.agents import Trained
+        from agent.algorithms.build import network_of
+        from agent.report.folder import require_report
+        from logic.house.files import require_folder
 
+        network_of(self.learning)  # a module of a user's own that cannot be had is told at once
         require_folder(self.out)
         require_report(self.out, None)
-        curve = self.out / "learning-curve.png"
-        if curve.exists() and not self.resume:
-            raise RequestError(f"{curve}: is there already, of another run: give another folder")
+        houses, watching = self._houses(), self._watching()
+        first, several = self.learning.seed, whole("--seeds", self.seeds, 1, MOST_RUNS) > 1
+        if several and self.json:
+            raise RequestError("--json prints one answer: leave it out, or --seeds")
+        for seed in range(first, first + self.seeds):
+            out = self.out / f"seed-{seed}" if several else self.out
+            self._train(houses, replace(self.learning, seed=seed), out, watching)
+        return 0
+
+    def _houses(self) -> Any:
+        """What the agent learns in: houses, a set's or a stream's."""
+        from agent.banks import require_training
+        from logic import HouseSet, HouseStream
+        from logic.dataset.sets import SET
+        from sim.environment.arguments import BANK, house_list
+
         file = self.houses or self.learning.learnt_in or BANK
         # Seeds of sets and streams are none of those that are kept for measuring.
         if (Path(file) / SET).is_file():
-            houses = HouseSet(file, "train")
-        elif stream := HouseStream.read(str(file)):
-            houses = stream
-        else:
-            houses = house_list(file)
-            require_training(houses, file)
-        command = shlex.join(["vitruvius", *sys.argv[1:]])
+            return HouseSet(file, "train")
+        if stream := HouseStream.read(str(file)):
+            return stream
+        houses = house_list(file)
+        require_training(houses, file)
+        return houses
+
+    def _watching(self) -> Any:
+        """What is done beside learning. Raises ``RequestError`` for a hook that cannot be had."""
+        from agent.runs.watching import Watching
+        from logic import HouseSet, load
+        from logic.dataset.sets import SET
+        from sim.allowed import imported
+
+        held_out, hook = list[Any](), None
+        if self.held_out:
+            held_out = list(load(self.held_out))
+        elif self.evaluate_every and self.houses and (self.houses / SET).is_file():
+            held_out = list(islice(HouseSet(self.houses, "validation"), HELD_OUT))
+        if self.hook:
+            try:
+                hook = imported(self.hook)
+            except (ImportError, AttributeError, ValueError) as error:
+                raise RequestError(f"--hook {self.hook}: cannot be had: {error}") from None
+            if not callable(hook):
+                raise RequestError(f"--hook {self.hook}: is no function")
+        return Watching(held_out, self.evaluate_every, self.keep_every, hook)
+
+    def _train(self, houses: Any, learning: TrainConfig, out: Path, watching: Any) -> None:
+        """Train with one seed, and tell how it went."""
+        from agent.evaluation.plots import learning_curve
+        from agent.report.folder import write_report
+        from agent.runs.runs import run
+        from logic.house.files import write_whole
+        from vitruvius.answers.agents import Trained
+
+        curve = out / "learning-curve.png"
+        if curve.exists() and not self.resume:
+            raise RequestError(f"{curve}: is there already, of another run: give another folder")
+        command, name = shlex.join(["vitruvius", *sys.argv[1:]]), self.name or self.preset
         made, history = run(
-            houses,
-            self.learning,
-            self.out,
-            name=self.name or self.preset,
-            command=command,
-            resume=self.resume,
+            houses, learning, out, name=name, command=command, resume=self.resume, watching=watching
         )
         if int(os.environ.get("RANK", "0")):  # the first rank alone reports
-            return 0
-        agent, last = self.out / "agent.safetensors", history[-1]
+            return
+        agent, last = out / "agent.safetensors", history[-1]
         write_whole(curve, learning_curve(history))
-        write_report(self.out)
+        write_report(out)
+        best = max((now.held_out for now in history if now.held_out is not None), default=None)
         if self.json:
             speeds = last.simulator, last.learner
-            print_answer("train", Trained(str(agent), made.steps, last.seconds, last.targets, *speeds))
-        drives = " --backend free" if self.learning.backend == "free" else ""
+            answer = Trained(str(agent), made.steps, last.seconds, last.targets, *speeds, held_out=best)
+            print_answer("train", answer)
+        drives = " --backend free" if learning.backend == "free" else ""
+        known = f"{best:.1f} in an episode in held-out houses, at best (best.safetensors). " if best else ""
         _say(
             f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
-            f"{last.targets:.1f} targets per 1500 steps while learning. "
+            f"{last.targets:.1f} targets per 1500 steps while learning. {known}"
             f"Next: vitruvius evaluate {quoted(agent)}{drives}"
         )
-        return 0
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,10 @@ from torch import Tensor, nn
 
 from agent.algorithms.dqn.config import DQNConfig
 from agent.avoidance import subsume
+from agent.learning.networks import OwnNetwork, q_network
 from agent.learning.replay import ReplayBuffer
 from agent.learning.replay_learner import ReplayLearner
-from agent.learning.simulator import actions, simulator
-from agent.policies.network import QNetwork, seeded
+from agent.policies.network import QNetwork
 from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
 
@@ -110,11 +110,9 @@ class DQN(ReplayLearner):
     last = ("s", "m", "blocked", "ended", "updates")
 
     @staticmethod
-    def network_of(config: DQNConfig) -> QNetwork:
+    def network_of(config: DQNConfig) -> QNetwork | OwnNetwork:
         """See ``Learner``."""
-        world = simulator(config)
-        with seeded(config.seed):
-            return QNetwork(world.rays, world.channels, config.half_lives, actions=actions(config))
+        return q_network(config)
 
     def __init__(self, config: DQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""

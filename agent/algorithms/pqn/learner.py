@@ -20,6 +20,7 @@ from agent.algorithms.pqn.recurrent import RecurrentQNetwork
 from agent.algorithms.pqn.rollout import Rollout
 from agent.learning import ranks
 from agent.learning.learner import Learner, Progress, Tally
+from agent.learning.networks import OwnNetwork, q_network
 from agent.learning.simulator import actions, simulator
 from agent.policies.network import QNetwork, seeded
 from sim import HouseVectorEnv
@@ -73,13 +74,13 @@ class PQN(Learner):
     config: PQNConfig
 
     @staticmethod
-    def network_of(config: PQNConfig) -> QNetwork | RecurrentQNetwork:
+    def network_of(config: PQNConfig) -> QNetwork | OwnNetwork | RecurrentQNetwork:
         """See ``Learner``."""
+        if config.network == "feedforward":
+            return q_network(config)
         world = simulator(config)
         with seeded(config.seed):
-            if config.network == "recurrent":
-                return RecurrentQNetwork(world.rays, world.channels, actions=actions(config))
-            return QNetwork(world.rays, world.channels, config.half_lives, actions=actions(config))
+            return RecurrentQNetwork(world.rays, world.channels, actions=actions(config))
 
     def __init__(self, config: PQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""

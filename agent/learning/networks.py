@@ -1,0 +1,59 @@
+"""The Q-network of a config: ours, or a module of a user's own in its place."""
+
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from agent.learning.config import QLearningConfig
+from agent.learning.simulator import actions, simulator
+from agent.policies.memory import Memory
+from agent.policies.network import QNetwork, seeded
+from logic.errors import RequestError
+from sim.allowed import imported
+
+
+def q_network(config: QLearningConfig) -> "QNetwork | OwnNetwork":
+    """Return a new network; its weights are a function of the seed.
+
+    Raises ``RequestError`` for a ``module`` that is not allowed, or is none.
+    """
+    world = simulator(config)
+    shape = world.rays, world.channels, config.half_lives
+    with seeded(config.seed):
+        if not config.module:
+            return QNetwork(*shape, actions=actions(config))
+        return OwnNetwork(config.module, *shape, actions=actions(config))
+
+
+class OwnNetwork(nn.Module):
+    """A module of a user's own, beside the memory of what the agent did.
+
+    It is made by ``Class(rays, channels, remembered, actions)``, whole numbers, and called with observations
+    (B, R, C) and memories (B, M) float32; it returns Q-values (B, A).
+    """
+
+    def __init__(
+        self, name: str, rays: int, channels: int, half_lives: tuple[float, ...], actions: int
+    ) -> None:
+        """Import and make the module. Raises ``RequestError`` where that fails."""
+        super().__init__()
+        self.shape, self.actions = (rays, channels, half_lives), actions
+        self.memory = Memory(half_lives, actions)
+        remembered = self.memory.signals * len(half_lives)
+        try:
+            make: Any = imported(name)
+            self.judge = make(rays, channels, remembered, actions)
+            if not isinstance(self.judge, nn.Module):
+                raise TypeError("it is no torch.nn.Module")
+            with torch.no_grad():
+                q = self.judge(torch.zeros(2, rays, channels), torch.zeros(2, remembered))
+            if q.shape != (2, actions):
+                raise ValueError(f"it gives {tuple(q.shape)} for two observations, not (2, {actions})")
+        except (ImportError, AttributeError, TypeError, ValueError, RuntimeError) as error:
+            reason = str(error).partition("\n")[0]
+            raise RequestError(f"module {name} cannot be had: {reason}") from None
+
+    def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
+        """Q-values (B, A) of observations (B, R, C) and memories (B, M, S)."""
+        return self.judge(observation, memory.flatten(1))

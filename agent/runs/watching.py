@@ -1,0 +1,124 @@
+"""What is done beside learning, between two reports: evaluate, keep checkpoints, tell others. It changes
+nothing that is learnt.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from agent.algorithms.build import policy_of
+from agent.banks import house_key, require_training
+from agent.learning.config import TrainConfig
+from agent.learning.environments import make_envs
+from agent.learning.learner import Progress
+from agent.learning.simulator import simulator
+from agent.policies.episodes import moments
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
+from logic import House
+from logic.dataset.splits import VALIDATION
+from logic.errors import RequestError
+from sim.tasks.tasks import task
+from sim.tasks.terms import counted
+
+MAX_HELD_OUT = 1024
+"""Number of houses that an agent is evaluated in while it learns."""
+
+
+@dataclass(frozen=True)
+class Watching:
+    """What is asked for beside learning. Steps are environment steps of the run."""
+
+    held_out: Sequence[House] = ()
+    """Houses that the agent does not learn in: it plays an episode in each at an evaluation."""
+
+    evaluate_every: int = 0
+    """Steps between two evaluations, of which the agent of the best one is kept; 0: none."""
+
+    keep_every: int = 0
+    """Steps between two checkpoints that are kept; 0: none."""
+
+    hook: Callable[[Progress], object] | None = None
+    """Is called with each report."""
+
+    def require(self, config: TrainConfig, learnt_in: frozenset[int]) -> None:
+        """Raise ``RequestError`` for what cannot be done, before anything is learnt; ``HouseFileError`` for
+        houses that are kept for measuring.
+        """
+        for name in ("evaluate_every", "keep_every"):
+            if getattr(self, name) < 0:
+                raise RequestError(f"{name} must be 0 or more steps, not {getattr(self, name)}")
+        if not self.evaluate_every:
+            return
+        if not 0 < len(self.held_out) <= MAX_HELD_OUT:
+            raise RequestError(
+                f"evaluate_every needs 1 to {MAX_HELD_OUT:,} held-out houses, not {len(self.held_out):,}: "
+                "give a house file by --held-out"
+            )
+        if config.device != "cpu":
+            raise RequestError("evaluate_every: held-out houses are played in on device cpu alone")
+        require_training(self.held_out, "held-out houses")
+        for index, house in enumerate(self.held_out):
+            if house_key(house) in learnt_in:
+                raise RequestError(f"held-out house {index}: the agent learns in it: give others")
+
+
+class Watcher:
+    """Looks at a run after each report."""
+
+    def __init__(self, asked: Watching, made: Checkpoint, folder: Path, history: Sequence[Progress]) -> None:
+        """Go on after these reports of a run in a folder."""
+        self.asked, self.made, self.folder = asked, made, folder
+        self.steps = history[-1].steps if history else 0
+        self.best = max((now.held_out for now in history if now.held_out is not None), default=float("-inf"))
+        self.envs = None
+        if asked.evaluate_every:
+            config, wanted = made.config, counted(task(made.config.targets))
+            number = len(asked.held_out)
+            self.envs = make_envs(
+                asked.held_out, number, wanted, preset=simulator(config), backend=config.backend
+            )
+
+    def look(self, now: Progress) -> Progress:
+        """Do what is due after a report; the report, with what was found."""
+        if self.envs is not None and (self._is_due(now, self.asked.evaluate_every) or now.fraction >= 1):
+            now = replace(now, held_out=self._evaluated())
+            if now.held_out is not None and now.held_out > self.best:
+                self.best = now.held_out
+                self._keep(now, self.folder / "best.safetensors")
+        if self._is_due(now, self.asked.keep_every):
+            (self.folder / "checkpoints").mkdir(exist_ok=True)
+            self._keep(now, self.folder / "checkpoints" / f"{now.steps}.safetensors")
+        self.steps = now.steps
+        if self.asked.hook:
+            self.asked.hook(now)
+        return now
+
+    def close(self) -> None:
+        """Close the environments."""
+        if self.envs is not None:
+            self.envs.close()
+
+    def _is_due(self, now: Progress, every: int) -> bool:
+        return every > 0 and now.steps // every > self.steps // every
+
+    def _keep(self, now: Progress, path: Path) -> None:
+        checkpoint.save(replace(self.made, steps=now.steps), path)
+
+    def _evaluated(self) -> float:
+        """Targets in an episode in the held-out houses, on average: each time the same starts and targets."""
+        envs: Any = self.envs
+        network, count = self.made.network, envs.num_envs
+        learning = network.training
+        policy = policy_of(network.eval(), self.made.config, envs)
+        houses = {"house": torch.arange(count).numpy()}
+        observation = torch.as_tensor(envs.reset(seed=VALIDATION.start, options=houses)[0])
+        targets, playing = torch.zeros(count), torch.ones(count, dtype=torch.bool)
+        for now in moments(envs, policy, observation):
+            targets += now.reward * playing
+            playing = ~now.ended
+        network.train(learning)
+        return float(targets.mean())
