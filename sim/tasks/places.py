@@ -53,6 +53,8 @@ class Places:
     """Of a weighted task; none where all targets are alike."""
     counts: np.ndarray | None = None
     """(m,) int: how often each target stands in the list from which the next is drawn; once by default."""
+    stages: tuple[np.ndarray, ...] = ()
+    """Of a task with an order: for each of its stages the rows of ``targets`` from which one is drawn."""
 
     @property
     def listed(self) -> np.ndarray:
@@ -88,11 +90,19 @@ def places(
     starts, reached, heading = _starts(house, geometry, lattice, survey, config, start, spaces)
     first = np.argwhere(starts).astype(np.int32)
     if isinstance(task, FixedTask):
-        return Places(first, _given(house, lattice, reached, config, task).astype(np.float32), heading, True)
+        targets, rows = _given(house, lattice, reached, config, task)
+        stages = tuple(rows[:, None]) if getattr(task, "in_order", False) else ()
+        return Places(first, targets.astype(np.float32), heading, True, stages=stages)
     room = _Room(house, geometry, lattice, reached, config)
     if isinstance(task, WeightedTask):
         return Places(first, *_weighted(room, task, heading))
-    targets = np.argwhere(_free(room, task)).astype(np.float32)
+    if in_stages := getattr(task, "stages", None):
+        fits = [_free(room, list(spaces), task).ravel() for spaces in in_stages(house)]
+        union = np.flatnonzero(np.logical_or.reduce(fits))
+        stages = tuple(np.searchsorted(union, np.flatnonzero(each)) for each in fits)
+        targets = np.column_stack(np.unravel_index(union, reached.shape)).astype(np.float32)
+        return Places(first, targets, heading, stages=stages)
+    targets = np.argwhere(_free(room, list(task.spaces(house)), task)).astype(np.float32)
     if not has_targets(task):
         targets = np.full((1, 2), NOWHERE, np.float32)
     return Places(first, targets, heading)
@@ -140,15 +150,18 @@ def _starts(
 
 def _given(
     house: House, lattice: Lattice, reached: np.ndarray, config: Config, task: FixedTask
-) -> np.ndarray:
-    """Where the task puts its targets, (m, 2) steps, from the westernmost on."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where the task puts its targets, (m, 2) steps, from the westernmost on; and which row each is, in the
+    task's order, (m,).
+    """
     points, half = np.array(task.positions(house), np.float64).reshape(-1, 2), config.target / 2
     if not len(points):
         raise ValueError(f"{task} gives no place for a target")
     for x, y in points:
         if not (reached & _touched(np.array([[x, y, half, half]]), config.body[0] / 2, lattice)).any():
             raise ValueError(f"the body cannot pick up a target at ({x:.3f}, {y:.3f}) m")
-    return (points[np.argsort(points[:, 0])] - lattice.origin) / lattice.pitch
+    order = np.argsort(points[:, 0])
+    return (points[order] - lattice.origin) / lattice.pitch, np.argsort(order)
 
 
 class _Room:
@@ -177,10 +190,10 @@ class _Room:
         return bool((self.reached & _within(_row(space), self.body, self.lattice)).any())
 
 
-def _free(room: _Room, task: Task) -> np.ndarray:
-    """The lattice's places where targets may lie in the task's spaces, (X, Y) bool."""
+def _free(room: _Room, spaces: list[Box], task: Task) -> np.ndarray:
+    """The lattice's places where targets may lie in some spaces of a task, (X, Y) bool."""
     house = room.house
-    spaces, boxes = list(task.spaces(house)), [each.box for each in house.rooms if each is not house.start]
+    boxes = [each.box for each in house.rooms if each is not house.start]
     if not spaces:
         types = ", ".join(sorted({room.type for room in house.counted}))
         raise ValueError(f"it has no room for the targets of {task}: there are {types}")

@@ -38,8 +38,9 @@ class Task(Protocol):
     """Targets appear one after the other in some spaces of a house; picking one up earns 1.
 
     It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``;
-    ``start_spaces(house)``, the rectangles where episodes start, none for the usual room; ``has_targets``
-    False, and then has none, but the body must come to all of ``spaces``; also
+    ``stages(house)``, lists of rectangles, of which the first target lies in one of the first list, the next
+    in one of the next; ``start_spaces(house)``, the rectangles where episodes start, none for the usual room;
+    ``has_targets`` False, and then has none, but the body must come to all of ``spaces``; also
     ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and ``suits(house)``,
     whether it can be played in a house.
     """
@@ -63,7 +64,8 @@ class FixedTask(Protocol):
 
     def positions(self, house: House) -> Sequence[Sequence[float]]:
         """The centres (x, y) of the targets in a house, metres. Each next target is another of them, as
-        likely as the rest, at least 0.82 m from the last along one axis where there is such a one.
+        likely as the rest, at least 0.82 m from the last along one axis where there is such a one; or of a
+        task whose ``in_order`` is True, the next in this order.
         """
         ...
 
@@ -85,6 +87,8 @@ class Points:
     start: Sequence[float] | None = None
     """(x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
     unit: str = "m"
+    in_order: bool = field(default=False, kw_only=True, repr=False)
+    """Whether the targets come in their order, and after the last one the first again."""
     terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
@@ -152,6 +156,30 @@ class Rooms(Asked):
 
 
 @dataclass(frozen=True)
+class Order(Asked):
+    """Pick up targets in an order of rooms: one in a room of the first type, then of the second, and so on;
+    after the last type the first again.
+    """
+
+    rooms: Sequence[str]
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` for what is no list of names."""
+        if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in [*self.rooms] or [None]):
+            raise TypeError(f"rooms: a list of room types, in their order, not {self.rooms!r}")
+        super().__post_init__()
+
+    def spaces(self, house: House) -> list[Box]:
+        """See ``Task``."""
+        return [room.box for room in house.rooms if room.type in self.rooms]
+
+    def stages(self, house: House) -> list[list[Box]]:
+        """For each target of a round, the rectangles of which it lies wholly in one."""
+        return [[room.box for room in house.rooms if room.type == name] for name in self.rooms]
+
+
+@dataclass(frozen=True)
 class Reach(Asked):
     """Reach a room of a type: a target lies in one of those, and picking it up ends the episode."""
 
@@ -201,7 +229,7 @@ PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
 """Files of the tasks of the paper's house, by name: see the README beside them."""
 
 TASKS = {
-    "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach,
+    "collect": Collect, "habit": Habit, "object": Object, "order": Order, "points": Points, "reach": Reach,
     "roam": Roam, "rooms": Rooms,
 }  # fmt: skip
 """Tasks that take arguments."""

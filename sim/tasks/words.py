@@ -9,7 +9,7 @@ from logic.spelling import numbered
 from sim.allowed import class_names
 from sim.tasks.furniture import Habit, Object
 from sim.tasks.remembering import Visit
-from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Roam, Rooms, Targets, task
+from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Order, Points, Reach, Roam, Rooms, Targets, task
 from sim.tasks.terms import Terms, terms_of
 
 
@@ -44,6 +44,8 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
             words = "targets in the main room" if main else "targets in secondary rooms"
         case Rooms(rooms=rooms):
             words = f"targets in rooms of type {_listed([named(room) for room in rooms], 'or')}"
+        case Order(rooms=rooms):
+            words = f"targets in rooms of type {', then '.join(named(room) for room in rooms)}"
         case Reach(room=room):
             words = f"reach {_article(named(room))}"
         case Object(piece=piece):
@@ -57,7 +59,8 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
         case Roam():
             words = "no targets"
         case Points(points=points):
-            words = f"targets at {numbered(len(points), 'given place')}"
+            order = ", in their order" if asked.in_order else ""
+            words = f"targets at {numbered(len(points), 'given place')}{order}"
         case _:
             words = ""
     return words

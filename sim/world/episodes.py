@@ -32,7 +32,8 @@ WHOLES = SEED + 2
 HEADER = 7
 """Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
 targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
-the same as two float32."""
+the same as two float32. Of a task with an order, targets are minus its stages, and at the first target stand
+the first target and the targets of each stage."""
 
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
 Cells = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
@@ -343,6 +344,9 @@ class Episodes(Observing):
         state.found += 1
         at = 1 + HEADER * state.house
         first, count = world.places[at + 4], world.places[at + 5]
+        if count < 0:
+            stage = first + 2 * ((state.found - 1) % -count)
+            first, count = world.places[stage], world.places[stage + 1]
         corner, last = self.point(world, at), state.target
         turn, searching = 0, 1
         while searching:

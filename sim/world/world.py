@@ -50,6 +50,16 @@ class PackedHouses(NamedTuple):
     surroundings: Array
 
 
+def staged(here: Places, at: int) -> np.ndarray:
+    """The targets of a house whose task has an order, for a table in which they begin ``at`` a place: for
+    each stage where its targets begin and how many there are, then those.
+    """
+    counts = np.array([len(stage) for stage in here.stages])
+    first = at + 2 * len(counts) + 2 * np.cumsum([0, *counts[:-1]])
+    targets = here.targets[np.concatenate(here.stages)].view(np.int32)
+    return np.concatenate([np.column_stack([first, counts]).ravel(), targets.ravel()]).astype(np.int32)
+
+
 class World:
     """E environments over H houses, with everything that their steps read and write."""
 
@@ -212,12 +222,14 @@ class World:
         header = np.zeros((count, HEADER), np.int32)
         at, rows = 1 + header.size, [np.array([count], np.int32), header.reshape(-1)]
         for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
-            listed = here.listed
-            starts, targets = len(here.starts), len(listed)
+            starts, targets = len(here.starts), len(here.listed)
+            listed = here.listed.view(np.int32).ravel()
+            if here.stages:
+                targets, listed = -len(here.stages), staged(here, at + starts)
             origin = np.asarray(lattice.origin, np.float32).view(np.int32)
             header[k] = (*origin, at, starts, at + starts, targets, here.heading)
-            at += starts + 2 * targets
-            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, listed.view(np.int32).ravel()]
+            at += starts + len(listed)
+            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, listed]
         return Array.of(np.concatenate(rows))
 
     def run(self, name: str) -> None:
