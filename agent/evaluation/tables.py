@@ -1,8 +1,10 @@
 """What an evaluation says, as tables: one renderer for terminals and for Markdown."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
@@ -58,6 +60,10 @@ DRIVE_NOTE = (
 """What they mean where bodies drive."""
 
 
+MAX_COLUMNS = 10_000
+"""Width of a table in a pipe, in characters."""
+
+
 @dataclass(frozen=True)
 class Table:
     """A table in words."""
@@ -66,8 +72,8 @@ class Table:
     headings: tuple[str, ...]
     rows: list[tuple[str, ...]]
 
-    def terminal(self) -> RichTable:
-        """For a terminal of 80 columns."""
+    def terminal(self, folded: bool = False) -> RichTable:
+        """For a terminal. ``folded``: each interval stands below its figure, and names may take two lines."""
         table = RichTable(
             title=Text(f"\n{self.title}"),
             title_justify="left",
@@ -78,9 +84,12 @@ class Table:
             padding=(0, 1, 0, 0),
         )
         for place, heading in enumerate(self.headings):
-            table.add_column(Text(heading), no_wrap=True, justify="right" if place else "left")
-        for row in self.rows:
-            table.add_row(*map(Text, row))  # as Text: rich would read [red] in a name as a colour
+            justify = "right" if place else "left"
+            no_wrap = bool(place) or not folded
+            table.add_column(Text(heading), justify=justify, no_wrap=no_wrap, overflow="fold")
+        for name, *cells in self.rows:
+            figures = [cell.replace(" [", "\n[") if folded else cell for cell in cells]
+            table.add_row(*map(Text, (name, *figures)))  # as Text: rich would read [red] as a colour
         return table
 
     def markdown(self) -> str:
@@ -94,6 +103,19 @@ class Table:
 def _in_cell(text: str) -> str:
     """Return text escaped as a cell of a Markdown table: a name can neither end the cell nor become HTML."""
     return printable(text).replace("<", "&lt;").replace("|", "\\|")
+
+
+def print_tables(tables: Iterable[Table], console: Console) -> None:
+    """Print tables whose figures are whole: as wide as they are, but on a narrower terminal folded."""
+    for table in tables:
+        unbounded = Console(width=MAX_COLUMNS)
+        whole, folded = table.terminal(), table.terminal(folded=True)
+        narrow = console.is_terminal and unbounded.measure(whole).maximum > console.width
+        shown = folded if narrow else whole
+        least = unbounded.measure(shown).minimum if narrow else unbounded.measure(shown).maximum
+        console.width, before = max(console.width, least), console.width
+        console.print(shown)
+        console.width = before
 
 
 def tables(result: Result) -> list[Table]:

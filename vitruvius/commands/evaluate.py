@@ -124,7 +124,7 @@ class Evaluate:
         from agent.evaluation.plots import ratio_plot
         from agent.evaluation.protocol import measure, tasks_of
         from agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
-        from agent.evaluation.tables import DRIVE_NOTE, NOTE, tables
+        from agent.evaluation.tables import DRIVE_NOTE, NOTE, print_tables, tables
         from agent.play.beside import BESIDE_NOTE, people_tables, replayable
         from agent.progress import progress
         from agent.report.folder import require_report, write_report
@@ -181,7 +181,9 @@ class Evaluate:
         if self.json:
             print_answer("evaluate", content)
         else:
-            Console(markup=False).print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
+            console = Console(markup=False)
+            print_tables(shown, console)
+            console.print(f"\n{title}\n\n{note}")
         if self.out:
             page = [
                 f"# Evaluation\n\n{title}",

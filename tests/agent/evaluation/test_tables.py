@@ -8,7 +8,7 @@ from PIL import Image
 from rich.console import Console
 
 from agent.evaluation.plots import learning_curve, ratio_plot
-from agent.evaluation.tables import Table, score_table, tables
+from agent.evaluation.tables import Table, print_tables, score_table, tables
 from agent.learning.learner import Progress
 from tests.agent.evaluation.cases import result, scores
 
@@ -19,10 +19,10 @@ WIDEST = result(
 )  # fmt: skip
 
 
-def shown(*tables: Table) -> str:
-    """What a terminal of 80 columns shows."""
-    console = Console(width=80, file=io.StringIO())
-    console.print(*(table.terminal() for table in tables))
+def shown(*tables: Table, width: int = 80, terminal: bool = True) -> str:
+    """What a terminal of so many columns shows, or what goes into a pipe."""
+    console = Console(width=width, file=io.StringIO(), force_terminal=terminal, color_system=None)
+    print_tables(tables, console)
     return console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
 
 
@@ -31,6 +31,27 @@ def test_the_tables_fit_a_terminal_of_80_columns():
     assert "…" not in text
     assert max(map(len, text.splitlines())) <= 80
     assert "agent, 3 runs" in text
+
+
+@pytest.mark.parametrize(("width", "terminal"), [(80, True), (40, True), (20, True), (80, False)])
+def test_no_figure_is_cut_in_a_pipe_or_on_a_narrow_terminal(width, terminal):
+    agents = {
+        "map-completion-habit, of a long name": scores([198] * 4),
+        "an-agent-with-one-word-only": scores([2] * 4),
+    }
+    wide = result(
+        *[scores([198] * 4)] * 3,
+        oracle=[100, 199, 98, 101],
+        rooms=[2, 3, 4, 16],
+        shortest=[150] * 4,
+        others=agents,
+    )
+    text = shown(*tables(wide), width=width, terminal=terminal)
+    assert "…" not in text
+    for row in (row for table in tables(wide) for row in table.rows):
+        assert all(word in text for cell in row[1:] for word in cell.split())
+    if not terminal:
+        assert all(cell in text for row in score_table(wide).rows for cell in row)
 
 
 def test_a_row_has_targets_and_their_ratio_to_the_oracles_with_intervals():
