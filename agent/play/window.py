@@ -21,6 +21,12 @@ SIZE = 720
 HEAD, GAP, EDGE = 64, 12, 16
 """Pixels above the plans for words, between two plans, and left of words."""
 
+MIN_WIDTH = 320
+"""Width of the place of a plan, in pixels: a name fits above a plan that is narrower."""
+
+LARGE, SMALL, LEAST = 40, 26, 12
+"""Sizes of letters, in pixels: of names and scores, of what to do, and of what has little room."""
+
 FRAME = 80
 """Pixels of the height of a display that a window's title and bars of the desktop may take."""
 
@@ -176,8 +182,6 @@ class GameWindow:
         pygame.font.init()
         pygame.display.set_caption(title)
         self.clock = pygame.time.Clock()
-        self.words = pygame.font.Font(None, 26)
-        self.large = pygame.font.Font(None, 40)
         size = self._size(1)
         self.surface = pygame.display.set_mode((size, size))
         self.tick: Callable[[], float] = lambda: self.clock.tick(FRAMES) / 1000
@@ -194,8 +198,7 @@ class GameWindow:
         house, size = game.scene.house, self._size(2 if race else 1)
         ghost = PlayedEpisode(Panel(house, view, size), *race) if race else None
         panels = [Panel(house, view, size), *([ghost.panel] if ghost else [])]
-        across = sum(panel.size[0] for panel in panels) + GAP * (len(panels) - 1)
-        self.surface = pygame.display.set_mode((across, panels[0].size[1] + HEAD))
+        self._open(panels)
         speed, keys = game.scene.config.steps / seconds, Keys()
         now, due, began = 0.0, 0.0, False
         panels[0].see(game.scene)
@@ -235,7 +238,7 @@ class GameWindow:
             raise ResultsError(f"{where}: played in house {played.index}, here are {len(houses)}")
         game, scenes = replayed(played, houses[played.index], where)
         trace = PlayedEpisode(Panel(scenes[0].house, played.view, self._size(1)), played.player, scenes)
-        self.surface = pygame.display.set_mode((trace.panel.size[0], trace.panel.size[1] + HEAD))
+        self._open([trace.panel])
         speed, now = game.scene.config.steps / played.seconds, 0.0
         while trace.step < len(scenes) - 1:
             if any(_is_end(event) for event in pygame.event.get()):
@@ -243,21 +246,22 @@ class GameWindow:
             now += self.tick()
             trace.go_on(int(now * speed))
             self._draw([trace.panel], [(trace.name, trace.scene)], f"step {trace.step}")
-        return self.show([f"{played.player} {played.score}", "Enter: the next game   Esc: the end"])
+        return self.show([f"{played.player}: {played.score}", "Enter: the next game   Esc: the end"])
 
     def show(self, lines: Sequence[str]) -> bool:
-        """Show words over what is drawn until Enter (True) or Esc (False)."""
-        veil = pygame.Surface(self.surface.get_size(), pygame.SRCALPHA)
-        veil.fill((250, 249, 245, 225))
-        self.surface.blit(veil, (0, 0))
-        for place, line in enumerate(lines):
-            font = self.words if place else self.large
-            text = font.render(line, True, WORDS)
-            middle = (
-                self.surface.get_width() // 2,
-                self.surface.get_height() // 2 + 40 * (place - len(lines) // 2),
-            )
-            self.surface.blit(text, text.get_rect(center=middle))
+        """Show scores, and as the last line which keys go on, until Enter (True) or Esc (False)."""
+        width, height = self.surface.get_size()
+        room = width - 4 * EDGE, height // (len(lines) + 2)
+        shown = [fitted(line, LARGE if line is not lines[-1] else SMALL, room, WORDS) for line in lines]
+        tall = sum(each.get_height() + GAP for each in shown) + GAP
+        card = pygame.Rect(0, 0, max(each.get_width() for each in shown) + 2 * EDGE, tall)
+        card.center = width // 2, height // 2
+        pygame.draw.rect(self.surface, BACK, card, border_radius=8)
+        pygame.draw.rect(self.surface, DIM, card, width=2, border_radius=8)
+        top = card.top + GAP
+        for each in shown:
+            self.surface.blit(each, each.get_rect(midtop=(card.centerx, top)))
+            top += each.get_height() + GAP
         pygame.display.flip()
         while True:
             for event in pygame.event.get():
@@ -280,12 +284,28 @@ class GameWindow:
         self.surface.fill(BACK)
         corner = 0
         for panel, (name, scene) in zip(panels, scenes, strict=True):
-            panel.draw(self.surface, (corner, HEAD), scene)
-            score = self.large.render(f"{name}: {scene.found}", True, WORDS)
+            width = max(MIN_WIDTH, panel.size[0])
+            panel.draw(self.surface, (corner + (width - panel.size[0]) // 2, HEAD), scene)
+            score = fitted(f"{name}: {scene.found}", LARGE, (width - EDGE, 30), WORDS)
             self.surface.blit(score, (corner + EDGE, 6))
-            corner += panel.size[0] + GAP
-        self.surface.blit(self.words.render(words, True, DIM), (EDGE, 38))
+            corner += width + GAP
+        said = fitted(words, SMALL, (self.surface.get_width() - 2 * EDGE, HEAD - 36), DIM)
+        self.surface.blit(said, (EDGE, 36))
         pygame.display.flip()
+
+    def _open(self, panels: Sequence[Panel]) -> None:
+        """Give the window the size of these panels side by side."""
+        across = sum(max(MIN_WIDTH, panel.size[0]) for panel in panels) + GAP * (len(panels) - 1)
+        self.surface = pygame.display.set_mode((across, panels[0].size[1] + HEAD))
+
+
+def fitted(words: str, size: int, room: tuple[int, int], colour: tuple[int, int, int]) -> pygame.Surface:
+    """Write words as large as they fit into a width and a height, over several lines if need be."""
+    for letters in range(size, LEAST - 1, -1):
+        text = pygame.font.Font(None, letters).render(words, True, colour, wraplength=room[0])
+        if text.get_width() <= room[0] and text.get_height() <= room[1]:
+            return text
+    return pygame.font.Font(None, LEAST).render(words, True, colour, wraplength=room[0])
 
 
 def _is_end(event: pygame.event.Event) -> bool:

@@ -136,7 +136,8 @@ class Play:
             say(f"house {index}: {player} {game.score}{theirs}: {self.out}")
             more = self.house is None and index + 1 < len(houses)
             keys = "Enter: the next house   Esc: the end" if more else "Enter or Esc: the end"
-            if not window.show([f"you {game.score}{theirs}", keys]) or not more:
+            scores = [f"{name}: {score}" for name, score in [("you", game.score), *raced.items()]]
+            if not window.show([*scores, keys]) or not more:
                 break
         return 0
 

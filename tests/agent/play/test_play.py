@@ -13,7 +13,7 @@ from agent.banks import benchmark, geometry_hash, named
 from agent.play.beside import people_tables, replayable
 from agent.play.game import Game, agents_scenes, replayed
 from agent.play.results import PlayedGame, ResultsError, append, load
-from agent.play.window import TURN_EVERY, GameWindow, Panel
+from agent.play.window import EDGE, LARGE, MIN_WIDTH, TURN_EVERY, WORDS, GameWindow, Panel, fitted
 from agent.runs import checkpoint
 from logic import MissingProgram, save
 from sim import Oracle
@@ -286,3 +286,21 @@ def test_a_game_of_the_papers_human_benchmark_stands_beside_agents_that_play_its
     [table] = people_tables(tmp_path / "games.jsonl", houses, {})
     assert table.title.endswith("15 s, targets in the main room, paper's")
     assert [row[0] for row in table.rows] == ["people", "explorer", "searcher", "oracle"]
+
+
+@pytest.mark.parametrize("name", ["pqn", "map-completion-habit, of a long name", "x" * 60])
+def test_a_name_and_its_score_are_whole_above_a_plan_and_on_the_card_of_results(
+    window: GameWindow, name: str
+) -> None:
+    said = fitted(f"{name}: 12", LARGE, (MIN_WIDTH - EDGE, 30), WORDS)
+    assert said.get_width() <= MIN_WIDTH - EDGE
+    assert said.get_height() <= 30
+    window.surface = pygame.display.set_mode((MIN_WIDTH, 400))
+    window.surface.fill((0, 0, 0))
+    press(window, {}, ended=0)
+    window.show(["you: 12", f"{name}: 14", "Enter or Esc: the end"])
+    black = pygame.mask.from_threshold(window.surface, (0, 0, 0), (1, 1, 1, 255))
+    black.invert()
+    card = black.get_bounding_rects()[0]
+    assert pygame.Rect(0, 0, MIN_WIDTH, 400).contains(card.inflate(2, 2))
+    assert black.count() > 0.98 * card.width * card.height  # nothing shines through but round corners
