@@ -20,7 +20,7 @@ from agent.evaluation.protocol import measure
 from agent.evaluation.result import HUMAN_RATIO, Result
 from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
 from agent.evaluation.statistics import paired_difference
-from agent.evaluation.tables import SCORE_NOTE, score_table
+from agent.evaluation.tables import SCORE_NOTE, print_tables, score_table
 from agent.learning.environments import playable
 from agent.learning.learner import Progress
 from agent.progress import Report, progress
@@ -67,8 +67,10 @@ LINES = 5.0
 SHOWN = 12
 """Plans on the contact sheet."""
 
-AGENT, FORESIGHT = "agent", "foresight"
-"""The agents of this run: for the main room, and the explorer with map completion that seeks a piece."""
+AGENT, FORESIGHT = "pqn", "foresight"
+"""The agents of this run: for the main room, and the explorer with map completion that seeks a piece. These
+are their names in all tables, plots and folders.
+"""
 
 BASELINES = ("random + avoidance", "script", "explorer", "oracle")
 """What is measured with them."""
@@ -90,7 +92,7 @@ FILES = (
 )
 """What the demo writes, beside the folders of its ``RUNS``, in which are also the scores of their agents."""
 
-RUNS = "training", "foresight"
+RUNS = AGENT, FORESIGHT
 """Folders of the two trainings: see ``agent.runs.runs``."""
 
 TITLE = "# An agent in houses that it has never seen"
@@ -131,7 +133,7 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     write_whole(out / "homes.png", _plans(homes_held_out))
 
     config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
-    agent, history = run(stars, config, out / "training", name="pqn", every=LINES)
+    agent, history = run(stars, config, out / AGENT, name=AGENT, every=LINES)
 
     piece, kinds = sought(homes)
     goal = json.dumps({"task": "object", "piece": piece})
@@ -142,12 +144,12 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
         seconds=COMPLETION_SECONDS,
         seed=seed,
     )
-    foresight, learnt = run(playable(homes, goal), config, out / "foresight", name=FORESIGHT, every=LINES)
+    foresight, learnt = run(playable(homes, goal), config, out / FORESIGHT, name=FORESIGHT, every=LINES)
 
     main = _measured("main", AGENT, agent, stars_held_out, out / "episode.gif", seed)
     film = out / "episode-object.gif"
     found = _measured(goal, FORESIGHT, foresight, playable(homes_held_out, goal), film, seed, EPISODES)
-    for part, folder, name in ((main, "training", "stars"), (found, "foresight", "homes")):
+    for part, folder, name in ((main, AGENT, "stars"), (found, FORESIGHT, "homes")):
         bank = ScoredBank(bank_hash(part.houses), f"{name}-held-out.jsonl", len(part.houses))
         measured = ScoreFile(bank, seed, modes_of([part.result]), episodes=part.result.episodes)
         write_whole(out / folder / "evaluation.json", measured.json())
@@ -169,7 +171,8 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
 
     console = Console()
     for part, what in ((found, words), (main, MAIN_ROOM)):
-        console.print("", Markdown(what), score_table(part.result).terminal())
+        console.print("", Markdown(what))
+        print_tables([score_table(part.result)], console)
     console.print("", gain(found.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, *RUNS)), sep="\n")
     return _verdict(main.result)
@@ -343,7 +346,7 @@ def _page(
         f"{_made(*last)} All of it took {seconds:.0f} s.",
         SCORE_NOTE,
         "Files: [homes](homes.jsonl), [held-out homes](homes-held-out.jsonl), [the paper's "
-        "houses](stars.jsonl), [held-out ones](stars-held-out.jsonl), [agent](training/agent.safetensors), "
-        f"[foresight](foresight/agent.safetensors). Made by `vitruvius demo --seed {seed}`.",
+        f"houses](stars.jsonl), [held-out ones](stars-held-out.jsonl), [{AGENT}]({AGENT}/agent.safetensors), "
+        f"[{FORESIGHT}]({FORESIGHT}/agent.safetensors). Made by `vitruvius demo --seed {seed}`.",
     )
     return "\n\n".join(paragraphs) + "\n"

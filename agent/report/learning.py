@@ -171,5 +171,6 @@ def _config(name: str, asked: AskedRun) -> str:
     )
     fields = [[key, str(value)] for key, value in asked.config.items()]
     command = f"<p>{inline(f'`{asked.command}`')}</p>" if asked.command else ""
-    shown = f"<p>{inline(words)}</p>{command}{table('Configuration', ('field', 'value'), fields)}"
+    listed = f'<div class="fields">{table("Configuration", ("field", "value"), fields)}</div>'
+    shown = f"<p>{inline(words)}</p>{command}{listed}"
     return details(f"Configuration of {name}", shown)

@@ -1,12 +1,13 @@
 """The section of what was measured: each policy's figures with their intervals, as plots and tables."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from agent.banks import BANKS, benchmark
 from agent.evaluation import scores
+from agent.evaluation.baselines import KNOWS
 from agent.evaluation.drivers import NO_AGENTS
 from agent.evaluation.learnt_in import warnings
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
@@ -41,14 +42,11 @@ def lead(files: Sequence[Path]) -> str:
         file = scores.load(path)
         for name, mode in file.targets.items():
             figures = {policy: _figures(each) for policy, each in mode.policies.items()}
-            agents = {
-                policy: each
-                for policy, each in figures.items()
-                if policy not in NO_AGENTS and "targets" in each
-            }
+            figures = {policy: each for policy, each in figures.items() if "targets" in each}
+            agents = figures.keys() - {*NO_AGENTS}
             if agents:
                 words = in_words(name, _naming(path, file.bank))
-                said = _sentence(words, mode, agents, figures.get("oracle", {}), file.bank.houses)
+                said = f"In {numbered(file.bank.houses, 'house')}, {_sentence(words, mode, figures, agents)}."
                 known = {policy: n for policy, n in file.learnt_in.items() if policy in agents}
                 return " ".join([said, *(f"{each}." for each in warnings(known, file.bank.houses))])
     return ""
@@ -69,27 +67,34 @@ def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
 
 
 def _sentence(
-    words: str,
-    mode: ModeScores,
-    agents: dict[str, dict[str, Estimate]],
-    oracle: dict[str, Estimate],
-    houses: int,
+    words: str, mode: ModeScores, figures: dict[str, dict[str, Estimate]], agents: Collection[str]
 ) -> str:
-    key = "targets"
-    if mode.ends_on_pick_up and all("success" in each for each in agents.values()):
-        key = "success"
-    best = max(agents, key=lambda name: agents[name][key].value)
-    if key == "success":
+    """Return how the best of the agents does, beside the best baseline that knows no more."""
+    finds = mode.ends_on_pick_up and all({"success", "spl"} <= {*each} for each in figures.values())
+    key, digits = ("spl", 2) if finds else ("targets", 1)
+
+    def best(names: Iterable[str]) -> str:
+        return max((name for name in figures if name in names), key=lambda name: figures[name][key].value)
+
+    agent = best(agents)
+    value = f"{figures[agent][key].value:.{digits}f}"
+    if finds:
         verb, what = words.split(" ", 1)
         verbs = {"find": "finds", "reach": "reaches"}
         does = f"{verbs[verb]} {what}" if verb in verbs else f"does its task ({words})"
-        said = f"{best} {does} in {agents[best][key].value:.0%} of its episodes"
+        said = (
+            f"{agent} {does} in {figures[agent]['success'].value:.0%} of its episodes, at an SPL of {value}"
+        )
+        said += ", where 1 is the shortest way each time"
     else:
-        said = f"{best} picks up {agents[best][key].value:.1f} {words} in an episode"
-    if key in oracle:
-        form = "{:.0%}" if key == "success" else "{:.1f}"
-        said += f"; the oracle, which knows house and target, {form.format(oracle[key].value)}"
-    return f"In {numbered(houses, 'house')}, {said}."
+        said = f"{agent} picks up {value} {words} in an episode"
+    if figures.keys() & KNOWS.keys():
+        rival = best(KNOWS)
+        value = f"{figures[rival][key].value:.{digits}f}"
+        said += f"; the best baseline that knows no more, {rival}, {'has' if finds else 'picks up'} {value}"
+    if "oracle" in figures and not finds:  # Its SPL is 1.
+        said += f"; the oracle, which knows house and target, {figures['oracle'][key].value:.{digits}f}"
+    return said
 
 
 def section(files: Sequence[Path], folder: Path) -> Section:
@@ -186,6 +191,5 @@ def _label(name: str, policy: PolicyScores) -> str:
 def _cell(found: Estimate | None, digits: int) -> Cell:
     if found is None:
         return Cell("–")
-    return Cell(
-        f"{found.value:.{digits}f}", f"{found.low:.{digits}f} to {found.high:.{digits}f}", found.value
-    )
+    value, low, high = (f"{each:.{digits}f}" for each in (found.value, found.low, found.high))
+    return Cell(value, "" if low == high else f"{low} to {high}", found.value)

@@ -86,11 +86,16 @@ def table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[Cell | 
     for row in rows:
         cells = [each if isinstance(each, Cell) else Cell(each) for each in row]
         lines.append("<tr>" + "".join(map(_cell, cells, [True] + [False] * len(cells))) + "</tr>")
-    head = "".join(f'<th scope="col"><button type="button">{markup(each)}</button></th>' for each in headings)
+    head = "".join(map(_heading, headings))
     return (
         f'<div class="wide"><table class="figures"><caption>{markup(caption)}</caption>'
         f"<thead><tr>{head}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
     )
+
+
+def _heading(words: str) -> str:
+    """A heading that sorts by its column; without words it is none."""
+    return f'<th scope="col"><button type="button">{markup(words)}</button></th>' if words else "<td></td>"
 
 
 def _cell(cell: Cell, first: bool) -> str:

@@ -129,7 +129,7 @@ def interval_plot(
 ) -> str:
     """A figure: a row for each name, with its figure and its interval; ``mark`` is a line across them all."""
     row, top = 30, 12
-    left = 16 + 7.8 * max((len(name) for name, _, _ in rows), default=0)
+    left = 16 + 9.4 * max((len(name) for name, _, _ in rows), default=0)
     height = top + row * len(rows) + 44
     axis = Axis(label, least=0.0, most=1.0)
     scale = _Scale(axis, (v for _, each, _ in rows for v in each), left, WIDTH - 40)

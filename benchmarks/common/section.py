@@ -42,7 +42,7 @@ def _study(report: dict[str, Any]) -> str:
         x = Axis(AXES[axis], log=True, ticks=sorted({size for each in shown for size in each.x}))
         parts.append(line_plot(title or label.capitalize(), x, Axis(label, log=True), shown, "; ".join(late)))
     laws = [[name, law(points, rate)] for name, points in series.items()]
-    return "\n".join([*parts, "</div>", table("Fitted laws", ("", "by least squares on logarithms"), laws)])
+    return "\n".join([*parts, "</div>", table("Fitted laws", ("of", "by least squares on logarithms"), laws)])
 
 
 def _line(name: str, points: np.ndarray, slot: int) -> DataSeries:

@@ -71,7 +71,7 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made, name, gra
 def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
     found, main = page.split("**Main room: learning.**")
-    for agent, part in (("agent", main), ("foresight", found)):
+    for agent, part in (("pqn", main), ("foresight", found)):
         for name in (agent, "random + avoidance", "script", "explorer", "oracle"):
             assert f"| {name} |" in part
     assert "| human, another house |" in main
@@ -87,6 +87,14 @@ def test_the_page_of_the_demo_is_that_of_its_folder_and_plays_both_episodes(made
     assert page == report(made[0])
     assert len(page) < 5e6
     assert page.count(b'class="episode"') == 2
+
+
+def test_an_agent_has_one_name_in_its_folder_its_episode_its_figures_and_its_curves(made):
+    assert module.RUNS == (module.AGENT, module.FORESIGHT)
+    page = (made[0] / "report.html").read_text()
+    for name in module.RUNS:
+        assert page.count(f'<th scope="row">{name}</th>') == 2  # measured, and learnt
+        assert f"<h3>{name}, " in page
 
 
 def test_report_and_terminal_say_what_the_network_adds_to_the_planner_behind_doors(made):
@@ -108,7 +116,7 @@ def test_the_film_shows_the_whole_episode(made):
 
 
 def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
-    agent, houses = made[0] / "training/agent.safetensors", made[0] / "stars-held-out.jsonl"
+    agent, houses = made[0] / "pqn/agent.safetensors", made[0] / "stars-held-out.jsonl"
     assert load_checkpoint(agent).steps >= 2000
     Record(agent, houses, house=1, out=tmp_path / "film.gif", steps=8).run()
     with Image.open(tmp_path / "film.gif") as image:
@@ -122,7 +130,7 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
 
 
 def test_a_mosaic_films_many_environments_side_by_side_each_in_its_house(made, tmp_path):
-    agent, houses = made[0] / "training/agent.safetensors", made[0] / "stars-held-out.jsonl"
+    agent, houses = made[0] / "pqn/agent.safetensors", made[0] / "stars-held-out.jsonl"
     Record(agent, houses, house=1, mosaic="3x1", out=tmp_path / "film.mp4", steps=8, width=120).run()
     frames, _ = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "film.mp4"))
     assert frames == 3 + 24  # steps 0, 4 and 8; the last one stays for a second

@@ -118,9 +118,13 @@ class Episode extends EpisodePicture {
     this.now = svg.appendChild(made("line", { class: "now", y1: 0, y2: 46 }));
     const bumps = this.blocked.reduce((sum, value) => sum + value, 0);
     const key = this.article.querySelector(".timeline-key");
-    const said = [[1, "pick-ups", this.pickups.length], [5, "vetoes", this.vetoes.length], [6, "blocked moves", bumps]];
-    if (this.values) said.push([0, "greatest Q-value", ""]);
-    for (const [slot, words, count] of said.filter((each) => each[2] !== 0)) {
+    const said = [
+      [1, "pick-up", "pick-ups", this.pickups.length], [5, "veto", "vetoes", this.vetoes.length],
+      [6, "blocked move", "blocked moves", bumps],
+    ];
+    if (this.values) said.push([0, "", "greatest Q-value", ""]);
+    for (const [slot, one, more, count] of said.filter((each) => each[3] !== 0)) {
+      const words = count === 1 ? one : more;
       const mark = made("b", {}, "▍");
       mark.style.color = `var(--c${slot})`;
       key.append(made("span", {}, mark, `${count} ${words}`.trim()));

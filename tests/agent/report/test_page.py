@@ -3,6 +3,7 @@
 The fixture ``page`` fails a test where the page logs an error or a warning, or asks of another host.
 """
 
+import json
 from pathlib import Path
 
 import msgspec
@@ -12,11 +13,15 @@ from playwright.sync_api import Browser, Page, expect
 from agent.banks import benchmark
 from agent.recording import trace
 from agent.recording.trace import Trace
-from agent.report.folder import write_report
+from agent.report.folder import describe, write_report
+from benchmarks.sections import SECTIONS
 from logic import House, save
 from tests.agent.report.conftest import STEPS, recorded, untrained
 from tests.agent.report.test_report import LINE, measured, metrics
+from tests.benchmarks.reports import report as timed
+from tests.benchmarks.reports import simulator_report
 from tests.browsing import box, cut_on_paper, findings, too_wide
+from tests.conftest import opened_page
 
 
 @pytest.fixture(scope="module")
@@ -37,12 +42,15 @@ def file(tmp_path_factory, houses, mapped, vetoed) -> Path:
     folder = tmp_path_factory.mktemp("run")
     metrics(folder, msgspec.json.encode(LINE).decode())
     measured(folder, houses[:2])
+    describe(folder, "An agent in houses that it has never seen")
+    (folder / "generator.json").write_text(json.dumps(timed()))
+    (folder / "simulator.json").write_text(json.dumps(simulator_report()))
     save(houses[:2], folder / "measured.jsonl")
     save(houses[2:-1], folder / "stars.jsonl")
     save(houses[-1:], folder / "homes.jsonl")
     trace.save(mapped, folder / "a.trace.json")
     trace.save(vetoed, folder / "b.trace.json")
-    return write_report(folder)
+    return write_report(folder, studies=SECTIONS)
 
 
 @pytest.fixture
@@ -312,7 +320,7 @@ def test_on_a_telephone_plots_keys_and_captions_are_whole_and_keys_name_what_is_
         assert opened.evaluate(CUT_OFF) == [], width
     for episode in opened.locator(".episode").all():
         key, marks = episode.locator(".timeline-key"), episode.locator(".timeline")
-        for words, mark in (("pick-ups", "picked"), ("vetoes", "veto"), ("blocked moves", "bump")):
+        for words, mark in (("pick-up", "picked"), ("veto", "veto"), ("blocked move", "bump")):
             assert (words in str(key.text_content())) == (marks.locator(f".{mark}").count() > 0)
 
 
@@ -330,15 +338,26 @@ def test_the_first_screen_is_an_episode_that_can_be_played_under_one_sentence(op
 def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(opened: Page) -> None:
     opened.locator("summary").first.click()
     assert findings(opened) == []
+    opened.locator(".sheet button").first.click()
+    assert findings(opened) == []  # of a house that is enlarged
+    opened.keyboard.press("Escape")
     assert too_wide(opened) == []
     assert cut_on_paper(opened) == []
     stage, drawn = (box(opened.locator(each).first) for each in (".stage", ".stage canvas"))
     assert drawn["height"] <= stage["height"]
-    # All tables are whole: those that are folded on the screen too.
-    assert (
-        opened.locator("table.figures tbody tr:visible").count()
-        == opened.locator("table.figures tbody tr").count()
-    )
+    # All tables are whole, those that are folded on the screen too, but for the numbers of curves.
+    shown, every = (f"table.figures tbody tr{which}" for which in (":visible", ":not(figure details *)"))
+    assert opened.locator(shown).count() == opened.locator(every).count()
+
+
+def test_on_a_telephone_the_first_screen_shows_the_episode_under_a_long_title(
+    browser: Browser, file: Path
+) -> None:
+    with opened_page(browser, is_mobile=True, has_touch=True, viewport={"width": 390, "height": 844}) as page:
+        page.goto(file.as_uri())
+        page.wait_for_selector(".episode[data-ready]")
+        stage, controls = (box(page.locator(each).first) for each in (".stage", ".controls"))
+        assert stage["y"] + stage["height"] <= controls["y"] + 1
 
 
 def test_a_browser_that_cannot_unpack_says_so_in_one_line(page: Page, file: Path) -> None:

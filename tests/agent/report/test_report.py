@@ -218,8 +218,8 @@ def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, mon
 def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     measured(tmp_path)
     said = (
-        "In 2 houses, agent picks up 6.5 targets in secondary rooms in an episode; "
-        "the oracle, which knows house and target, 15.0."
+        "In 2 houses, agent picks up 6.5 targets in secondary rooms in an episode; the best baseline that "
+        "knows no more, explorer, picks up 8.0; the oracle, which knows house and target, 15.0."
     )
     assert said in report(tmp_path, SECTIONS).decode()
     mode = '{"task": "object", "piece": "coffeeTable"}'
@@ -227,7 +227,11 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     found = modes_of([replace(one, ends_on_pick_up=True)])
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(ScoredBank("abc", "b.jsonl", 2), 0, found).json())
     page = report(tmp_path, SECTIONS).decode()
-    assert "In 2 houses, agent finds a coffee table in 50% of its episodes; the oracle" in page
+    # Not the share of successes alone, which the oracle's equals: how far it goes.
+    assert (
+        "In 2 houses, agent finds a coffee table in 50% of its episodes, at an SPL of 0.50, where 1 is the "
+        "shortest way each time."
+    ) in page
     assert "<h3>Find a coffee table</h3>" in page
     assert "coffeeTable" not in page
     # In houses of a grammar that calls its worktop so.
@@ -235,6 +239,14 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     bank = ScoredBank(bank_hash(benchmark()), "test-v1", 2)
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, desk).json())
     assert "<h3>Find a worktop</h3>" in measured_section([tmp_path / "evaluation.json"], tmp_path).html
+
+
+def test_an_interval_whose_ends_read_the_same_is_left_out(tmp_path) -> None:
+    one = result(scores([5, 8]), oracle=(15, 15))
+    (tmp_path / "evaluation.json").write_bytes(ScoreFile(ScoredBank("a", "b", 2), 0, modes_of([one])).json())
+    html = measured_section([tmp_path / "evaluation.json"], tmp_path).html
+    assert "<small>5.0 to 8.0</small>" in html
+    assert not re.search(r"<small>([\d.]+) to \1</small>", html)
 
 
 def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:
