@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.error import Error, ResetNeeded
 
 from logic.spelling import unknown
-from sim.world.kernels import KEEP
+from sim.world.kernels import KEEP, SAMPLE
 from sim.world.world import World
 
 SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
@@ -30,7 +30,7 @@ class ResetOptions:
     mask: np.ndarray
     """(E,) bool: which environments begin an episode."""
     wholes: np.ndarray
-    """(E, 4) int32: house, or ``SAMPLE`` of kernels, or ``KEEP`` outside the mask; then the start's cell."""
+    """(E, 4) int32: house, or ``SAMPLE``, or ``KEEP`` outside the mask; then the cell of the start."""
     reals: np.ndarray
     """(E, 4) float32: origin of that cell and centre of the target, metres; NaN where they are sampled."""
 
