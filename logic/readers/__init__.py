@@ -23,9 +23,9 @@ class Reader(NamedTuple):
 READERS = (
     Reader(is_houseexpo, of_one_storey(read_houseexpo)),
     Reader(is_resplan, of_one_storey(read_resplan)),
-    Reader(is_imdf, of_one_storey(read_imdf)),
-    Reader(is_cubicasa, of_one_storey(read_cubicasa)),
-    Reader(is_ifc, of_one_storey(read_ifc)),
+    Reader(is_imdf, read_imdf),
+    Reader(is_cubicasa, read_cubicasa),
+    Reader(is_ifc, read_ifc),
 )
 
 

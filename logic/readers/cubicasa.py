@@ -17,6 +17,7 @@ from shapely import Polygon
 from logic.errors import RequestError
 from logic.opener import from_xml
 from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.storeys import chosen, require_none
 from logic.readers.svg_shapes import kind, placed, polygon_in
 
 FORMAT = "a plan of CubiCasa5K"
@@ -39,23 +40,22 @@ def is_cubicasa(content: bytes, _: Any) -> bool:
     return b"<svg" in content[:4096] and re.search(rb'class="Space ', content) is not None
 
 
-def read_cubicasa(content: bytes, _: Any) -> Sketch:
+def read_cubicasa(content: bytes, _: Any, storey: str | None = None) -> Sketch:
     """Rooms by their classes; the unit by the sizes that labels say."""
     try:
         tree = from_xml(content)
     except ValueError as error:
         raise RequestError(f"plan: {FORMAT} that is damaged: {error}") from None
     storeys = [each for each in _groups(tree) if "Floorplan" in each.get("class", "").split()]
-    with_rooms = [each for each in storeys if any(_is_space(group) for group in _groups(each))]
-    if len(with_rooms) > 1:
-        names = ", ".join(each.get("id") or "one without an id" for each in with_rooms)
-        raise RequestError(
-            f"plan: it has {len(with_rooms)} storeys ({names}): keep the group of one of them in the file"
-        )
+    storeys = [each for each in storeys if any(_is_space(group) for group in _groups(each))]
+    if not storeys:
+        require_none(storey)
+    one = chosen([each.get("id") or "" for each in storeys], storey) if storeys else 0
+    groups = {*(storeys[one] if storeys[1:] else tree).iter()}
     spaces, doors, windows, units = list[Space](), list[Passage](), list[Polygon](), list[float]()
     for group, at in placed(tree):
         what, *words = (group.get("class") or group.get("id") or "").split() or [""]
-        if kind(group) != "g" or what not in ("Space", "Door", "Window"):
+        if group not in groups or kind(group) != "g" or what not in ("Space", "Door", "Window"):
             continue
         if (polygon := polygon_in(group, at)) is None:
             continue

@@ -1,4 +1,5 @@
-"""IFC (ISO 16739, buildingSMART): the spaces, doors and windows of a storey, by IfcOpenShell (extra ``ifc``).
+"""IFC (ISO 16739, buildingSMART), also zipped: the spaces, doors and windows of a storey, by IfcOpenShell
+(extra ``ifc``).
 
 What they look like from above is taken, whatever solid they are of: ``ifc_solids.py``.
 """
@@ -6,13 +7,16 @@ What they look like from above is taken, whatever solid they are of: ``ifc_solid
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from importlib.util import find_spec
 from typing import Any
+from zipfile import ZipFile
 
 import msgspec
 import shapely
 
 from logic.errors import RequestError
+from logic.opener import archive_of, member_of
 from logic.readers.ifc_solids import Solids, main
 from logic.readers.sketch import Passage, Sketch, Space, polygons
 
@@ -20,20 +24,54 @@ FORMAT = "IFC"
 
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'IFC", re.IGNORECASE)
 
+ZIP, ENDINGS = b"PK\x03\x04", (".ifc", ".ifcxml")
+"""How an archive begins, and how the names of IFC in it end."""
+
+MAX_BYTES = 1 << 24
+"""Size of all files of an archive together, unpacked."""
+
 SECONDS = 120
 """Wall-clock time that IfcOpenShell may take, on a busy machine too."""
 
 
 def is_ifc(content: bytes, _: Any) -> bool:
-    """Whether a file is IFC in the form of STEP."""
+    """Whether a file is IFC in the form of STEP, or an archive of it."""
+    if content.startswith(ZIP):
+        return _member(content) is not None
     return content.lstrip().startswith(b"ISO-10303-21") and SCHEMA.search(content[:65536]) is not None
 
 
-def read_ifc(content: bytes, _: Any) -> Sketch:
+def _member(content: bytes) -> tuple[ZipFile, str] | None:
+    """Return an archive that holds IFC, and the name of that; None for another archive."""
+    with suppress(ValueError):
+        archive = archive_of(content, MAX_BYTES)
+        names = [name for name in archive.namelist() if name.lower().endswith(ENDINGS)]
+        return (archive, names[0]) if names else None
+    return None
+
+
+def _unpacked(content: bytes) -> bytes:
+    """Return the IFC of an archive. Raises ``RequestError`` where it is damaged, or in XML."""
+    found = _member(content)
+    if found is None:
+        return content
+    archive, name = found
+    try:
+        content = member_of(archive, name)
+    except ValueError as error:
+        raise RequestError(f"plan: {error}") from None
+    if not content.lstrip().startswith(b"ISO-10303-21"):
+        raise RequestError(f"plan: {name} of the archive is no IFC in the form of STEP: export it as .ifc")
+    return content
+
+
+def read_ifc(content: bytes, _: Any, storey: str | None = None) -> Sketch:
     """Spaces are rooms. Raises ``ModuleNotFoundError`` without IfcOpenShell."""
+    content = _unpacked(content)
     if find_spec("ifcopenshell") is None:
         raise ModuleNotFoundError("IfcOpenShell reads IFC", name="ifcopenshell")
     command = [sys.executable, "-P", "-c", f"from {main.__module__} import main; main()"]
+    command += [] if storey is None else [storey]
     try:
         done = subprocess.run(command, input=content, capture_output=True, timeout=SECONDS, check=False)
         found = msgspec.json.decode(done.stdout, type=Solids)

@@ -2,8 +2,11 @@
 damaged file may end. ``ifc.py`` writes it the file, and reads the answer.
 """
 
+import re
 import resource
 import sys
+from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
 import msgspec
@@ -12,9 +15,15 @@ import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
+from logic.readers.storeys import chosen
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
 """Address space and processor time of this process, the same as of a solver process."""
+
+SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']{1,40})'", re.IGNORECASE)
+
+STEP, MAX_LEVELS = 1.2, 64
+"""Metres between floors of one storey, at most; number of wholes that a space is looked for in."""
 
 Triangles = np.ndarray
 """(N, 3, 3) float64: corners in metres, z up."""
@@ -30,53 +39,111 @@ class Solids(msgspec.Struct):
     """In the place of these."""
 
 
-def solids(content: bytes) -> Solids:
-    """What there is of a storey. Raises ``RequestError`` for what is no storey of rooms."""
-    import ifcopenshell
-
-    if not content.rstrip().endswith(b"END-ISO-10303-21;"):
-        raise RequestError("plan: IFC that is damaged: its end is missing")
-    try:
-        model = ifcopenshell.file.from_string(content.decode("utf-8", errors="replace"))
-        spaces, doors, windows = (list(model.by_type(each)) for each in ("IfcSpace", "IfcDoor", "IfcWindow"))
-    except (RuntimeError, ValueError, TypeError) as error:
-        raise RequestError(f"plan: IFC that is damaged: {error}") from None
+def solids(content: bytes, named: str | None = None) -> Solids:
+    """Return what there is of a storey or a flat, by its name. Raises ``RequestError`` for what is none."""
+    model = _model(content)
+    spaces, doors, windows = (list(model.by_type(each)) for each in ("IfcSpace", "IfcDoor", "IfcWindow"))
+    spaces = [each for each in spaces if not _is_whole(each)]
     if not spaces:
         raise RequestError("plan: IFC has an IfcSpace for each room: it has none: export it with spaces")
-    storeys = sorted({_storey(each) for each in spaces})
-    if len(storeys) > 1:
-        raise RequestError(
-            f"plan: it has {len(storeys)} storeys with spaces ({', '.join(storeys[:4])}): export one of them"
-        )
-    found = [(each, _solid(each)) for each in spaces]
+    solids = [_solid(each) for each in spaces]
+    floors = [_floor(model, *each) for each in zip(spaces, solids, strict=True)]
+    places = _of_storey(spaces, floors, named)
+    found = [(spaces[place], _required(spaces[place], solids[place])) for place in places]
     floor, ceiling = (edge([each[:, :, 2].min() for _, each in found]) for edge in (min, max))
     # Doors and windows of other storeys are in the file, too.
     low, high = floor - 1.0, ceiling + max(np.ptp(each[:, :, 2]) for _, each in found)
-    outlines = [
-        [_outline(each) for each in map(_solid, some) if low < each[:, :, 2].mean() < high]
-        for some in (_with_shape(doors), _with_shape(windows))
-    ]
+    of_doors, of_windows = (
+        [
+            shapely.to_wkt(_outline(each))
+            for each in (_required(product, _solid(product)) for product in some if product.Representation)
+            if low < each[:, :, 2].mean() < high
+        ]
+        for some in (doors, windows)
+    )
     rooms = [(_words(each), shapely.to_wkt(_above(solid))) for each, solid in found]
-    doors, windows = ([shapely.to_wkt(each) for each in some] for some in outlines)
-    return Solids(rooms, doors, windows)
+    return Solids(rooms, of_doors, of_windows)
 
 
-def _storey(space: Any) -> str:
-    """The name of what a space is part of."""
-    whole = [each.RelatingObject for each in space.Decomposes or ()]
-    return str((whole[0].Name or whole[0].GlobalId) if whole and whole[0] else "no storey")
+def _model(content: bytes) -> Any:
+    """Return what IfcOpenShell makes of a file. Raises ``RequestError`` where it cannot read it."""
+    import ifcopenshell
+    from ifcopenshell.ifcopenshell_wrapper import schema_names
+
+    if not content.rstrip().endswith(b"END-ISO-10303-21;"):
+        raise RequestError("plan: IFC that is damaged: its end is missing")
+    schema = SCHEMA.search(content[:65536])
+    name = schema[1].decode("ascii", "replace") if schema else ""
+    if schema and name.upper() not in schema_names():
+        raise RequestError(f"plan: its schema is {name}, which IfcOpenShell does not read: export it as IFC4")
+    try:
+        model = ifcopenshell.file.from_string(content.decode("utf-8", errors="replace"))
+        model.by_type("IfcSpace")
+        return model
+    except (RuntimeError, ValueError, TypeError) as error:
+        raise RequestError(f"plan: IFC that is damaged: {error}") from None
+
+
+def _is_whole(space: Any) -> bool:
+    """Return True for a space that consists of spaces, such as a flat, and for a gross floor area."""
+    parts = [part for each in space.IsDecomposedBy or () for part in each.RelatedObjects]
+    return any(part.is_a("IfcSpace") for part in parts) or getattr(space, "PredefinedType", None) == "GFA"
+
+
+def _of_storey(spaces: list[Any], floors: list[float], named: str | None) -> list[int]:
+    """Return the places of the spaces of one storey: of those whose floors lie ``STEP`` at most apart; of one
+    flat, where its name is given.
+    """
+    wholes = [list(_wholes(each)) for each in spaces]
+    if named is not None:
+        flats = [
+            [name for whole in each if whole.is_a("IfcSpace") for name in _named(whole)] for each in wholes
+        ]
+        wanted = named.strip().casefold()
+        if flat := [place for place, names in enumerate(flats) if wanted in map(str.casefold, names)]:
+            return flat
+    storeys: list[list[int]] = []
+    for place in sorted(range(len(spaces)), key=lambda place: floors[place]):
+        if not storeys or floors[place] - floors[storeys[-1][-1]] > STEP:
+            storeys.append([])
+        storeys[-1].append(place)
+    names = []
+    for some in storeys:
+        above = [whole for place in some for whole in wholes[place] if whole.is_a("IfcBuildingStorey")]
+        names.append(Counter(name for whole in above for name in _named(whole)[:1]).most_common(1))
+    return sorted(storeys[chosen([some[0][0] if some else "" for some in names], named)])
+
+
+def _wholes(space: Any) -> Iterator[Any]:
+    """Yield all that a space is part of, from the inside out."""
+    for _ in range(MAX_LEVELS):
+        space = next((each.RelatingObject for each in getattr(space, "Decomposes", None) or ()), None)
+        if space is None:
+            return
+        yield space
+
+
+def _named(whole: Any) -> list[str]:
+    return [str(each) for each in (whole.Name, getattr(whole, "LongName", None)) if each]
+
+
+def _floor(model: Any, space: Any, solid: Triangles) -> float:
+    """Return the height of a space's floor, metres; of one without a solid, that of its place."""
+    from ifcopenshell.util.placement import get_local_placement
+    from ifcopenshell.util.unit import calculate_unit_scale
+
+    if len(solid):
+        return float(solid[:, :, 2].min())
+    return float(get_local_placement(space.ObjectPlacement)[2][3]) * calculate_unit_scale(model)
 
 
 def _words(space: Any) -> list[str]:
-    return [str(each) for each in (space.LongName, space.Name, space.ObjectType) if each] or ["room"]
-
-
-def _with_shape(products: list[Any]) -> list[Any]:
-    return [each for each in products if each.Representation]
+    said = (space.LongName, space.Name, space.ObjectType, getattr(space, "PredefinedType", None))
+    return [str(each) for each in said if each] or ["room"]
 
 
 def _solid(product: Any) -> Triangles:
-    """The surface of a product, in metres."""
+    """Return the surface of a product, in metres; nothing of one that has none."""
     import ifcopenshell.geom
 
     settings = ifcopenshell.geom.settings()
@@ -84,13 +151,16 @@ def _solid(product: Any) -> Triangles:
     try:
         mesh: Any = ifcopenshell.geom.create_shape(settings, product)
         corners = np.array(mesh.geometry.verts).reshape(-1, 3)
-        triangles = corners[np.array(mesh.geometry.faces, dtype=int).reshape(-1, 3)]
+        return corners[np.array(mesh.geometry.faces, dtype=int).reshape(-1, 3)]
     except (RuntimeError, ValueError, TypeError):
-        triangles = np.empty((0, 3, 3))
-    if not len(triangles):
+        return np.empty((0, 3, 3))
+
+
+def _required(product: Any, solid: Triangles) -> Triangles:
+    if not len(solid):
         what = f"{product.is_a()} {getattr(product, 'LongName', None) or product.Name or product.GlobalId}"
         raise RequestError(f"plan: {what} has no solid that can be read: give it one, or leave it out")
-    return triangles
+    return solid
 
 
 def _above(solid: Triangles) -> shapely.Geometry:
@@ -109,7 +179,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (MAX_CPU_SECONDS, MAX_CPU_SECONDS))
     try:
-        found = solids(sys.stdin.buffer.read())
+        found = solids(sys.stdin.buffer.read(), *sys.argv[1:])
     except RequestError as error:
         found = Solids([], [], [], str(error))
     sys.stdout.buffer.write(msgspec.json.encode(found))

@@ -3,31 +3,28 @@
 A unit has a category and names by language; an opening is a line in a wall.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from math import cos, radians, sin, sqrt
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 from zipfile import ZipFile
 
-import numpy as np
 import shapely
 from shapely.geometry import shape
 
 from logic.errors import RequestError
 from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
 from logic.opener import archive_of, from_json, member_of
+from logic.readers.degrees import plane
 from logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
+from logic.readers.storeys import chosen
 
 FORMAT = "IMDF"
 
 ZIP = b"PK\x03\x04"
 
-MEMBERS = ("unit.geojson", "opening.geojson")
+MEMBERS = ("unit.geojson", "opening.geojson", "level.geojson")
 
 MOST_BYTES = 1 << 24
 """Size of all files of an archive together, unpacked."""
-
-EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
-"""Of WGS 84: the radius, metres, and the square of the first eccentricity."""
 
 
 def is_imdf(content: bytes, record: Any) -> bool:
@@ -38,34 +35,49 @@ def is_imdf(content: bytes, record: Any) -> bool:
     return isinstance(features, list) and any(_kind(each) == "unit" for each in features)
 
 
-def read_imdf(content: bytes, record: Any) -> Sketch:
+def read_imdf(content: bytes, record: Any, storey: str | None = None) -> Sketch:
     """Units are rooms and openings doors, on the plane that touches the earth in their midst."""
-    features = _unpacked(content) if content.startswith(ZIP) else record["features"]
+    features = _of_level(_unpacked(content) if content.startswith(ZIP) else record["features"], storey)
     units, openings = ([each for each in features if _kind(each) == kind] for kind in ("unit", "opening"))
     if len(units) > MOST_ROOMS or len(openings) > MOST_OPENINGS:
         raise RequestError(
             f"plan: it has {len(units):,} units and {len(openings):,} openings: at most {MOST_ROOMS:,} and "
             f"{MOST_OPENINGS:,} are read"
         )
-    levels = {str(_properties(each).get("level_id")) for each in units}
-    if len(levels) > 1:
-        raise RequestError(
-            f"plan: it has {len(levels)} levels ({', '.join(sorted(levels)[:4])}): keep the features of one "
-            "level_id"
-        )
     spaces = [space for each in units for space in _spaces(each)]
     doors = [Passage(_geometry(each)) for each in openings]
     if not spaces:
         raise RequestError("plan: IMDF has units with polygons: it has none")
     _require_plain(spaces)
-    lon, lat = shapely.union_all([each.shape for each in spaces]).centroid.coords[0]
-    if not (abs(lon) <= 180 and abs(lat) < 89):
-        raise RequestError(f"plan: IMDF is in degrees of longitude and latitude: {lon:g}, {lat:g} are none")
-    flat = _plane(lon, lat)
+    try:
+        flat = plane([each.shape for each in spaces])
+    except ValueError as error:
+        raise RequestError(f"plan: {FORMAT}: {error}") from None
     spaces = [space._replace(shape=shapely.transform(space.shape, flat)) for space in spaces]
     return Sketch(
         FORMAT, spaces, [Passage(shapely.transform(each.shape, flat)) for each in doors], [], north_up=True
     )
+
+
+def _of_level(features: Sequence[Any], storey: str | None) -> Sequence[Any]:
+    """Return the features of one level: the one that the user names, or the only one with units."""
+    levels = list(
+        dict.fromkeys(str(_properties(each).get("level_id")) for each in features if _kind(each) == "unit")
+    )
+    if not levels:
+        return features
+    about = {str(each.get("id")): _properties(each) for each in features if _kind(each) == "level"}
+    said: dict[str, Any] = {level: about.get(level, {}).get("ordinal") for level in levels}
+    levels.sort(key=lambda level: said[level] if isinstance(said[level], int) else 0)
+    names = [next(_names(about.get(level, {})), level) for level in levels]
+    one = levels[chosen(names, storey)]
+    return [each for each in features if str(_properties(each).get("level_id")) == one]
+
+
+def _names(properties: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the names of a feature, one for each language."""
+    labels = properties.get("name")
+    yield from (str(each) for each in labels.values() if each) if isinstance(labels, Mapping) else ()
 
 
 def _require_plain(spaces: Sequence[Space]) -> None:
@@ -75,19 +87,10 @@ def _require_plain(spaces: Sequence[Space]) -> None:
         raise RequestError(f"plan: {FORMAT}: {error}") from None
 
 
-def _plane(lon: float, lat: float) -> Any:
-    """From degrees to metres east and north of a point: exact to a millimetre within a house."""
-    curve = 1 - ECCENTRICITY * sin(radians(lat)) ** 2
-    east = radians(1) * EQUATOR / sqrt(curve) * cos(radians(lat))
-    north = radians(1) * EQUATOR * (1 - ECCENTRICITY) / curve**1.5
-    return lambda points: (points - np.array([lon, lat])) * np.array([east, north])
-
-
 def _spaces(unit: Any) -> Iterable[Space]:
     """A room for each polygon of a unit."""
     properties = _properties(unit)
-    labels = properties.get("name")
-    named = [str(each) for each in labels.values() if each] if isinstance(labels, Mapping) else []
+    named = list(_names(properties))
     category = str(properties.get("category") or "")
     for part in polygons(_geometry(unit)):
         yield Space((named or [category])[0], (*named, category), part)
