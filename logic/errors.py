@@ -122,7 +122,7 @@ class Unsatisfiable(VitruviusError):
         self.advice, self.unfurnishable = advice, unfurnishable
         since = "".join(f", since no {type_} can be furnished" for type_ in unfurnishable)
         listed = "".join(f"\n  {reason}" for reason in reasons)
-        only = "this forbids it" if len(reasons) == 1 else "these conflict, so one of them must go"
+        only = "this forbids it" if len(reasons) == 1 else "these conflict, so one of them must change"
         hint = f"\n{advice}" if advice else ""
         super().__init__(f"no house of {grammar} has {request}{since}: {only}{listed}{hint}")
 

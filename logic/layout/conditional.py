@@ -29,7 +29,7 @@ LEFT_OUT = RULES / "why" / "left_out.lp"
 Signature = tuple[str, int]
 
 ABSENT = " is not stated"
-"""What is said of a fact that a grammar lacks, at the first of its facts of the same kind."""
+"""Words for a fact that a grammar lacks, at the first of its facts with the same first argument, or kind."""
 
 FAR = 1_000_000
 """Millimetres, more than anything measures; small enough for clingo to add up."""
@@ -55,7 +55,8 @@ class Source:
 
 
 class Conditional(NamedTuple):
-    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first."""
+    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first: by the
+    name of the fact, and by its name with its first argument, as in ``opens(hall``."""
 
     rules: list[ast.AST]
     reasons: list[Reason]
@@ -74,7 +75,8 @@ def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
             condition = stated(len(found.reasons))
             found.reasons.append(Reason(written(statement), begin.filename, begin.line, begin.column))
             if (signature := _signature(statement.head)) in kinds:
-                found.first.setdefault(signature[0], found.reasons[-1])
+                for name in (signature[0], _beginning(statement.head)):
+                    found.first.setdefault(name, found.reasons[-1])
                 found.rules.append(_about("listed'", statement, []))
                 found.rules.append(_about("without'", statement, [literal(condition, ast.Sign.Negation)]))
             statement = statement.update(body=[*statement.body, literal(condition)])
@@ -107,6 +109,11 @@ def _signature(found: ast.AST) -> Signature | None:
     symbol = found.atom.symbol
     one = symbol.arguments[0] if symbol.ast_type == ast.ASTType.Pool else symbol
     return (one.name, len(one.arguments)) if one.ast_type == ast.ASTType.Function else None
+
+
+def _beginning(head: ast.AST) -> str:
+    """The beginning of a fact up to its first argument, as in ``opens(hall``."""
+    return str(head).partition(",")[0]
 
 
 def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:

@@ -134,7 +134,7 @@ class Relaxed:
         ]
         for atom in self._control.symbolic_atoms.by_signature("added'", 1):
             (fact,) = atom.symbol.arguments
-            place = first.get(fact.name, Reason(""))
+            place = first.get(str(fact).partition(",")[0]) or first.get(fact.name, Reason(""))
             self.statements.append(
                 Statement(structs.replace(place, text=f"{fact}{ABSENT}"), (-atom.literal,))
             )

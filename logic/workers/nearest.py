@@ -1,7 +1,8 @@
 """The house that breaks fewest lines of a brief, where none keeps all of them.
 
-Each proof is a conflict: one of its lines must go. So the fewest lines that hit all conflicts found so far
-are as few as can be, if there is a house without them; and if there is none, its proof is another conflict.
+Each proof is a conflict: one of its lines must change. So the fewest lines that hit all conflicts found so
+far are as few as can be, if there is a house without them; and if there is none, its proof is another
+conflict.
 """
 
 from collections.abc import Callable, Mapping

@@ -94,7 +94,7 @@ export class Houses {
     const types = Object.entries(request.types).map(([type, counts]) => `, ${inWords(counts)} of type ${type}`).join("");
     for (const found of proofs(this.grammar, request, unfurnishable)) {
       const since = found.unfurnishable.map((type) => `, since no ${type} can be furnished`).join("");
-      const only = found.reasons.length === 1 ? "this forbids it" : "these conflict, so one of them must go";
+      const only = found.reasons.length === 1 ? "this forbids it" : "these conflict, so one of them must change";
       const count = `${request.rooms} room${request.rooms === 1 ? "" : "s"}`;
       yield { index: 0, problem: { kind: "Unsatisfiable", message: `No house has ${count}${types}${since}: ${only}.`, ...found } };
     }
