@@ -1,7 +1,7 @@
 """Pictures of an environment from above, and films of them."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from io import BytesIO
 from itertools import chain
@@ -61,6 +61,8 @@ class Scene:
     """Targets picked up in this episode."""
     task: str
     """What is to be done, in words, as the house calls its rooms and pieces."""
+    others: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    """(n, 2) the centres of other targets that are there."""
 
 
 class Camera:
@@ -100,8 +102,9 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     image = background.copy()
     draw = ImageDraw.Draw(image, "RGBA")
     half = scene.config.target / 2
-    corners = view.box(*(scene.target - half), *(scene.target + half))
-    draw.rounded_rectangle(corners, view.px(0.05), TARGET, TARGET_EDGE, view.px(0.025))
+    for target in (*scene.others, scene.target):
+        corners = view.box(*(target - half), *(target + half))
+        draw.rounded_rectangle(corners, view.px(0.05), TARGET, TARGET_EDGE, view.px(0.025))
 
     points = [view.at(x, y) for x, y in trail]
     recent = len(points)

@@ -40,7 +40,7 @@ from agent.progress import progress
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
-from agent.runs.watching import Watcher, Watching
+from agent.runs.watching import RunWatcher, Watching
 from logic import House, HouseSet, HouseStream
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
@@ -200,7 +200,7 @@ def _learn(
     learnt_in = frozenset[int]() if unnamed else frozenset(map(house_key, houses))
     made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)
     watching.require(config, learnt_in)
-    watcher = Watcher(watching, made, folder.path, history) if not ranks.rank() else None
+    watcher = RunWatcher(watching, made, folder.path, history) if not ranks.rank() else None
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
         write_whole(folder.config, _described(made, learner).encode())

@@ -66,7 +66,7 @@ class Watching:
                 raise RequestError(f"held-out house {index}: the agent learns in it: give others")
 
 
-class Watcher:
+class RunWatcher:
     """Looks at a run after each report."""
 
     def __init__(self, asked: Watching, made: Checkpoint, folder: Path, history: Sequence[Progress]) -> None:

@@ -49,6 +49,8 @@ def require_state(
             raise ValueError("a state of no house: a body has no heading")
     if not (_inside(house, place, geometries) and np.isfinite(reals).all()):
         raise ValueError("a state of no house: a body is outside its house, or a target is nowhere")
+    if not np.isfinite(given.get("others", reals)).all():
+        raise ValueError("a state of no house: a target is nowhere")
     if GUIDE[0] in given:
         _require_guide(given[GUIDE[0]], given[GUIDE[1]].astype(np.float64), geometries, config)
 

@@ -60,6 +60,10 @@ class Outputs:
         info = {"pose": pose, "blocked": blocked, "house": house, "target": target}
         if self.world.config.geodesic:
             info["distance"] = self.world.arrays["last_distance" if last else "distance"].numpy()
+        if self.world.at_once > 1:
+            others = self.world.arrays["last_others" if last else "others"].numpy()
+            others = others.reshape(self.world.num_envs, -1, 2)
+            info["targets"] = np.concatenate([target[:, None], others], axis=1)
         if self.world.config.memory:
             kept = self.world.arrays["last_memory" if last else "memory"].numpy()
             info["memory"] = kept.reshape(-1, self.world.config.memory)

@@ -111,7 +111,8 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     Arrays by environment: ``pose`` (E, 3) of the eye (x, y, heading: metres, radians), ``blocked`` (E,),
     ``house`` (E,) its number in the bank, ``target`` (E, 2) its centre in metres; with ``Config.geodesic``
     also ``distance`` (E,) int32, the fewest actions to it, as ``Oracle`` counts them, -1 where no path is; of
-    terms that keep numbers also ``memory`` (E, n) float32.
+    terms that keep numbers also ``memory`` (E, n) float32; of several targets at once also ``targets``
+    (E, n, 2), ``target`` first.
 
     ## Random numbers
     They are keyed by (seed + i, episode, counter) for environment i, as in ``SyncVectorEnv``. A trajectory

@@ -14,7 +14,7 @@ from logic import House
 from logic.spelling import unknown
 from sim.backends.kinds import pieces_in
 from sim.geometry import Box
-from sim.tasks.asked import Asked
+from sim.tasks.base import BaseTask
 
 BESIDE = 0.75
 """Metres from a piece to the outer edge of a target beside it at most: the default target is 0.538 m wide."""
@@ -51,7 +51,7 @@ def beside(house: House, kind: str, margin: float = BESIDE) -> list[Box]:
 
 
 @dataclass(frozen=True)
-class Object(Asked):
+class Object(BaseTask):
     """Find a piece of a kind: a target lies directly beside one, and picking it up ends the episode."""
 
     piece: str
@@ -85,7 +85,7 @@ class Object(Asked):
 
 
 @dataclass(frozen=True)
-class Habit(Asked):
+class Habit(BaseTask):
     """Pick up targets, as many as can be, that lie where the house's habits put them.
 
     A house's regions are the rooms of each type, and the floor beside the pieces of each kind. An order of

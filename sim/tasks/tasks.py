@@ -25,7 +25,7 @@ from sim.allowed import class_name, imported, is_class_name
 from sim.config import PIXEL
 from sim.fields import stated
 from sim.geometry import Box
-from sim.tasks.asked import Asked
+from sim.tasks.base import BaseTask, require_at_once
 from sim.tasks.furniture import Habit, Object, WeightedTask
 from sim.tasks.remembering import Battery, Visit
 from sim.tasks.terms import PLAIN, Terms, terms_of
@@ -39,10 +39,10 @@ class Task(Protocol):
 
     It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``;
     ``stages(house)``, lists of rectangles, of which the first target lies in one of the first list, the next
-    in one of the next; ``start_spaces(house)``, the rectangles where episodes start, none for the usual room;
-    ``has_targets`` False, and then has none, but the body must come to all of ``spaces``; also
-    ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and ``suits(house)``,
-    whether it can be played in a house.
+    in one of the next; ``at_once``, how many targets there are; ``start_spaces(house)``, the rectangles where
+    episodes start, none for the usual room; ``has_targets`` False, and then has none, but the body must come
+    to all of ``spaces``; also ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be
+    played, and ``suits(house)``, whether it can be played in a house.
     """
 
     ends_on_pick_up: ClassVar[bool]
@@ -89,6 +89,8 @@ class Points:
     unit: str = "m"
     in_order: bool = field(default=False, kw_only=True, repr=False)
     """Whether the targets come in their order, and after the last one the first again."""
+    at_once: int = field(default=1, kw_only=True, repr=False)
+    """See ``BaseTask``."""
     terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
@@ -100,6 +102,7 @@ class Points:
             raise ValueError(f"start: [x, y, heading], not {self.start!r}")
         if self.unit not in UNITS:
             raise ValueError(unknown("unit", self.unit, UNITS))
+        require_at_once(self.at_once)
 
     def positions(self, house: House) -> list[tuple[float, ...]]:
         """See ``FixedTask``."""
@@ -119,7 +122,7 @@ def _finite(values: Any, count: int) -> bool:
 
 
 @dataclass(frozen=True)
-class Collect(Asked):
+class Collect(BaseTask):
     """Pick up targets, as many as can be: in the main room (the hub), in the other rooms, or in both."""
 
     main: bool = True
@@ -138,7 +141,7 @@ class Collect(Asked):
 
 
 @dataclass(frozen=True)
-class Rooms(Asked):
+class Rooms(BaseTask):
     """Pick up targets, as many as can be, in rooms of these types."""
 
     rooms: Sequence[str]
@@ -156,7 +159,7 @@ class Rooms(Asked):
 
 
 @dataclass(frozen=True)
-class Order(Asked):
+class Order(BaseTask):
     """Pick up targets in an order of rooms: one in a room of the first type, then of the second, and so on;
     after the last type the first again.
     """
@@ -180,7 +183,7 @@ class Order(Asked):
 
 
 @dataclass(frozen=True)
-class Reach(Asked):
+class Reach(BaseTask):
     """Reach a room of a type: a target lies in one of those, and picking it up ends the episode."""
 
     room: str
@@ -198,7 +201,7 @@ class Reach(Asked):
 
 
 @dataclass(frozen=True)
-class Roam(Asked):
+class Roam(BaseTask):
     """There are no targets: what is asked stands in the terms. The body must be able to come to all rooms."""
 
     ends_on_pick_up: ClassVar[bool] = False
@@ -302,6 +305,11 @@ def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
     if strange := next((key for key in arguments if key not in known), None):
         raise ValueError(f"terms: {unknown('term', strange, known)}")
     return make(**arguments)
+
+
+def at_once(task: AnyTask) -> int:
+    """How many targets there are at once in a task."""
+    return getattr(task, "at_once", 1)
 
 
 def has_targets(task: AnyTask) -> bool:

@@ -9,7 +9,19 @@ from logic.spelling import numbered
 from sim.allowed import class_names
 from sim.tasks.furniture import Habit, Object
 from sim.tasks.remembering import Visit
-from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Order, Points, Reach, Roam, Rooms, Targets, task
+from sim.tasks.tasks import (
+    PAPER_TASKS,
+    AnyTask,
+    Collect,
+    Order,
+    Points,
+    Reach,
+    Roam,
+    Rooms,
+    Targets,
+    at_once,
+    task,
+)
 from sim.tasks.terms import Terms, terms_of
 
 
@@ -32,7 +44,8 @@ def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
     except ValueError:
         return _own(given) if isinstance(given, dict) else str(given)
     words = _shipped(asked, named)
-    return words + _starts(asked, named) + _terms(asked) if words else _own(given)
+    several = f", {at_once(asked)} at once" if at_once(asked) > 1 else ""
+    return words + several + _starts(asked, named) + _terms(asked) if words else _own(given)
 
 
 def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, cast
 from sim.actions import FORWARD
 from sim.backends.backend import Backend
 from sim.backends.doors import Doors
+from sim.backends.targets import OtherTargets
 from sim.config import Config
 from sim.runtime import Bytes, Floats, Ints, ti
 from sim.tasks.terms import Terms, now_of
@@ -91,6 +92,8 @@ class WorldArrays(NamedTuple):
     rooms: Ints
     next_wholes: Cells
     next_reals: Reals
+    others: Floats
+    last_others: Floats
 
 
 State = ti.types.struct(
@@ -143,10 +146,16 @@ class Episodes(Observing):
     """One environment's step and reset, for a configuration and a backend."""
 
     def __init__(
-        self, config: Config, backend: Backend, ends_on_pick_up: bool, terms: Terms, lanes: int
+        self,
+        config: Config,
+        backend: Backend,
+        ends_on_pick_up: bool,
+        terms: Terms,
+        lanes: int,
+        at_once: int = 1,
     ) -> None:
         """``ends_on_pick_up``: whether an episode is over when its target is picked up. ``terms``: what it
-        rewards, and when else it ends. ``lanes``: rays in a look.
+        rewards, and when else it ends. ``lanes``: rays in a look. ``at_once``: targets that are there.
         """
         if config.closed_doors:
             self.doors = Doors(config, backend.body, lanes)
@@ -155,8 +164,12 @@ class Episodes(Observing):
         self.ends_on_pick_up, self.terms, self.Now = ends_on_pick_up, terms, now_of(terms.memory)
         self.surroundings = Surroundings(backend.body)
         self.knows_distance = config.knows_distance or terms.asks_distance
-        # Apart by more than this, a target is not picked up from where the one before it was.
-        self.apart = config.target + max(config.body)
+        self.at_once = at_once
+        if at_once > 1:
+            self.others = OtherTargets(config, backend.body, lanes, at_once - 1)
+        # Apart by more than this, a target is not picked up from where the one before it was. Of several, the
+        # one before is the agent's to choose, on which no target depends.
+        self.apart = config.target + max(config.body) if at_once == 1 else -1.0
 
     @ti.func
     def advance(self, world: ti.template(), e, state, action):
@@ -184,6 +197,12 @@ class Episodes(Observing):
             cell = state.cell
         state.origin, state.cell = origin, cell
         picked = self.overlaps(state.origin, cell, state.target)
+        if ti.static(self.at_once > 1):
+            other = self.others.met(world.others, e, state.origin, cell)
+            if not picked and other >= 0:
+                picked, target = 1, self.others.centre(world.others, e, other)
+                self.others.put(world.others, e, other, state.target)
+                state.target = target
         if ti.static(self.ends_on_pick_up):
             terminated |= picked
         state.time += 1
@@ -250,7 +269,8 @@ class Episodes(Observing):
         """What terms see of a step, see ``Now``; they remember it."""
         now = self.Now()
         now.action, now.picked, now.blocked = self.body.number(action), picked, blocked
-        now.found, now.time, now.house = state.found - 1 + picked, state.time, state.house
+        now.time, now.house = state.time, state.house
+        now.found = state.found - ti.static(self.at_once) + picked
         now.eye = self.body.eye(state.origin, state.cell)
         now.heading, now.target = self.body.eighth(state.cell), state.target
         now.before, now.distance, now.bumped = before, distance, bumped
@@ -305,7 +325,14 @@ class Episodes(Observing):
             state.house = below(self.random(state, 0, 0)[0], world.places[0])
         state.origin = self.point(world, 1 + HEADER * state.house)
         state.time, state.found, state.over = 0, 0, 0
-        state = self.sample_start(world, self.sample_target(world, state, -1.0))
+        state = self.sample_target(world, state, -1.0)
+        if ti.static(self.at_once > 1):
+            target = state.target
+            for k in range(ti.static(self.at_once - 1)):
+                state = self.sample_target(world, state, -1.0)
+                self.others.put(world.others, e, k, state.target)
+            state.target = target
+        state = self.sample_start(world, state)
         self.aim(world, e, state)
         self.close_doors(world, e, state)
         for k in ti.static(range(self.terms.memory)):
@@ -355,6 +382,15 @@ class Episodes(Observing):
             state.target = corner + self.point(world, place) * ti.static(self.config.step)
             near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
             searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
+        return state
+
+    @ti.func
+    def following(self, world: ti.template(), e, state, k):
+        """The state with the target that comes after the k-th of those that are there and to come."""
+        if ti.static(self.at_once > 1) and k < ti.static(self.at_once - 1):
+            state.target = self.others.centre(world.others, e, k)
+        else:
+            state = self.sample_target(world, state, ti.static(self.apart))
         return state
 
     @ti.func

@@ -65,6 +65,7 @@ def kernels(
     serial: bool,
     ends_on_pick_up: bool,
     terms: Terms,
+    at_once: int = 1,
     guided: bool = False,
 ) -> Kernels:
     """Kernels for a running Taichi. Arguments are named for the world's arrays. ``serial``: in the calling
@@ -73,10 +74,10 @@ def kernels(
     """
     lanes = 1 if by_ray else config.rays
     backend = _backend(program, make, config, lanes)
-    episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes)
+    episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes, at_once)
     # To set an argument takes time at each launch.
     more = episodes.knows_distance or config.extras or config.latency or terms.memory or terms.surveys
-    Arrays = WorldArrays if more or guided else PlainArrays
+    Arrays = WorldArrays if more or guided or at_once > 1 else PlainArrays
     rays, all_rays = config.rays, not by_ray
     Given = ti.i64 if config.drives else ti.i32
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
@@ -201,6 +202,9 @@ def kernels(
                 for k in ti.static(range(terms.memory)):
                     at = e * ti.static(terms.memory) + k
                     world.last_memory[at] = world.memory[at]
+                for k in ti.static(range(2 * at_once - 2)):
+                    at = e * ti.static(2 * at_once - 2) + k
+                    world.last_others[at] = world.others[at]
                 if ti.static(all_rays):
                     episodes.look(world, e, state, 0, rays, final)
                     state = begin_next(world, e, state)
@@ -240,7 +244,7 @@ def kernels(
             for k in range(count):
                 targets[2 * (e * count + k)] = state.target[0]
                 targets[2 * (e * count + k) + 1] = state.target[1]
-                state = episodes.sample_target(world, state, ti.static(episodes.apart))
+                state = episodes.following(world, e, state, k)
 
     @kernel
     def stand(numbers: Floats, indices: Ints, origins: Floats, cells: Ints, free: Ints):

@@ -5,6 +5,7 @@ from typing import Any
 
 from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL
 from sim.backends.doors import Doors
+from sim.backends.targets import OtherTargets
 from sim.config import DEVIATIONS, Config
 from sim.runtime import ti
 from sim.world.extras import Extras
@@ -19,6 +20,8 @@ class Observing:
     backend: Any
     body: Any
     doors: Doors
+    others: OtherTargets
+    at_once: int
     extras: Extras
 
     @ti.func
@@ -101,6 +104,14 @@ class Observing:
                 error = normal(philox(state.seed, ti.cast(counter, ti.u64)))
                 cut = ti.max(-ti.static(DEVIATIONS), ti.min(ti.static(DEVIATIONS), error))
                 off[r] = ti.static(math.radians(self.config.angle_noise)) * cut
+        distance, kind = self.nearest(world, state, ray, off)
+        if ti.static(self.at_once > 1):
+            self.others.show(world.others, e, state.origin, state.cell, ray, off, distance, kind)
+        return distance, kind
+
+    @ti.func
+    def nearest(self, world: ti.template(), state, ray, off: ti.template()):
+        """What rays hit of a house and its first target."""
         if ti.static(self.config.angle_noise > 0):
             return self.backend.look(
                 world.numbers, world.indices, state.house, state.origin, state.cell, state.target, ray, off

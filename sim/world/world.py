@@ -15,7 +15,7 @@ from sim.geometry import check_lengths
 from sim.runtime import Array, Launch, start, ti
 from sim.tasks.places import Places, places
 from sim.tasks.survey import survey
-from sim.tasks.tasks import AnyTask, FixedTask, Targets, task
+from sim.tasks.tasks import AnyTask, FixedTask, Targets, at_once, task
 from sim.tasks.terms import terms_of
 from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
 from sim.world.geodesic import Distances, distance_arrays
@@ -83,14 +83,17 @@ class World:
         self.config = backend.fit(config, houses)
         ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
         self.serial = num_envs <= FEW and not by_ray
+        self.at_once = at_once(self.task)
         self._compile = partial(
-            kernels, start(), self.config, backend, mode, by_ray, self.serial, ends, terms
+            kernels, start(), self.config, backend, mode, by_ray, self.serial, ends, terms, self.at_once
         )
         self.kernels, self.guided = self._compile(), False
         self.backend: Backend = self.kernels.backend
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
             raise ValueError("the distance to the target is not had where doors are closed: ask sim.Oracle")
+        if self.at_once > 1 and (knows or self.config.latency):
+            raise ValueError("of several targets at once no distance is had, and none is seen late")
         self._make_arrays()
         self.distances = Distances(self) if knows else None
         self.load(houses)
@@ -124,6 +127,8 @@ class World:
             "house": Array(ti.i32, count),
             "memory": Array(ti.f32, max(1, count * config.memory)),
             "last_memory": Array(ti.f32, max(1, count * config.memory)),
+            "others": Array(ti.f32, max(1, count * 2 * (self.at_once - 1))),
+            "last_others": Array(ti.f32, max(1, count * 2 * (self.at_once - 1))),
             "rooms": Array(ti.i32, count if terms_of(self.task).sees_room else 1),
             "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
             "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, WHOLES),
@@ -148,6 +153,8 @@ class World:
         wanted = self.task if targets is None else task(targets)
         if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
             raise ValueError("episodes of that task end otherwise: make a new environment for it")
+        if at_once(wanted) != self.at_once:
+            raise ValueError("that task has another number of targets at once: make a new environment for it")
         if terms_of(wanted) != terms_of(self.task):
             raise ValueError("that task has other terms: make a new environment for it")
         if self.backend.fit(self.config, houses) != self.config:
@@ -326,11 +333,11 @@ class World:
         return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
 
     def environment(self, e: int) -> dict[str, int]:
-        """One environment's counts: steps and targets sampled in its episode, if it is over, its number."""
+        """One environment's counts: steps and targets found in its episode, and one; if over, its number."""
         whole = self.arrays["wholes"].numpy()[e]
         return {
             "time": int(whole[TIME]),
-            "found": int(whole[FOUND]),
+            "found": int(whole[FOUND]) - self.at_once + 1,
             "over": int(whole[OVER]),
             "episode": int(whole[NUMBER]),
         }
@@ -372,4 +379,5 @@ class World:
         past = ("past_reals", "past_cells") * bool(self.config.latency)
         odometer = ("odometer",) * ("odometry" in self.config.observe)
         memory, guide = ("memory",) * bool(self.config.memory), GUIDE * self.guided
-        return (*STATE, *doors, *extras, *past, *odometer, *memory, *guide)
+        others = ("others",) * (self.at_once > 1)
+        return (*STATE, *doors, *extras, *past, *odometer, *memory, *guide, *others)
