@@ -7,6 +7,7 @@ from functools import cache, lru_cache
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from logic.spelling import markup, printable
@@ -76,10 +77,19 @@ class Strokes:
 
 
 @dataclass(frozen=True)
+class Region:
+    """An area with borders along both axes, filled where an odd number of closed ``rings`` lies around."""
+
+    rings: tuple[tuple[Point, ...], ...]
+    fill: str
+
+
+@dataclass(frozen=True)
 class Text:
     """Words: ``at`` is the middle of its height, the halo a rim in another colour.
 
-    ``anchor`` says which part of it is there: ``start``, ``middle`` or ``end``.
+    ``anchor`` says which part of it is there: ``start``, ``middle`` or ``end``. ``turned``: it is read from
+    below upwards.
     """
 
     at: Point
@@ -88,6 +98,7 @@ class Text:
     fill: str
     anchor: str = "middle"
     halo: str = ""
+    turned: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,7 +109,7 @@ class Part:
     shapes: tuple["Shape", ...]
 
 
-Plain = Block | Oval | Line | Curve | Strokes | Text
+Plain = Block | Oval | Line | Curve | Strokes | Region | Text
 Shape = Plain | Part
 
 
@@ -177,18 +188,26 @@ def _element(shape: Shape) -> str:
         case Line(points, stroke, width, dash):
             broken = f' stroke-dasharray="{dash:.1f}"' if dash else ""
             return f'<polyline points="{_listed(points)}" {_paint("", stroke, width)}{broken}/>'
-        case Curve() | Strokes():
-            paint = _paint("", shape.stroke, shape.width)
+        case Curve() | Strokes() | Region():
+            filled = isinstance(shape, Region)
+            paint = (
+                f'fill="{shape.fill}" fill-rule="evenodd"'
+                if filled
+                else _paint("", shape.stroke, shape.width)
+            )
             return f'<path d="{_path(shape)}" {paint}/>'
-        case Text((x, y), text, size, fill, anchor, halo):
+        case Text((x, y), text, size, fill, anchor, halo, turned):
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
+            place += f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turned else ""
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
             place += ' pointer-events="none"'  # A click on a room's name is one on the room.
             return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{markup(text)}</text>"
 
 
-def _path(shape: Curve | Strokes) -> str:
+def _path(shape: Curve | Strokes | Region) -> str:
     """The data of an SVG path."""
+    if isinstance(shape, Region):
+        return "".join(f"M{_listed(ring)}Z" for ring in shape.rings)
     if isinstance(shape, Strokes):
         return "".join(f"M{_listed(ends)}" for ends in shape.ends)
     return f"M{_listed(shape.points[:1])}C{_listed(shape.points[1:])}"
@@ -224,6 +243,16 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Plain, scale: int) -> None:
         case Strokes(ends, stroke, width):
             for (x0, y0), (x1, y1) in ends:
                 pen.line((x0 * scale, y0 * scale, x1 * scale, y1 * scale), stroke, length(width))
+        case Region(rings, fill):
+            for box in boxes_of_rings(rings):
+                pen.rectangle(_around(box, 0.0, scale), fill)
+        case Text((x, y), text, size, fill, turned=True):
+            font = _font(length(size))
+            wide, high = round(font.getlength(printable(text))), length(1.4 * size)
+            mask = Image.new("L", (wide, high))
+            ImageDraw.Draw(mask).text((0, high / 2 + ASCENT * size * scale), printable(text), 255, font, "ls")
+            corner = round(x * scale - high / 2), round(y * scale - wide / 2)
+            pen.bitmap(corner, mask.transpose(Image.Transpose.ROTATE_90), fill)
         case Text((x, y), text, size, fill, anchor, halo):
             place = x * scale, (y + ASCENT * size) * scale
             rim = length(size / 8) if halo else 0
@@ -236,6 +265,17 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Plain, scale: int) -> None:
                 stroke_width=rim,
                 stroke_fill=halo or None,
             )
+
+
+def boxes_of_rings(rings: Iterable[Sequence[Point]]) -> Iterator[Box]:
+    """Cut an area with borders along both axes into boxes from west to east, no two of which overlap."""
+    sides = [pair for ring in rings for pair in pairwise([*ring, ring[0]])]
+    upright = np.array([(x0, *sorted((y0, y1))) for (x0, y0), (x1, y1) in sides if y0 != y1]).reshape(-1, 3)
+    upright = upright[upright[:, 0].argsort()]
+    for top, bottom in pairwise(np.unique(upright[:, 1:])):
+        xs = upright[(upright[:, 1] <= top) & (upright[:, 2] >= bottom), 0]
+        for left, right in zip(xs[::2], xs[1::2], strict=True):
+            yield float(left), float(top), float(right), float(bottom)
 
 
 def _bent(points: Sequence[Point]) -> Iterator[Point]:

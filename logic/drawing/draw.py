@@ -1,7 +1,7 @@
 """Plans of houses as SVG, PNG and PDF: each alone, many on a sheet, or each on paper, to a scale."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Literal
@@ -10,11 +10,22 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from logic.drawing import palettes
-from logic.drawing.canvas import DENSITY, Drawing, Point, Text, png, svg
+from logic.drawing.canvas import DENSITY, Drawing, Point, Shape, Text, png, svg
 from logic.drawing.door_leaves import door_leaves
-from logic.drawing.labels import SWATCH, abbreviations, key, key_rows, legend, room_names, title, unnamed
+from logic.drawing.labels import (
+    SWATCH,
+    abbreviations,
+    entries,
+    key,
+    key_rows,
+    legend,
+    room_names,
+    title,
+    unnamed,
+)
+from logic.drawing.measures import DIMENSION, NORTH, dimensions, north_arrow
 from logic.drawing.palettes import Style, style
-from logic.drawing.plan import Frame, drawn_extent, house_shapes
+from logic.drawing.plan import Frame, drawn_extent, house_shapes, unlabelled
 from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.replacing import DRAWN_BY
@@ -23,6 +34,9 @@ TITLE, FOOT, MARGIN = 30, 22, 12
 """CSS pixels above a plan, below it and around it."""
 WIDTH, CELL = 720, 300
 """CSS pixels: the width of a plan, and of a plan on a sheet."""
+
+MEASURED = 400
+"""CSS pixels: narrower plans have no dimension lines."""
 
 Format = Literal["svg", "png", "pdf"]
 
@@ -37,7 +51,7 @@ def plan_svg(
 
     Each part has its name in ``data-part``, as ``explain_house`` takes it.
     """
-    drawing = plan(house, width, scale=scale, look=style([house], palette))
+    drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MEASURED)
     return svg([((0, 0), drawing)], drawing.width, drawing.height)
 
 
@@ -45,7 +59,7 @@ def plan_png(
     house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
 ) -> Image.Image:
     """Draw the same plan as an image, two pixels to a CSS pixel."""
-    drawing = plan(house, width, scale=scale, look=style([house], palette))
+    drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MEASURED)
     return png([((0, 0), drawing)], drawing.width, drawing.height)
 
 
@@ -92,10 +106,10 @@ def draw(
     """
     houses = require_drawable(houses, out_dir, format)
     look = style(houses, palette, grammar)
-    scale = min(_scale(house, WIDTH) for house in houses) if one_scale else None
+    scale = min(_scale(house, WIDTH - DIMENSION) for house in houses) if one_scale else None
     pages: list[Page] = []
     for house in houses:
-        drawing = plan(house, WIDTH, scale=scale, look=look)
+        drawing = plan(house, WIDTH, scale=scale, look=look, measured=True)
         pages.append(([((0, 0), drawing)], drawing.width, drawing.height))
     sheet = None if format == "pdf" else _sheet(houses, None, CELL, one_scale, palette, look)
     return write_pages(pages, Path(out_dir), format, sheet)
@@ -158,49 +172,68 @@ def plan(
     height: float | None = None,
     scale: float | None = None,
     look: Style | None = None,
-    stated: str = "",
+    measured: bool = False,
+    titled: bool = True,
 ) -> Drawing:
     """Draw a house into these CSS pixels, with its title, a scale and the meaning of its marks and colours.
 
     ``height``: by default as much as it needs, at most about one and a half widths. ``scale``: CSS pixels to
-    a metre, by default as many as fit; ``stated``: what is said of it beside the bar. Rooms too small for
-    their names have abbreviations, and a key below.
+    a metre, by default as many as fit; ``measured``: with dimension lines; ``titled``: with its title and
+    the north arrow above. Rooms too small for their names have abbreviations, pieces numbers, with a key.
     """
     look = look or style([house])
     leaves = door_leaves(house)
-    every = abbreviations(house.whole(room).type for room in house.counted)
-    keyed: set[str] = set()
+    every = abbreviations({*look.fills, *look.looks.rooms})
+    keyed, numbers = set[str](), dict[str, str]()
+    above, beside = TITLE if titled else MARGIN, DIMENSION if measured else 0
     while True:  # A key takes space, in which a further name may have stood.
         short = {kind: every[kind] for kind in every if kind in keyed}
-        rows = key_rows(short, width - 2 * MARGIN)
-        frame, tall = _frame(house, width, height, scale, len(rows))
+        rows = key_rows(entries(look, short, numbers), width - 2 * MARGIN)
+        below = FOOT + SWATCH * len(rows)
+        frame, tall = _frame(house, width, height, scale, (above, below, beside))
         names = room_names(house, frame, look, short, leaves=leaves)
-        if unnamed(house, names) <= keyed:
+        pieces = {*numbers, *unlabelled(house, frame, look)}
+        if unnamed(house, names) <= keyed and pieces <= numbers.keys():
             break
         keyed |= unnamed(house, names)
+        numbers = {kind: str(number) for number, kind in enumerate(sorted(pieces), start=1)}
     foot = tall - FOOT / 2 - SWATCH * len(rows)
     shapes = [
-        *house_shapes(house, frame, look, leaves),
+        *house_shapes(house, frame, look, leaves, numbers),
         *(word for name in names for word in name),
-        Text((MARGIN, TITLE / 2), title(house, width - 2 * MARGIN), 11.5, look.inks.ink, "start"),
-        *legend(house, look, frame.scale, MARGIN, foot, stated),
-        *key(rows, short, look, MARGIN, foot + SWATCH + 2),
+        *(_head(house, width, look) if titled else ()),
+        *(dimensions(house, frame, look.inks) if measured else ()),
+        *legend(house, look, frame.scale, MARGIN, foot),
+        *key(rows, look, MARGIN, foot + SWATCH + 2),
     ]
     return Drawing(width, tall, tuple(shapes))
 
 
+def _head(house: House, width: float, look: Style) -> Iterator[Shape]:
+    """The title of a plan, and the north arrow."""
+    words = title(house, width - 2 * MARGIN - 2 * NORTH)
+    yield Text((MARGIN, TITLE / 2), words, 11.5, look.inks.ink, "start")
+    yield from north_arrow(width - MARGIN, TITLE / 2, look.inks)
+
+
 def _frame(
-    house: House, width: float, height: float | None, scale: float | None, rows: int
+    house: House,
+    width: float,
+    height: float | None,
+    scale: float | None,
+    around: tuple[float, float, float],
 ) -> tuple[Frame, float]:
-    """A house in the middle of a picture, above a key of so many rows; and the picture's height."""
+    """A house in the middle of a picture, and the picture's height. ``around``: what is taken above it and
+    below it, and by dimension lines beside and below it, CSS pixels.
+    """
+    above, below, beside = around
     west, north, east, south = drawn_extent(house)
-    below = FOOT + SWATCH * rows
     if height is None:
-        scale = scale or _scale(house, width)
-        height = round(TITLE + scale * (south - north) + MARGIN + below)
-    scale = scale or _scale(house, width, height - TITLE - MARGIN - below)
-    left = (width - scale * (east - west)) / 2 - scale * west
-    top = TITLE + (height - TITLE - below - scale * (south - north)) / 2 - scale * north
+        scale = scale or _scale(house, width - beside)
+        height = round(above + scale * (south - north) + MARGIN + beside + below)
+    scale = scale or _scale(house, width - beside, height - above - MARGIN - beside - below)
+    left = beside + (width - beside - scale * (east - west)) / 2 - scale * west
+    top = above + (height - above - beside - below - scale * (south - north)) / 2 - scale * north
     return Frame(scale, left, top), height
 
 
@@ -231,7 +264,14 @@ def _sheet(
     return [*cells], min(columns, len(houses)) * cell, -(-len(houses) // columns) * cell
 
 
-def least_scale(house: House, width: float, height: float) -> float:
-    """CSS pixels to a metre that surely fit in a picture, above the key that the house may need."""
-    rows = key_rows({house.whole(room).type: "" for room in house.counted}, width - 2 * MARGIN)
-    return _scale(house, width, height - TITLE - MARGIN - FOOT - SWATCH * len(rows))
+def least_scale(house: House, width: float, height: float, paper: bool = False) -> float:
+    """CSS pixels to a metre that surely fit in a picture, above the key that the house may need; on paper
+    beside dimension lines, without a title.
+    """
+    above, beside = (MARGIN, DIMENSION) if paper else (TITLE, 0.0)
+    look = style([house])
+    pieces = {piece.type: "" for room in house.rooms for piece in room.pieces}
+    strange = {kind: "" for kind in pieces if kind and look.looks.symbol(kind) is None}
+    rows = key_rows(entries(look, dict.fromkeys(look.fills, ""), strange), width - 2 * MARGIN)
+    high = height - above - MARGIN - FOOT - SWATCH * len(rows)
+    return _scale(house, width - beside, high - beside)

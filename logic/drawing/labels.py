@@ -5,14 +5,16 @@ import re
 from collections.abc import Iterable, Sequence
 from itertools import chain, product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from logic.drawing.canvas import Block, Box, Line, Shape, Text, text_width
 from logic.drawing.door_leaves import Leaf
-from logic.drawing.palettes import Style, style
+from logic.drawing.palettes import Fill, Style, style
 from logic.drawing.plan import Frame, floor, has_mark, house_shapes
 from logic.house.house import House
+from logic.house.looks import spaced
 from logic.house.parts import ORIGINAL, Room
 from logic.spelling import numbered
 
@@ -100,7 +102,8 @@ def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
 
 def _full(room: Room) -> list[str]:
     """What a room is called, the best first: by the name that somebody gave it, and by its type."""
-    return [room.type] if UNNAMED.fullmatch(room.name) else [*dict.fromkeys((room.name, room.type))]
+    kind = spaced(room.type)
+    return [kind] if UNNAMED.fullmatch(room.name) else [*dict.fromkeys((room.name, kind))]
 
 
 def _has_name(house: House, room: Room) -> bool:
@@ -136,14 +139,12 @@ def title(house: House, width: float) -> str:
     return " · ".join(parts)
 
 
-def legend(house: House, style: Style, scale: float, left: float, y: float, stated: str = "") -> list[Shape]:
-    """A bar of one metre, or of more where that is too short to be seen, the ``stated`` scale, and what the
-    marks are.
-    """
+def legend(house: House, style: Style, scale: float, left: float, y: float) -> list[Shape]:
+    """A bar of one metre, or of more where that is too short to be seen, and what the marks are."""
     metres = next((metres for metres in (1, 2, 5, 10, 20) if metres * scale >= 18), 50)
     right, ink, mark = left + metres * scale, style.inks.ink, style.inks.mark
     ends = [Line(((x, y - 3), (x, y + 3)), ink, 1.2) for x in (left, right)]
-    words = Text((right + 6, y), " · ".join(filter(None, [f"{metres} m", stated])), 10, ink, "start")
+    words = Text((right + 6, y), f"{metres} m", 10, ink, "start")
     shapes: list[Shape] = [Line(((left, y), (right, y)), ink, 1.2), *ends, words]
     start = right + 6 + text_width(words.text, 10) + 16
     fronts = any(has_mark(house, piece, style) for room in house.rooms for piece in room.pieces)
@@ -160,37 +161,49 @@ def legend(house: House, style: Style, scale: float, left: float, y: float, stat
     return shapes
 
 
-def key_rows(short: dict[str, str], width: float) -> list[list[str]]:
-    """The types of a key, in rows of at most this many CSS pixels."""
-    rows: list[list[str]] = [[]]
-    for kind in short:
-        if rows[-1] and sum(map(_key_width, [*rows[-1], kind])) > width:
+class Entry(NamedTuple):
+    """What a key says of a type: in words, and as drawings have it."""
+
+    words: str
+    short: str
+    fill: Fill
+
+
+def entries(style: Style, short: dict[str, str], numbers: dict[str, str]) -> list[Entry]:
+    """Return the entries of these types of rooms, by their abbreviations, and of pieces, by their numbers."""
+    rooms = [Entry(spaced(kind), text, style.fill(kind)) for kind, text in short.items()]
+    wood = Fill(style.inks.wood)
+    return [*rooms, *(Entry(style.looks.name(kind), text, wood) for kind, text in numbers.items())]
+
+
+def key_rows(listed: Iterable[Entry], width: float) -> list[list[Entry]]:
+    """The entries of a key, in rows of at most this many CSS pixels."""
+    rows: list[list[Entry]] = [[]]
+    for entry in listed:
+        if rows[-1] and sum(_key_width(each.words) for each in [*rows[-1], entry]) > width:
             rows.append([])
-        rows[-1].append(kind)
+        rows[-1].append(entry)
     return [row for row in rows if row]
 
 
-def key(
-    rows: Sequence[Sequence[str]], short: dict[str, str], style: Style, left: float, y: float
-) -> list[Shape]:
-    """A colour with its abbreviation for each type, the first row at ``y``."""
+def key(rows: Sequence[Sequence[Entry]], style: Style, left: float, y: float) -> list[Shape]:
+    """A colour with its abbreviation or number for each type, the first row at ``y``."""
     shapes: list[Shape] = []
     for number, row in enumerate(rows):
         x, middle = left, y + number * SWATCH
-        for kind in row:
+        for words, short, fill in row:
             box = x, middle - 5.5, x + SWATCH, middle + 5.5
-            fill = style.fill(kind)
             shapes += [*floor(box, fill, style.inks), Block(box, "", style.inks.wall, 0.8)]
-            size = min(7.5, (SWATCH - 2) / text_width(short[kind], 1))
+            size = min(7.5, (SWATCH - 2) / text_width(short, 1))
             halo = fill.colour if fill.hatch else ""
-            shapes.append(Text((x + SWATCH / 2, middle), short[kind], size, style.inks.ink, halo=halo))
-            shapes.append(Text((x + SWATCH + 4, middle), kind, 10, style.inks.ink, "start"))
-            x += _key_width(kind)
+            shapes.append(Text((x + SWATCH / 2, middle), short, size, style.inks.ink, halo=halo))
+            shapes.append(Text((x + SWATCH + 4, middle), words, 10, style.inks.ink, "start"))
+            x += _key_width(words)
     return shapes
 
 
-def _key_width(kind: str) -> float:
-    return SWATCH + 14 + text_width(kind, 10)
+def _key_width(words: str) -> float:
+    return SWATCH + 14 + text_width(words, 10)
 
 
 def _name(

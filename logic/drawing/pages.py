@@ -3,7 +3,10 @@
 import math
 import re
 
+from logic.drawing.canvas import Drawing
 from logic.drawing.draw import MILLIMETRE, Page, least_scale, plan
+from logic.drawing.labels import title
+from logic.drawing.measures import BLOCK, title_block
 from logic.drawing.palettes import Style
 from logic.drawing.plan import drawn_extent
 from logic.errors import RequestError
@@ -34,13 +37,10 @@ def page(house: House, look: Style, ratio: int, size: str | None = None, name: s
     Raises ``RequestError`` where the page, or the largest one, is too small; ``name`` is the house's in it.
     """
     for each in [size] if size else SIZES:
-        for sides in (SIZES[each], SIZES[each][::-1]):
+        short, long = SIZES[each]
+        for sides in ((short, long), (long, short)):
             if ratio >= _least_ratio(house, *sides):
-                width, height = ((side - 2 * BORDER) / MILLIMETRE for side in sides)
-                scale = 1000 / ratio / MILLIMETRE
-                drawing = plan(house, width, height, scale, look, f"1:{ratio} on {each}")
-                at = BORDER / MILLIMETRE, BORDER / MILLIMETRE
-                return [(at, drawing)], sides[0] / MILLIMETRE, sides[1] / MILLIMETRE
+                return _sheet(house, look, ratio, each, sides)
     west, north, east, south = drawn_extent(house)
     needed = " x ".join(f"{1000 * length / ratio:.0f}" for length in (east - west, south - north))
     last = size or [*SIZES][-1]
@@ -54,5 +54,17 @@ def page(house: House, look: Style, ratio: int, size: str | None = None, name: s
 
 def _least_ratio(house: House, width: float, height: float) -> float:
     """The least ratio at which a house fits on a page of these millimetres."""
-    inside = ((side - 2 * BORDER) / MILLIMETRE for side in (width, height))
-    return 1000 / MILLIMETRE / least_scale(house, *inside)
+    across, down = ((side - 2 * BORDER) / MILLIMETRE for side in (width, height))
+    return 1000 / MILLIMETRE / least_scale(house, across, down - BLOCK, paper=True)
+
+
+def _sheet(house: House, look: Style, ratio: int, size: str, sides: tuple[int, int]) -> Page:
+    """A house with its dimensions above a title block, on a page of these millimetres."""
+    width, height = ((side - 2 * BORDER) / MILLIMETRE for side in sides)
+    scale = 1000 / ratio / MILLIMETRE
+    drawing = plan(house, width, height - BLOCK, scale, look, measured=True, titled=False)
+    cells = [("House", title(house, 0.7 * width)), ("Scale", f"1:{ratio} on {size}")]
+    block = tuple(title_block(cells, (1, 1, width - 1, BLOCK - 1), look.inks))
+    edge = BORDER / MILLIMETRE
+    placed = [((edge, edge), drawing), ((edge, edge + height - BLOCK), Drawing(width, BLOCK, block))]
+    return placed, sides[0] / MILLIMETRE, sides[1] / MILLIMETRE

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from io import BytesIO
+from itertools import chain
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import PdfPages
@@ -11,7 +12,19 @@ from matplotlib.patches import Ellipse, FancyBboxPatch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
-from logic.drawing.canvas import ASCENT, Block, Curve, Drawing, Line, Oval, Plain, Point, Strokes, flat
+from logic.drawing.canvas import (
+    ASCENT,
+    Block,
+    Curve,
+    Drawing,
+    Line,
+    Oval,
+    Plain,
+    Point,
+    Region,
+    Strokes,
+    flat,
+)
 from logic.house.replacing import DRAWN_BY
 from logic.spelling import printable
 
@@ -46,6 +59,12 @@ def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
             LineCollection(ends, colors=shape.stroke, linewidths=POINT * shape.width, **common)
         )
         return
+    if isinstance(shape, Region):
+        rings = [[(a + x, b + y) for a, b in (*ring, ring[0])] for ring in shape.rings]
+        codes = [[Path.MOVETO, *[Path.LINETO] * (len(ring) - 2), Path.CLOSEPOLY] for ring in rings]
+        path = Path([*chain(*rings)], [*chain(*codes)])
+        axes.add_patch(PathPatch(path, facecolor=shape.fill, edgecolor="none", **common))
+        return
     if isinstance(shape, Line | Curve):
         is_curve = isinstance(shape, Curve)
         codes = [Path.MOVETO, *([Path.CURVE4 if is_curve else Path.LINETO] * (len(shape.points) - 1))]
@@ -65,14 +84,17 @@ def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
             corner = f"round,pad=0,rounding_size={shape.radius}" if shape.radius else "square,pad=0"
             axes.add_patch(FancyBboxPatch((x + left, y + top), wide, high, boxstyle=corner, **paint))
         return
+    down = ASCENT * shape.size
     text = axes.text(
-        x + shape.at[0],
-        y + shape.at[1] + ASCENT * shape.size,
+        x + shape.at[0] + (down if shape.turned else 0),
+        y + shape.at[1] + (0 if shape.turned else down),
         printable(shape.text).replace("$", r"\$"),  # else it is a formula
         fontsize=POINT * shape.size,
         color=shape.fill,
         ha={"start": "left", "middle": "center", "end": "right"}[shape.anchor],
         va="baseline",
+        rotation=90 if shape.turned else 0,
+        rotation_mode="anchor",
         **common,
     )
     if shape.halo:

@@ -1,14 +1,28 @@
 """A house as shapes: walls, floors by room type, furniture, doors and windows. Plans and films draw these."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from msgspec import structs
 
-from logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Strokes, Text, text_width
+from logic.drawing.canvas import (
+    Block,
+    Box,
+    Curve,
+    Line,
+    Oval,
+    Part,
+    Point,
+    Region,
+    Shape,
+    Strokes,
+    Text,
+    text_width,
+)
 from logic.drawing.door_leaves import Leaf
 from logic.drawing.palettes import Fill, Inks, Style
+from logic.drawing.wall_union import wall_rings
 from logic.house.boxes import walls_touched
 from logic.house.house import House
 from logic.house.occupancy import OCCUPIED, UNKNOWN, OccupancyGrid
@@ -76,16 +90,23 @@ def drawn_extent(house: House) -> Box:
     return grown(extent(house), house.half_wall + _thickness(house)[1])
 
 
-def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf] = ()) -> list[Shape]:
-    """Draw all of a house but words about it: what is outside of the rooms lies under the floors, walls over
-    the furniture.
+def house_shapes(
+    house: House,
+    frame: Frame,
+    style: Style,
+    leaves: Sequence[Leaf] = (),
+    numbers: Mapping[str, str] | None = None,
+) -> list[Shape]:
+    """Draw all of a house but words about it, walls over the furniture.
 
-    ``leaves``: see ``door_leaves``, or none, as in films, whose bodies and rays pass.
+    ``leaves``: see ``door_leaves``, or none, as in films, whose bodies and rays pass. ``numbers``: those of
+    types of pieces in the key: see ``unlabelled``.
     """
+    numbers = numbers or {}
     if house.occupancy:
-        return _map_shapes(house, house.occupancy, frame, style)
+        return _map_shapes(house, house.occupancy, frame, style, numbers)
     inks, beyond = style.inks, max(_thickness(house)[1] * frame.scale, 2.0)
-    shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.tiles]
+    shapes: list[Shape] = []
     if main := house.main_room:
         shapes.append(Part(main.name, (Block(frame.box(main), inks.paper),)))
     for room in house.counted:
@@ -93,9 +114,10 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
         if room.type in house.outdoor:  # Boards, and no colour: there is no roof.
             fill = structs.replace(fill, colour=inks.paper, hatch="|")
         shapes.append(Part(room.name, tuple(floor(frame.box(room), fill, inks))))
-    shapes += _furniture(house, frame, style)
-    if not house.wall_thickness:
-        shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
+    shapes += _furniture(house, frame, style, numbers)
+    inner = () if house.wall_thickness else wall_boxes(house)
+    rings = wall_rings(house, beyond / frame.scale, inner)
+    shapes.append(Region(tuple(tuple(frame.at(*point) for point in ring) for ring in rings), inks.wall))
     shapes += _free_walls(house, frame, inks)
     left, tiles = iter(leaves), boxes_of(house)
     for name, door in doors_by_name(house).items():
@@ -115,12 +137,14 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
     return shapes
 
 
-def _map_shapes(house: House, grid: OccupancyGrid, frame: Frame, style: Style) -> list[Shape]:
+def _map_shapes(
+    house: House, grid: OccupancyGrid, frame: Frame, style: Style, numbers: Mapping[str, str]
+) -> list[Shape]:
     """A map: free cells, areas that have names, furniture, and all other cells."""
     inks, (whole, *areas) = style.inks, house.rooms
     shapes: list[Shape] = [Part(whole.name, (Block(frame.box(whole), inks.paper),))]
     shapes += [Part(area.name, tuple(floor(frame.box(area), style.fill(area.type), inks))) for area in areas]
-    shapes += _furniture(house, frame, style)
+    shapes += _furniture(house, frame, style, numbers)
     for kind, ink in ((UNKNOWN, inks.faint), (OCCUPIED, inks.wall)):
         shapes += [Block(frame.place(box), ink) for box in grid.blocks(kind)]
     return [*shapes, *_free_walls(house, frame, inks)]
@@ -132,11 +156,12 @@ def _free_walls(house: House, frame: Frame, inks: Inks) -> Iterator[Line]:
         yield Line(ends, inks.wall, max(1.0, wall.thickness * frame.scale))
 
 
-def _furniture(house: House, frame: Frame, style: Style) -> Iterator[Part]:
+def _furniture(house: House, frame: Frame, style: Style, numbers: Mapping[str, str]) -> Iterator[Part]:
     for room in house.counted:
         names = part_names([piece.type for piece in room.pieces])
         for name, piece in zip(names, room.pieces, strict=True):
-            drawn = piece_shapes(piece, frame.box(piece), _front(house, room, piece), frame.scale, style)
+            front, number = _front(house, room, piece), numbers.get(piece.type, "")
+            drawn = piece_shapes(piece, frame.box(piece), front, frame.scale, style, number)
             if has_mark(house, piece, style):
                 drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, style.inks))
             yield Part(f"{room.name}.{name}", tuple(drawn))
@@ -271,8 +296,31 @@ def _front(house: House, room: Rect, piece: Piece) -> str:
     return max((sides[wall] for wall in walls_touched(piece, room)), default=(0.0, piece.orientation))[1]
 
 
-def piece_shapes(piece: Piece, box: Box, front: str, scale: float, style: Style) -> list[Shape]:
-    """A piece with its symbol, or with its name where it has none."""
+def unlabelled(house: House, frame: Frame, style: Style) -> list[str]:
+    """Return the types of pieces that have neither a symbol nor room for their names, sorted."""
+    pieces = (piece for room in house.counted for piece in room.pieces)
+    return sorted(
+        {
+            piece.type
+            for piece in pieces
+            if piece.type
+            and style.looks.symbol(piece.type) is None
+            and not _written(style.looks.name(piece.type), frame.box(piece), frame.scale)
+        }
+    )
+
+
+def _written(words: str, box: Box, scale: float) -> float:
+    """Return the size of letters in which words fit on a piece, or 0."""
+    left, top, right, bottom = box
+    size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(words, 1))
+    return size if 6 <= size <= bottom - top else 0.0
+
+
+def piece_shapes(
+    piece: Piece, box: Box, front: str, scale: float, style: Style, number: str = ""
+) -> list[Shape]:
+    """A piece with its symbol; without one with its name, or its number in the key if that does not fit."""
     left, top, right, bottom = box
     inks, thin = style.inks, _thin(scale)
     radius = min(0.05 * scale, (right - left) / 3, (bottom - top) / 3)
@@ -295,10 +343,13 @@ def piece_shapes(piece: Piece, box: Box, front: str, scale: float, style: Style)
                 shapes.append(Oval(around, "", inks.faint, thin))
             else:
                 shapes.append(Block(around, "", inks.faint, thin, 0.04 * scale))
-    if forms is None:
-        size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(piece.type or "?", 1))
-        if 6 <= size <= bottom - top:
-            shapes.append(Text(((left + right) / 2, (top + bottom) / 2), piece.type, size, inks.edge))
+    if forms is None and piece.type:
+        words, middle = style.looks.name(piece.type), ((left + right) / 2, (top + bottom) / 2)
+        if size := _written(words, box, scale):
+            shapes.append(Text(middle, words, size, inks.edge))
+        elif number:
+            size = max(5.0, min(8.0, 0.9 * (right - left) / text_width(number, 1), bottom - top))
+            shapes.append(Text(middle, number, size, inks.edge))
     return shapes
 
 

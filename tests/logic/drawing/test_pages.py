@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from logic import House, RequestError, Room, save
-from logic.drawing.canvas import Block, Part, Text, flat
+from logic.drawing.canvas import Block, Part, Region, Text
 from logic.drawing.draw import MILLIMETRE
 from logic.drawing.pages import BORDER, SIZES, page, scale_of
 from logic.drawing.palettes import style
@@ -22,7 +22,7 @@ LOOK = style([FLAT])
 def test_rooms_have_the_millimetres_of_the_scale_and_the_plan_keeps_clear_of_the_page_s_edge(
     ratio: int, size: str
 ) -> None:
-    [((left, top), drawing)], width, height = page(FLAT, LOOK, ratio)
+    [((left, top), drawing), ((_, below), block)], width, height = page(FLAT, LOOK, ratio)
     assert sorted([round(width * MILLIMETRE, 6), round(height * MILLIMETRE, 6)]) == [*SIZES[size]]
     parts = {shape.name: shape.shapes[0] for shape in drawing.shapes if isinstance(shape, Part)}
     for room in FLAT.rooms:
@@ -30,16 +30,14 @@ def test_rooms_have_the_millimetres_of_the_scale_and_the_plan_keeps_clear_of_the
         assert isinstance(floor, Block)
         assert (floor.box[2] - floor.box[0]) * MILLIMETRE == pytest.approx(1000 * room.width / ratio)
         assert (floor.box[3] - floor.box[1]) * MILLIMETRE == pytest.approx(1000 * room.height / ratio)
-    assert f"1 m · 1:{ratio} on {size}" in {
-        each.text for each in flat(drawing.shapes) if isinstance(each, Text)
-    }
-    walls = [shape.box for shape in drawing.shapes if isinstance(shape, Block)]
+    said = {each.text for each in block.shapes if isinstance(each, Text)}
+    assert {"House", "Scale", f"1:{ratio} on {size}", "N"} <= said
+    [walls] = [shape for shape in drawing.shapes if isinstance(shape, Region)]
     border = BORDER / MILLIMETRE
-    for west, north, east, south in walls:
-        assert border <= west + left
-        assert border <= north + top
-        assert east + left <= width - border
-        assert south + top <= height - border
+    for x, y in (point for ring in walls.rings for point in ring):
+        assert border <= x + left <= width - border
+        assert border <= y + top <= below
+    assert below + block.height <= height - border + 1e-6
 
 
 def test_a_page_that_is_too_small_is_refused_with_what_fits() -> None:

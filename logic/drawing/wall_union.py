@@ -1,0 +1,40 @@
+"""The walls of a house as one area: no joint of two walls shows, at any scale."""
+
+from collections.abc import Iterable, Iterator
+
+import shapely
+
+from logic.house.boxes import Box
+from logic.house.house import House
+
+GRID_M = 1e-4
+"""Metres to which corners are rounded, so that walls that meet have the same corners."""
+
+Ring = tuple[tuple[float, float], ...]
+"""Corners of a closed line, metres."""
+
+
+def wall_rings(house: House, beyond: float, inner: Iterable[Box] = ()) -> list[Ring]:
+    """Return the borders of all walls: an area is wall if an odd number of them lies around it.
+
+    ``beyond``: metres by which outer walls reach over the tiles; ``inner``: boxes of walls whose middles lie
+    on the edges of rooms.
+    """
+    grown = _union(
+        (west - beyond, north - beyond, east + beyond, south + beyond)
+        for west, north, east, south in (tile.box for tile in house.tiles)
+    )
+    rooms = _union(room.box for room in house.rooms)
+    walls = shapely.union(shapely.difference(grown, rooms, grid_size=GRID_M), _union(inner), grid_size=GRID_M)
+    return [*_rings(shapely.orient_polygons(walls.simplify(0)))]
+
+
+def _union(boxes: Iterable[Box]) -> shapely.Geometry:
+    return shapely.union_all([shapely.box(*box) for box in boxes], grid_size=GRID_M)
+
+
+def _rings(area: shapely.Geometry) -> Iterator[Ring]:
+    for part in shapely.get_parts(area):
+        if isinstance(part, shapely.Polygon):
+            for ring in (part.exterior, *part.interiors):
+                yield tuple((x, y) for x, y in ring.coords[:-1])
