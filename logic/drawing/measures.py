@@ -56,7 +56,7 @@ def north_arrow(right: float, y: float, inks: Inks) -> Iterator[Shape]:
     x, half = right - 5, NORTH / 2
     points = (x, y + half), (x, y - half), (x - 4, y - half + 6), (x, y - half), (x + 4, y - half + 6)
     yield Line(points, inks.ink, 1.3)
-    yield Text((x - 12, y), "N", 10, inks.ink)
+    yield Text((x - 8, y), "N", 10, inks.ink, "end")
 
 
 def title_block(cells: Sequence[tuple[str, str]], box: Box, inks: Inks) -> Iterator[Shape]:
