@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 
 from msgspec import structs
 
+from logic.drawing.canvas import text_width
 from logic.drawing.palettes import PALETTES
 from logic.generation.feasibility import MORE
 from logic.generation.furnish import BITS, STEP, WALLS
@@ -88,6 +90,7 @@ def bundle() -> dict[str, object]:
         "leftOut": _named(left_out_facts()),
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
         "palette": structs.asdict(PALETTES["colour"]),
+        "widths": letter_widths(),
         "programs": STAGES,
         "says": {
             "absent": ABSENT,
@@ -103,6 +106,17 @@ def bundle() -> dict[str, object]:
             "unnamed": UNNAMED,
         },
     }
+
+
+def letter_widths() -> dict[str, float]:
+    """Return the widths of Latin letters and signs on plans, and by how much pairs of letters differ from
+    theirs (kerning), in font sizes.
+    """
+    letters = [chr(code) for code in (*range(0x20, 0x7F), *range(0xA0, 0x180))]
+    widths = {letter: text_width(letter, 1) for letter in letters}
+    pairs = map("".join, product(map(chr, range(0x20, 0x7F)), repeat=2))
+    kerned = {pair: text_width(pair, 1) - widths[pair[0]] - widths[pair[1]] for pair in pairs}
+    return widths | {pair: width for pair, width in kerned.items() if width}
 
 
 def _topologies() -> dict[str, object]:

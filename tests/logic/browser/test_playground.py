@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from agent.banks import benchmark
 from logic import House, check, generate
 from logic.browser.playground import folder
 from logic.browser.playground.server import listening
@@ -68,37 +67,6 @@ def test_the_browser_makes_the_same_houses_as_python_number_for_number(opened):
             assert house["provenance"].pop("versions").keys() == {"vitruvius", "clingo", "swi-prolog"}
             house["provenance"].pop("promises", None)  # Of Python's alone.
         assert found == expected, grammar
-
-
-BEYOND = """async (houses) => {
-    const { planSvg } = await import("./solver/drawing.js");
-    const WALL = 2; // pixels, half of it
-    const { looks, palette } = await (await fetch("rules.json")).json();
-    return houses.flatMap((house) => {
-        const plan = document.createElement("div");
-        plan.style.width = "360px";
-        plan.innerHTML = planSvg(house, looks.home, palette);
-        document.body.append(plan);
-        const rooms = [...plan.querySelectorAll("[data-part]")]
-            .filter((each) => !/[.-]/.test(each.dataset.part)).map((each) => each.getBoundingClientRect());
-        const beyond = [...plan.querySelectorAll("text[stroke]")].filter((each) => {
-            const { left, right, top, bottom } = each.getBoundingClientRect();
-            const [x, y] = [(left + right) / 2, (top + bottom) / 2];
-            const holds = (one) => one.left < x && x < one.right && one.top < y && y < one.bottom;
-            const room = rooms.filter(holds).at(-1);
-            return left < room.left + WALL || right > room.right - WALL;
-        });
-        plan.remove();
-        return beyond.map((each) => each.textContent);
-    });
-}"""
-"""The names in plans of houses that reach beyond their rooms, from wall to wall."""
-
-
-def test_names_stand_within_their_rooms(page, at):
-    page.goto(f"{at}?grammar=paper#rooms=1&count=1")
-    houses = [house.converted().to_dict() for house in benchmark("home-test-v1")[:60]]
-    assert page.evaluate(BEYOND, json.loads(json.dumps(houses))) == []
 
 
 def test_the_first_houses_that_one_sees_are_homes_with_an_entrance(page, at):

@@ -1,139 +1,258 @@
-/** Plans as SVG: floors by room type, furniture with its symbols, walls, doors and windows. A plainer logic/drawing/plan.py.
+/** Plans as SVG, as `vitruvius watch` draws them: logic/drawing/draw.py and plan.py, of houses that are no maps.
  *
  * Each part is a group with data-part, named as `explain --why` names it.
  */
 
-/** As logic/drawing/palettes.json has it: of the drawing that is being made. */
-let palette = {};
-/** Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first. */
-const STEPS = [-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1];
-const SPOTS = STEPS.flatMap((u) => STEPS.map((v) => [u, v])).sort(([a, b], [c, d]) => Math.hypot(a, b) - Math.hypot(c, d));
-/** How wide a letter is, as a share of its size. */
-const WIDE = 0.62;
-const SIDE = 360, MARGIN = 14, FOOT = 24;
+import { block, curve, line, oval, part, text, union, widthOf } from "./canvas.js";
+import { coloursOf } from "./colours.js";
+import { boxOf, doorLeaves, grown, opening, thickness, wallBoxes } from "./openings.js";
+import { abbreviations, key, keyRows, legend, roomName, spaced, SWATCH } from "./words.js";
+
+const SIDE = 300, TITLE = 30, FOOT = 22, MARGIN = 12, NORTH = 16;
+/** Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii. */
+const QUARTER = 0.5523;
 
 /** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/house/looks.py has them; `inks`: the colours
- * of the parts, and as `new` those of types that have none in `looks`.
+ * of the parts, and as `new` those of types that have none in `looks`; `widths`: of letters, in font sizes.
  */
-export function planSvg(house, looks, inks) {
-  palette = inks;
-  const boxes = house.rooms.map(box);
-  const west = Math.min(...boxes.map(([x]) => x)), north = Math.min(...boxes.map(([, y]) => y));
-  const wide = Math.max(...boxes.map(([, , x]) => x)) - west, tall = Math.max(...boxes.map(([, , , y]) => y)) - north;
-  const scale = (SIDE - 2 * MARGIN) / Math.max(wide, tall);
-  const at = (x, y) => [MARGIN + (x - west) * scale + ((SIDE - 2 * MARGIN) - wide * scale) / 2, MARGIN + (y - north) * scale];
-  const height = 2 * MARGIN + tall * scale + FOOT;
-  const colours = coloursOf(house.rooms, looks, palette.new);
-  const pen = new Pen(at, scale, looks, colours);
-  const wall = Math.min(4, Math.max(1.5, 0.09 * scale));
-  const isStar = house.topology === "star";
-  const counted = isStar ? house.rooms.filter(({ name }) => name !== house.hub) : house.rooms;
-  const hub = isStar ? house.rooms.find(({ name }) => name === house.hub) : null;
-
-  const shapes = hub ? [part(hub.name, pen.rect(hub, palette.paper, palette.wall, wall))] : [];
-  shapes.push(...counted.map((room) => part(room.name, pen.rect(room, colours.get(room.type)))));
-  for (const room of counted)
-    for (const [name, piece] of named(room.children)) shapes.push(part(`${room.name}.${name}`, pen.piece(piece)));
-  shapes.push(...counted.map((room) => pen.rect(room, "none", palette.wall, wall)));
-  for (const [name, door] of doorsByName(house)) shapes.push(part(name, pen.door(door, house, wall)));
-  for (const [name, window] of windowsByName(house)) shapes.push(part(name, pen.rect(window, palette.wood, palette.wall, wall / 3, wall / 2)));
-  shapes.push(...counted.map((room) => pen.name(room, room.type)));
-  if (hub) shapes.push(pen.hubName(hub, counted));
-  const floor = house.rooms.reduce((sum, room) => sum + room.width * room.height, 0);
-  const count = `${counted.length} room${counted.length === 1 ? "" : "s"} · ${floor.toFixed(0)} m²`;
-  shapes.push(text(MARGIN, height - 11, count, 11, palette.ink, "start"), pen.metre(SIDE - MARGIN, height - 11));
-  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${SIDE} ${round(height)}" font-family="sans-serif">${shapes.join("")}</svg>`;
+export function planSvg(house, looks, inks, widths) {
+  const plan = new Plan(house, looks, inks, widthOf(widths));
+  return `<svg xmlns="http://www.w3.org/2000/svg" width="${SIDE}" height="${SIDE}" viewBox="0 0 ${SIDE} ${SIDE}" font-family="DejaVu Sans, Verdana, sans-serif">`
+    + `<rect width="${SIDE}" height="${SIDE}" fill="#ffffff"/>${plan.shapes().join("")}</svg>`;
 }
 
-/** Draws in the house's metres. */
-class Pen {
-  constructor(at, scale, looks, colours) {
-    Object.assign(this, { at, scale, looks, colours });
+class Plan {
+  constructor(house, looks, inks, wide) {
+    Object.assign(this, { house, looks, inks, wide });
+    const half = house.wall_thickness ? house.wall_thickness.inner / 2 : 0;
+    this.hub = house.topology === "star" ? house.rooms.find(({ name }) => name === house.hub) : null;
+    this.counted = house.rooms.filter((room) => room !== this.hub);
+    this.pieces = new Map(house.rooms.map((room) => [room.name, room.children.flatMap(family)]));
+    this.leaves = doorLeaves(house, new Map([...this.pieces].map(([name, pieces]) => [name, pieces.map(boxOf)])));
+    this.tiles = house.rooms.map((room) => grown(boxOf(room), half));
+    this.floors = coloursOf(this.counted.map((room) => this.whole(room).type), looks, inks.new);
+    const boxes = house.rooms.map(boxOf), reach = half + thickness(house)[1];
+    const [west, north] = [0, 1].map((axis) => Math.min(...boxes.map((box) => box[axis])) - reach);
+    const [east, south] = [2, 3].map((axis) => Math.max(...boxes.map((box) => box[axis])) + reach);
+    this.extent = [west, north, east, south];
   }
 
-  rect(rect, fill, stroke = "none", width = 0, grow = 0) {
-    const [x0, y0] = this.at(rect.x, rect.y), [x1, y1] = this.at(rect.x + rect.width, rect.y + rect.height);
-    const [dx, dy] = rect.width > rect.height ? [0, grow] : [grow, 0];
-    return block([x0 - dx, y0 - dy, x1 + dx, y1 + dy], fill, stroke, width);
+  whole(room) {
+    return room.part_of ? this.house.rooms.find(({ name }) => name === room.part_of) : room;
   }
 
-  /** A piece with its symbol and the mark of its front, or with its name where it has no symbol. */
-  piece(piece) {
-    const corners = [...this.at(piece.x, piece.y), ...this.at(piece.x + piece.width, piece.y + piece.height)];
-    const place = (across, forth) => inFrame(corners, piece.orientation, across, forth);
-    const shapes = [block(corners, palette.wood, palette.edge, 0.8, 0.05 * this.scale)];
-    const forms = this.looks.symbols[this.looks.pieces[piece.type]];
-    for (const [form, numbers] of forms ?? []) shapes.push(symbol(form, numbers, corners, place));
-    const size = Math.min(10, (1.6 * (corners[2] - corners[0])) / piece.type.length, corners[3] - corners[1]);
-    if (!forms && size >= 6) shapes.push(text((corners[0] + corners[2]) / 2, (corners[1] + corners[3]) / 2, piece.type, size, palette.edge));
-    if (piece.orientation) {
-      const half = Math.min(0.3, 0.3 / (/[NS]/.test(piece.orientation) ? piece.width : piece.height));
-      shapes.push(line([...place(0.5 - half, 1), ...place(0.5 + half, 1)], palette.mark, 2));
+  name(kind) {
+    return this.looks.names[kind] || spaced(kind);
+  }
+
+  symbol(kind) {
+    return this.looks.symbols[this.looks.pieces[kind]];
+  }
+
+  /** All shapes; a key takes space, in which a further name may have stood. */
+  shapes() {
+    const every = abbreviations([...this.floors.keys(), ...Object.keys(this.looks.rooms)]);
+    let keyed = [], numbered = [];
+    for (;;) {
+      const rooms = [...every].filter(([kind]) => keyed.includes(kind)).map(([kind, short]) => ({ words: spaced(kind), short, fill: this.floors.get(kind) }));
+      const strange = numbered.map((kind, place) => ({ words: this.name(kind), short: `${place + 1}`, fill: this.inks.wood }));
+      const rows = keyRows(this.wide, [...rooms, ...strange], SIDE - 2 * MARGIN);
+      this.place(FOOT + SWATCH * rows.length);
+      const names = this.names((kind) => (keyed.includes(kind) ? every.get(kind) : ""));
+      const unnamed = this.counted.filter((room, place) => !room.part_of && names[place][0] !== spaced(room.type)).map(({ type }) => type);
+      const unlabelled = this.unlabelled();
+      if (unnamed.every((kind) => keyed.includes(kind)) && unlabelled.every((kind) => numbered.includes(kind))) return this.drawn(names, rows, numbered);
+      keyed = [...new Set([...keyed, ...unnamed])];
+      numbered = [...new Set([...numbered, ...unlabelled])].sort();
     }
-    return shapes.join("");
   }
 
-  /** Paper over the wall; of an entrance with an arrow inwards. */
-  door(door, house, wall) {
-    const paper = this.rect(door, palette.paper, "none", 0, 0.75 * wall);
-    if (!door.between.includes("outside")) return paper;
-    const room = house.rooms.find(({ name }) => door.between.includes(name));
-    const [x, y] = [door.x + door.width / 2, door.y + door.height / 2];
-    const along = door.width > door.height;
-    const [u, v] = along ? [0, 0.4 * Math.sign(room.y + room.height / 2 - y)] : [0.4 * Math.sign(room.x + room.width / 2 - x), 0];
-    const points = [[x + u / 8, y + v / 8], [x + u, y + v], [x + u / 2 - v / 2, y + v / 2 - u / 2], [x + u, y + v], [x + u / 2 + v / 2, y + v / 2 + u / 2]];
-    const path = points.map(([a, b]) => this.at(a, b).map(round).join(",")).join(" ");
-    return `${paper}<polyline points="${path}" fill="none" stroke="${palette.mark}" stroke-width="2"/>`;
+  /** Put the house into the middle of the picture. */
+  place(below) {
+    const [west, north, east, south] = this.extent, high = SIDE - TITLE - below;
+    this.scale = Math.min((SIDE - 2 * MARGIN) / (east - west), (high - MARGIN) / (south - north));
+    this.left = (SIDE - this.scale * (east - west)) / 2 - this.scale * west;
+    this.top = TITLE + (high - this.scale * (south - north)) / 2 - this.scale * north;
   }
 
-  /** A room's name, as large and as near to its middle as it hides no furniture. */
-  name(room, words) {
-    const largest = Math.min(12, (0.87 * room.width * this.scale) / (WIDE * words.length));
-    if (largest < 6) return "";
-    const pieces = room.children.flatMap((piece) => [piece, ...piece.children]);
-    let best = null;
-    for (const size of [largest, Math.max(6, 0.8 * largest), 6]) {
-      const half = (WIDE * size * words.length) / 2 / this.scale, high = (0.6 * size) / this.scale;
-      const [wide, tall] = [room.width / 2 - half, room.height / 2 - high].map((each) => Math.max(0, each - 0.1));
-      for (const [u, v] of SPOTS) {
-        const [x, y] = [room.x + room.width / 2 + u * wide, room.y + room.height / 2 + v * tall];
-        const hidden = pieces.reduce((sum, piece) => sum
-          + Math.max(0, Math.min(x + half, piece.x + piece.width) - Math.max(x - half, piece.x))
-          * Math.max(0, Math.min(y + high, piece.y + piece.height) - Math.max(y - high, piece.y)), 0);
-        if (!best || hidden < best.hidden - 1e-6) best = { x, y, size, hidden };
-      }
-      if (best.hidden < 1e-6) break;
+  at([x, y]) {
+    return [this.left + this.scale * x, this.top + this.scale * y];
+  }
+
+  box([x0, y0, x1, y1]) {
+    return [...this.at([x0, y0]), ...this.at([x1, y1])];
+  }
+
+  drawn(names, rows, numbered) {
+    const { inks, house } = this, foot = SIDE - FOOT / 2 - SWATCH * rows.length, x = SIDE - MARGIN - 5, y = TITLE / 2;
+    const marked = house.rooms.some((room) => this.pieces.get(room.name).some((piece) => this.isMarked(piece)));
+    const marks = [...marked ? ["front of furniture"] : [], ...house.doors.some(isEntrance) ? ["entrance"] : []];
+    const tip = y - NORTH / 2;
+    return [
+      ...this.structure(numbered),
+      ...names.map(([, shapes]) => shapes),
+      text([MARGIN, y], this.title(), 11.5, inks.ink, "start"),
+      line([[x, y + NORTH / 2], [x, tip], [x - 4, tip + 6], [x, tip], [x + 4, tip + 6]], inks.ink, 1.3),
+      text([x - 8, y], "N", 10, inks.ink, "end"),
+      ...legend(this.wide, this.scale, MARGIN, foot, inks, marks),
+      ...key(this.wide, rows, MARGIN, foot + SWATCH + 2, inks),
+    ];
+  }
+
+  /** Walls, floors, furniture, doors and windows. */
+  structure(numbered) {
+    const { house, inks, scale, tiles } = this, beyond = Math.max(thickness(house)[1] * scale, 2);
+    const paved = (room) => this.floors.get(this.whole(room).type);
+    const shapes = [union(tiles.map((tile) => grown(this.box(tile), beyond)), inks.wall)];
+    if (this.hub) shapes.push(part(this.hub.name, [block(this.box(boxOf(this.hub)), inks.paper)]));
+    shapes.push(...this.counted.map((room) => part(room.name, [block(this.box(boxOf(room)), paved(room))])));
+    for (const room of this.counted) {
+      const pieces = this.pieces.get(room.name), names = withNumbers(pieces.map(({ type }) => type));
+      shapes.push(...pieces.map((piece, place) => part(`${room.name}.${names[place]}`, this.piece(piece, numbered))));
     }
-    return text(...this.at(best.x, best.y), words, best.size, palette.ink, "middle", this.colours.get(room.type));
+    if (!house.wall_thickness) shapes.push(union(wallBoxes(house).map((box) => this.box(box)), inks.wall));
+    const leaves = this.leaves.values(), doors = withNumbers(house.doors.map((door) => this.doorName(door)));
+    house.doors.forEach((door, place) => shapes.push(part(doors[place], this.door(door, door.opening ? null : leaves.next().value))));
+    for (const room of this.counted.filter(({ part_of }) => part_of)) {
+      const joints = house.doors.filter(({ between }) => between.includes(room.name) && between.includes(room.part_of));
+      shapes.push(...joints.map((door) => block(this.box(opening(house, tiles, door)), paved(room))));
+    }
+    const windows = withNumbers((house.windows ?? []).map(({ room }) => `${room}.window`));
+    windows.forEach((name, place) => shapes.push(part(name, this.window(house.windows[place]))));
+    return shapes;
   }
 
-  /** The word for the main room, where the rooms around it leave most free. */
-  hubName(hub, rooms) {
-    const free = (y) => rooms.every((room) => y < room.y - 0.4 || y > room.y + room.height + 0.4);
-    const place = [0.5, 0.4, 0.6, 0.3, 0.7].map((share) => hub.y + share * hub.height).find(free) ?? hub.y + hub.height / 2;
-    return text(...this.at(hub.x + hub.width / 2, place), "main room", 11, palette.faint, "middle", palette.paper);
+  doorName({ between }) {
+    if (between.includes("outside")) return "entrance";
+    return this.hub ? `${between.find((name) => name !== this.hub.name)}.door` : between.join("-");
   }
 
-  metre(right, y) {
-    const metres = [1, 2, 5, 10].find((each) => each * this.scale >= 18) ?? 20;
-    const left = right - metres * this.scale;
-    return line([left, y, right, y], palette.ink, 1.4) + text(left - 6, y, `${metres} m`, 10, palette.ink, "end");
+  door(door, leaf) {
+    const { inks, scale } = this, place = this.box(opening(this.house, this.tiles, door)), shapes = [block(place, inks.paper)];
+    if (leaf) {
+      const { hinge, tip, jamb } = leaf, bent = (from, to) => from.map((value, axis) => value + QUARTER * (to[axis] - hinge[axis]));
+      shapes.push(curve([tip, bent(tip, jamb), bent(jamb, tip), jamb].map((point) => this.at(point)), inks.faint, thin(scale)));
+      shapes.push(line([this.at(hinge), this.at(tip)], inks.edge, stroke(0.04 * scale, 1.2, 4)));
+    }
+    if (isEntrance(door)) {
+      const room = this.house.rooms.find(({ name }) => door.between.includes(name));
+      shapes.push(this.entrance(place, this.box(boxOf(room)), Math.min(0.3 * scale, 7.5)));
+    }
+    return shapes;
+  }
+
+  /** A tip outside of an entrance that points in. */
+  entrance([x0, y0, x1, y1], room, size) {
+    let [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2], [u, v] = [0, 0];
+    if (x1 - x0 > y1 - y0) {
+      v = y < (room[1] + room[3]) / 2 ? size : -size;
+      y = v > 0 ? y0 : y1;
+    } else {
+      u = x < (room[0] + room[2]) / 2 ? size : -size;
+      x = u > 0 ? x0 : x1;
+    }
+    return line([[x - u - v, y - v - u], [x - u / 5, y - v / 5], [x - u + v, y - v + u]], this.inks.mark, size / 4);
+  }
+
+  window(window) {
+    const place = this.box(opening(this.house, this.tiles, window)), [left, top, right, bottom] = place;
+    const width = Math.min(Math.min(right - left, bottom - top) / 8, 1);
+    const middle = right - left < bottom - top
+      ? [[(left + right) / 2, top], [(left + right) / 2, bottom]] : [[left, (top + bottom) / 2], [right, (top + bottom) / 2]];
+    return [block(place, this.inks.wood, this.inks.wall, width), line(middle, this.inks.wall, width)];
+  }
+
+  isMarked({ orientation, type }) {
+    return Boolean(orientation) && !this.symbol(type);
+  }
+
+  /** The types of pieces that have neither a symbol nor room for their names. */
+  unlabelled() {
+    const pieces = this.counted.flatMap(({ name }) => this.pieces.get(name));
+    return [...new Set(pieces.filter((piece) => piece.type && !this.symbol(piece.type) && !this.letters(piece)).map(({ type }) => type))].sort();
+  }
+
+  /** The size of letters in which a piece's name fits on it, or 0. */
+  letters(piece) {
+    const [left, top, right, bottom] = this.box(boxOf(piece));
+    const size = Math.min(0.22 * this.scale, 11, (0.9 * (right - left)) / this.wide(this.name(piece.type), 1));
+    return size >= 6 && size <= bottom - top ? size : 0;
+  }
+
+  piece(piece, numbered) {
+    const { inks, scale } = this, box = this.box(boxOf(piece)), [left, top, right, bottom] = box, front = piece.orientation;
+    const radius = Math.min(0.05 * scale, (right - left) / 3, (bottom - top) / 3), forms = this.symbol(piece.type);
+    const shapes = [block(box, inks.wood, inks.edge, stroke(0.02 * scale, 0.8, 4), radius)];
+    for (const [form, numbers] of forms ?? []) shapes.push(this.form(form, numbers, box, front));
+    if (!forms && piece.type) {
+      const place = numbered.indexOf(piece.type) + 1, middle = [(left + right) / 2, (top + bottom) / 2], size = this.letters(piece);
+      const small = Math.max(5, Math.min(8, (0.9 * (right - left)) / this.wide(`${place}`, 1), bottom - top));
+      if (size) shapes.push(text(middle, this.name(piece.type), size, inks.edge));
+      else if (place) shapes.push(text(middle, `${place}`, small, inks.edge));
+    }
+    if (this.isMarked(piece)) {
+      const edge = /[NS]/.test(front) ? right - left : bottom - top, half = Math.min(0.3, (0.3 * scale) / edge);
+      shapes.push(line([inFrame(box, front, 0.5 - half, 1), inFrame(box, front, 0.5 + half, 1)], inks.mark, stroke(0.05 * scale, 1.8, 3)));
+    }
+    return shapes;
+  }
+
+  /** A form of a symbol (logic/house/looks.py). */
+  form(form, numbers, box, front) {
+    const { inks, scale } = this, width = thin(scale);
+    const points = Array.from({ length: numbers.length >> 1 }, (_, k) => inFrame(box, front, numbers[2 * k], numbers[2 * k + 1]));
+    const [[x0, y0], [x1, y1] = []] = points, around = [Math.min(x0, x1), Math.min(y0, y1), Math.max(x0, x1), Math.max(y0, y1)];
+    if (form === "box") return block(around, "", inks.faint, width, 0.04 * scale);
+    if (form === "oval") return oval(around, inks.faint, width);
+    if (form === "line") return line(points, inks.faint, width);
+    if (form === "curve") return curve(points, inks.faint, width);
+    const radius = numbers[2] * Math.min(box[2] - box[0], box[3] - box[1]);
+    return oval([x0 - radius, y0 - radius, x0 + radius, y0 + radius], inks.faint, width);
+  }
+
+  /** The name of each room as [words, shapes], then that of the main room. */
+  names(short) {
+    const { inks, house, scale } = this, swings = this.leaves.map(({ hinge, tip, jamb }) => {
+      const [xs, ys] = [0, 1].map((axis) => [hinge, tip, jamb].map((point) => point[axis]));
+      return this.box([Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)]);
+    });
+    const named = (words, abbreviation, area, room, taken, ink, floor) =>
+      roomName(this.wide, words, abbreviation, `${rounded(area, 1)} m²`, this.box(boxOf(room)), taken, swings, scale, ink, floor);
+    const names = this.counted.map((room) => {
+      if (room.part_of) return ["", ""];
+      const area = house.rooms.filter((each) => each === room || each.part_of === room.name).reduce((sum, each) => sum + areaOf(each), 0);
+      const pieces = this.pieces.get(room.name).map((piece) => this.box(boxOf(piece)));
+      return named(spaced(room.type), short(room.type), area, room, pieces, inks.ink, this.floors.get(room.type));
+    });
+    if (!this.hub) return names;
+    const around = this.counted.map(boxOf), main = boxOf(this.hub);
+    const free = areaOf(this.hub) - around.reduce((sum, box) => sum + shared(main, box), 0);
+    return [...names, named("main room", "", free, this.hub, around.map((box) => this.box(box)), inks.edge, inks.paper)];
+  }
+
+  /** Where the house comes from and how large it is; the first words go where there is no room. */
+  title() {
+    const { provenance, rooms } = this.house, count = this.counted.length;
+    let parts = [`${count.toLocaleString("en")} room${count === 1 ? "" : "s"}`, `${rounded(rooms.reduce((sum, room) => sum + areaOf(room), 0), 0)} m²`];
+    if (provenance) parts = [provenance.grammar.split("/").at(-1), `seed ${provenance.seed}`, `house ${provenance.index}`, ...parts];
+    while (parts.length > 1 && this.wide(parts.join(" · "), 11.5) > SIDE - 2 * MARGIN - 2 * NORTH) parts = parts.slice(1);
+    return parts.join(" · ");
   }
 }
 
-/** A form of a symbol (logic/house/looks.py), `place` by place. */
-function symbol(form, numbers, corners, place) {
-  const points = Array.from({ length: numbers.length >> 1 }, (_, index) => place(numbers[2 * index], numbers[2 * index + 1]).map(round));
-  const [[x0, y0], [x1, y1] = []] = points;
-  const around = [Math.min(x0, x1), Math.min(y0, y1), Math.max(x0, x1), Math.max(y0, y1)];
-  if (form === "box") return block(around, "none", palette.faint, 0.8);
-  if (form === "oval") return oval(around);
-  if (form === "ring") {
-    const radius = numbers[2] * Math.min(corners[2] - corners[0], corners[3] - corners[1]);
-    return oval([x0 - radius, y0 - radius, x0 + radius, y0 + radius]);
-  }
-  return `<path d="M${points[0]}${form === "curve" ? "C" : "L"}${points.slice(1).join(" ")}" fill="none"${stroked(palette.faint, 0.8)}/>`;
+const family = (piece) => [piece, ...piece.children.flatMap(family)];
+const areaOf = ({ width, height }) => width * height;
+/** A number with so many digits, halves to the even one: as Python writes it. */
+function rounded(value, digits) {
+  const scaled = value * 10 ** digits, floor = Math.floor(scaled);
+  const isHalf = Number.isInteger(value * 2 ** (digits + 1)) && scaled - floor === 0.5;
+  return (isHalf ? (floor + (floor % 2)) / 10 ** digits : value).toFixed(digits);
 }
+const isEntrance = ({ between }) => between.includes("outside");
+const shared = (one, other) => [0, 1].map((axis) => Math.max(0, Math.min(one[axis + 2], other[axis + 2]) - Math.max(one[axis], other[axis]))).reduce((a, b) => a * b);
+/** The width of a line: at least so wide, but on small plans at most four times its due. */
+const stroke = (width, least, most) => Math.min(Math.max(width, Math.min(4 * width, least)), most);
+const thin = (scale) => stroke(0.012 * scale, 0.8, 1.2);
 
 /** A point of a piece's own frame: across, and from its back to its front. */
 function inFrame([left, top, right, bottom], front, across, forth) {
@@ -142,63 +261,7 @@ function inFrame([left, top, right, bottom], front, across, forth) {
   return [left + u * (right - left), top + v * (bottom - top)];
 }
 
-/** Pieces with their children, each by its type, and from the second on with its number. */
-function named(children) {
-  const family = (piece) => [piece, ...piece.children.flatMap(family)];
-  const pieces = children.flatMap(family);
-  return numbered(pieces.map(({ type }) => type)).map((name, place) => [name, pieces[place]]);
-}
-
-const numbered = (names) => names.map((name, place) => {
+const withNumbers = (names) => names.map((name, place) => {
   const before = names.slice(0, place).filter((other) => other === name).length;
   return name + (before ? before + 1 : "");
 });
-
-/** The doors of a house with their names. */
-function doorsByName({ doors, hub, topology }) {
-  const names = doors.map(({ between }) => {
-    if (topology === "star") return `${between.find((name) => name !== hub)}.door`;
-    return between.includes("outside") ? "entrance" : between.join("-");
-  });
-  return numbered(names).map((name, place) => [name, doors[place]]);
-}
-
-/** The windows of a house with their names. */
-function windowsByName({ windows = [] }) {
-  return numbered(windows.map(({ room }) => `${room}.window`)).map((name, place) => [name, windows[place]]);
-}
-
-/** The colours of floors by type; a type that has none takes one that no other type here has, from a place by its name. */
-function coloursOf(rooms, looks, fresh) {
-  const types = [...new Set(rooms.map(({ type }) => type))].sort();
-  const chosen = new Map(types.filter((type) => looks.rooms[type]).map((type) => [type, looks.rooms[type]]));
-  for (const type of types.filter((each) => !looks.rooms[each])) {
-    const place = [...type].reduce((sum, letter) => (sum * 31 + letter.codePointAt(0)) % fresh.length, 0);
-    const order = [...fresh.slice(place), ...fresh.slice(0, place)];
-    const taken = [...chosen.values()];
-    chosen.set(type, order.find((colour) => taken.every((other) => differ(colour, other))) ?? order[0]);
-  }
-  return chosen;
-}
-
-/** Whether two colours are told apart: by the sum of their red, green and blue. */
-function differ(one, other) {
-  const parts = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
-  const others = parts(other);
-  return parts(one).reduce((sum, value, at) => sum + Math.abs(value - others[at]), 0) > 24;
-}
-
-const box = ({ x, y, width, height }) => [x, y, x + width, y + height];
-const round = (value) => Math.round(100 * value) / 100;
-const escaped = (words) => words.replace(/[&<"]/g, (letter) => `&#${letter.charCodeAt(0)};`);
-const part = (name, shapes) => `<g data-part="${escaped(name)}">${shapes}</g>`;
-const stroked = (stroke, width) => (stroke === "none" ? "" : ` stroke="${stroke}" stroke-width="${round(width)}"`);
-const block = ([x0, y0, x1, y1], fill, stroke = "none", width = 0, radius = 0) =>
-  `<rect x="${round(x0)}" y="${round(y0)}" width="${round(x1 - x0)}" height="${round(y1 - y0)}" rx="${round(radius)}" fill="${fill}"${stroked(stroke, width)}/>`;
-const oval = ([x0, y0, x1, y1]) =>
-  `<ellipse cx="${round((x0 + x1) / 2)}" cy="${round((y0 + y1) / 2)}" rx="${round((x1 - x0) / 2)}" ry="${round((y1 - y0) / 2)}" fill="none"${stroked(palette.faint, 0.8)}/>`;
-const line = ([x0, y0, x1, y1], stroke, width) =>
-  `<line x1="${round(x0)}" y1="${round(y0)}" x2="${round(x1)}" y2="${round(y1)}"${stroked(stroke, width)}/>`;
-const text = (x, y, words, size, fill, anchor = "middle", halo = "") =>
-  `<text x="${round(x)}" y="${round(y)}" font-size="${round(size)}" fill="${fill}" text-anchor="${anchor}" dominant-baseline="central" pointer-events="none"${
-    halo && ` stroke="${halo}" stroke-width="3" paint-order="stroke"`}>${escaped(words)}</text>`;

@@ -64,7 +64,7 @@ export class Houses {
       for (let index = 0; index < asked.count; index++) {
         const house = { ...this.house(request, asked.seed, index), ...this.provenance(asked, index) };
         const types = Object.fromEntries(house.rooms.map(({ name, type }) => [name, type]));
-        yield { index, house, types, svg: planSvg(house, this.bundle.looks[name], this.bundle.palette) };
+        yield { index, house, types, svg: planSvg(house, this.bundle.looks[name], this.bundle.palette, this.bundle.widths) };
       }
     } catch (error) {
       if (error instanceof RuleError) yield { findings: error.findings };
