@@ -67,12 +67,10 @@ class BriefMaker(SharedWallsMaker):
         super().__init__(
             rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, thorough=thorough)
         )
-
-        def programs(more: Collection[Symbol]) -> Programs:
-            return Programs(rules, loaded.furniture, loaded.lengths, loaded.placer.account, [*symbols, *more])
-
-        self._all_doors = programs([])
-        self._few_doors = None if brief.is_alone or brief.other_doors else programs([ASKED_DOORS])
+        self._all_doors = loaded.programs_of(rules, symbols)
+        self._few_doors = None
+        if not (brief.is_alone or brief.other_doors):
+            self._few_doors = loaded.programs_of(rules, [*symbols, ASKED_DOORS])
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house; see ``Maker.made``.

@@ -13,7 +13,6 @@ from logic.generation.feasibility import Feasibility
 from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import Grammar
 from logic.language.loaded import LoadedGrammar
-from logic.layout.programs import Programs
 from logic.layout.terms import wall_facts
 from logic.placement.lengths import brief_lengths
 from logic.placement.plan import Plan
@@ -31,7 +30,7 @@ class ExactAreasMaker(SharedWallsMaker):
             grammar, loaded, Feasibility(grammar, loaded.placer, loaded.lengths, facts, thorough=True)
         )
         symbols = [fact for fact, _ in facts]
-        self._programs = Programs(grammar, loaded.furniture, loaded.lengths, loaded.placer.account, symbols)
+        self._programs = loaded.programs_of(grammar, symbols)
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         return self._placer.walls(layout, seed, inferences, thorough=True)

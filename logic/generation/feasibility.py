@@ -4,6 +4,7 @@ Every rule, fact and length of the user's may be left out (``logic.layout.relaxe
 learnt by stage 1, so a test ends with a house or with what conflicts in both.
 """
 
+import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import partial
@@ -95,12 +96,12 @@ class Feasibility:
             statements.append(relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms)))
         return relaxed, statements
 
-    def is_furnishable(self, request: Request, type_: str) -> bool:
-        """Whether a room of this type can have what is asked for."""
+    def is_furnishable(self, request: Request, type_: str, most: float = math.inf) -> bool:
+        """Whether a room of this type can have what is asked for; raises as ``Question.layout``."""
         asked = tuple(request.furniture_of(type_))
         if (type_, asked) not in self._furnishable:
             question, statements = self.furniture(request, type_)
-            self._furnishable[type_, asked] = question.possible(statements)
+            self._furnishable[type_, asked] = question.possible(statements, most)
         return self._furnishable[type_, asked]
 
     def depends_on_doors(self, type_: str) -> bool:

@@ -16,7 +16,7 @@ from logic.errors import OutOfInferences
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import Rect
 from logic.layout.account import FURNITURE
-from logic.layout.program import Nogood, Program
+from logic.layout.program import Nogood, Program, TooMany
 from logic.layout.programs import Programs
 from logic.layout.terms import granted
 from logic.placement.layout import RoomLayout
@@ -62,12 +62,13 @@ class GivenRoom:
 
 
 class Unfurnishable(Exception):
-    """Proved: a room of a plan cannot have the furniture that its type needs. ``place``: which one."""
+    """A room of a plan cannot have the furniture that its type needs. ``place``: which one."""
 
-    def __init__(self, place: int, room: GivenRoom) -> None:
-        """Keep the room and its place in the plan."""
-        super().__init__(f"{room} cannot have the furniture that it needs")
-        self.place, self.room = place, room
+    def __init__(self, place: int, room: GivenRoom, decided: bool = True) -> None:
+        """Keep the room and its place in the plan. Unless ``decided``, that is likely, but not proved."""
+        found = f"{room} cannot have the furniture that it needs"
+        super().__init__(found if decided else f"no furniture is soon found for {room}")
+        self.place, self.room, self.decided = place, room, decided
 
 
 class Frame:
@@ -239,10 +240,13 @@ def furnished(
             room, frame = rooms[place], frames[place]
             holds, fails = frame.given()
             required = programs.required_in(room.type, request) if request else ()
-            program = programs.given(room.type, frame.doorways(), required)
+            program = programs.given(room.type, frame.doorways(), required, rng)
             holds += [granted(each) for each in required]
             placer.account.at(FURNITURE, f"the furniture of {room} (clingo)")
-            furniture = program.sample(rng, holds, fails, nogoods[place])
+            try:
+                furniture = program.sample(rng, holds, fails, nogoods[place])
+            except TooMany:
+                raise Unfurnishable(place, room, decided=False) from None
             if furniture is None:
                 raise Unfurnishable(place, room)
             seed = int(rng.integers(2**63))

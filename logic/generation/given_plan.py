@@ -20,9 +20,7 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect
 from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
 from logic.layout.account import FURNITURE
-from logic.layout.program import Nogood
-from logic.layout.programs import Programs
-from logic.layout.relaxed import TooMany
+from logic.layout.program import Nogood, TooMany
 from logic.layout.terms import granted, own_requirements
 from logic.placement.given_plan import inner_span, openings, plan_faults, within_walls
 from logic.placement.lengths import metres as lengths_of
@@ -53,8 +51,7 @@ class GivenPlanMaker(SharedWallsMaker):
         self._failures, self._refuted = 0, list[Refuted]()
         self._too_small: dict[tuple[int, str], list[Refuted]] = {}
         meetings = [fact for fact, _ in facts]
-        account = loaded.placer.account
-        self._programs = Programs(rules, loaded.furniture, loaded.lengths, account, meetings)
+        self._programs = loaded.programs_of(rules, meetings)
 
     def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
         """What the grammar's lengths forbid in the plan."""

@@ -14,7 +14,7 @@ from msgspec import structs
 from logic.errors import LimitReached
 from logic.generation.furnish import Frame, GivenRoom, Span
 from logic.house.parts import Rect
-from logic.layout.program import Nogood
+from logic.layout.program import Nogood, TooMany
 from logic.layout.programs import Programs
 from logic.layout.terms import granted
 from logic.placement.placer import Placer
@@ -91,18 +91,21 @@ class LooseRoom(Frame):
         Raises ``LimitReached`` past ``MOST_LAYOUTS``.
         """
         required = programs.required_in(self.room.type, request)
-        program = programs.given(self.room.type, self.doorways(), required)
+        program = programs.given(self.room.type, self.doorways(), required, rng)
         holds, fails = self.given(windows)
         nogoods: list[Nogood] = []
         while len(nogoods) < MOST_LAYOUTS:
-            layout = program.sample(rng, [*holds, *map(granted, required)], fails, nogoods)
+            try:
+                layout = program.sample(rng, [*holds, *map(granted, required)], fails, nogoods)
+            except TooMany:
+                break
             if layout is None:
                 return None
             conflict = placer.loose_conflict(self.loose_term(layout))
             if conflict is None:
                 return layout
             nogoods.append(conflict.atoms)
-        raise LimitReached(f"{MOST_LAYOUTS} layouts of {self.room} have no places, and there are more")
+        raise LimitReached(f"{len(nogoods)} layouts of {self.room} have no places, and there may be more")
 
 
 class OneDoor(LooseRoom):

@@ -4,7 +4,9 @@ Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``
 the rooms are furnished at these sizes (``logic.generation.furnish``).
 """
 
+import math
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -20,7 +22,7 @@ from logic.grammar import DISSECTION, GUARD
 from logic.house.house import House
 from logic.house.parts import Rect
 from logic.layout.account import LAYOUT, PROOF
-from logic.layout.program import Nogood, Program
+from logic.layout.program import Nogood, Program, TooMany
 from logic.layout.terms import granted, room_requirements, to_furnish
 from logic.placement.placer import Infeasible
 from logic.placement.plan import Pieces, Plan, UnitRange
@@ -33,6 +35,9 @@ FREE_FROM = 11
 """From so many rooms on a dissection has a program of its own, which begins with the sampled picks and goes
 on in an order that clasp learns: to take the picks one after the other is up to ten times slower.
 """
+
+MOST_REFUTED = 60
+"""How many layouts are refuted to see if a room that is undecided at its size is impossible at any size."""
 
 S = TypeVar("S", Plan, UnitRange)
 R = TypeVar("R", bound=Rect)
@@ -64,6 +69,7 @@ class SharedWallsMaker(Maker):
         """See ``Maker.made``."""
         if request.fixed:
             raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
+        self._programs.begin()
         free = self._searches_freely(request)
         self._one_house = self._programs.house(request, int(rng.integers(2**31))) if free else None
         plan, pieces, _ = self.complete(request, rng, inferences)
@@ -82,11 +88,13 @@ class SharedWallsMaker(Maker):
                 pieces = self._furnished(request, plan, layout, nogoods, rng, inferences)
             except Unfurnishable as proof:
                 last = f"{plan.name(proof.place)}, {proof}"
-                self._placer.account.unfurnished(proof.room.type)
+                self._placer.account.unfurnished(proof.room.type, proof.decided)
                 # At this size and with these doors; or with one door at any size, and then nowhere.
                 self._placer.account.at(PROOF, f"whether a {proof.room.type} can be furnished at any size")
-                if not self.feasibility.is_furnishable(request, proof.room.type):
-                    unfurnishable.add(proof.room.type)
+                most = math.inf if proof.decided else MOST_REFUTED
+                with suppress(TooMany):
+                    if not self.feasibility.is_furnishable(request, proof.room.type, most):
+                        unfurnishable.add(proof.room.type)
                 continue
             hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
             plan.hub = hubs[0] if len(hubs) == 1 else ""

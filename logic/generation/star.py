@@ -18,8 +18,8 @@ from logic.generation.maker import Maker
 from logic.house.house import House
 from logic.house.parts import Rect
 from logic.house.star import Star
-from logic.layout.account import FURNITURE, LAYOUT
-from logic.layout.program import Nogood, Program
+from logic.layout.account import EASE, FURNITURE, LAYOUT
+from logic.layout.program import Nogood, Program, TooMany
 from logic.layout.terms import to_furnish
 from logic.placement.layout import Layout
 from logic.placement.placer import Infeasible, Misfit
@@ -43,6 +43,7 @@ class StarMaker(Maker):
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
         nogoods = Nogoods()
+        self._programs.begin()
         layout = self.layout(request, rng, nogoods)
         while True:
             try:
@@ -113,9 +114,13 @@ class StarMaker(Maker):
             if rooms[number].fixed:
                 continue
             type_ = rooms[number].type.name
-            program, assumed = self._programs.furniture_for(type_, request)
+            program, assumed = self._programs.furniture_for(type_, request, rng=rng)
             self._placer.account.at(FURNITURE, f"the furniture of a {type_} (clingo)")
-            furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
+            try:
+                furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
+            except TooMany:
+                ease = EASE[FURNITURE]
+                raise LimitReached(f"no furniture of a {type_} is soon found: to ease it, {ease}") from None
             if furniture is None:
                 nogoods.unfurnishable.add(type_)
                 return None

@@ -23,7 +23,7 @@ from logic.language.prolog_problems import problem, unknown
 from logic.layout.conditional import Source
 from logic.layout.ground import Endless
 from logic.layout.program import Program
-from logic.layout.programs import Programs
+from logic.layout.programs import Programs, crowded
 from logic.layout.relaxed import Relaxed
 from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
 from logic.placement.lengths import (
@@ -69,6 +69,7 @@ class LoadedGrammar:
         self.placer = Placer(replace(grammar, prolog=()) if self._illegible else grammar, cell)
         self.types: list[Symbol] = []
         self.furniture: dict[str, list[str]] = {}
+        self.crowded: set[str] = set()
         self.extremes: dict[str, Any] = {}
         """Of the sizes of rooms and pieces, see ``Placer.lengths``."""
         self.most_rooms = MOST_ROOMS
@@ -87,9 +88,14 @@ class LoadedGrammar:
         self.placer.account.has_area = self.has_area
         self.warnings = [] if self.errors else [*self._unlikely()]
         facts = [fact for fact, _ in self.house_facts]
-        self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, facts)
+        self.programs = self.programs_of(grammar, facts)
         if remarks and not self.errors:
             self.errors = list(self.programs.remarks())
+
+    def programs_of(self, grammar: Grammar, walls: Iterable[Symbol]) -> Programs:
+        """Return the programs of stage 1, with what it knows of walls."""
+        account = self.placer.account
+        return Programs(grammar, self.furniture, self.lengths, account, walls, self.crowded)
 
     def _readable(self) -> Iterator[Mistake]:
         """What is wrong with statements by themselves."""
@@ -125,7 +131,7 @@ class LoadedGrammar:
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
         if strange or gone or values or wrong:
             return
-        self.furniture = furniture_of(probe)
+        self.furniture, self.crowded = furniture_of(probe), crowded(probe.atoms("may", 4))
         yield from self._mismeasured(probe, sized)
 
     def _unstated(self, stated: set[str]) -> Iterator[Mistake]:

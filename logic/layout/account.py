@@ -16,7 +16,7 @@ EASE = {
     GROUNDING: "ask for fewer rooms, or let no rule join many values",
     LAYOUT: "ask for fewer rooms, or let the rules require less of types, doors and neighbours",
     LENGTHS: "ask for fewer rooms, or give these lengths wider bounds",
-    FURNITURE: "require fewer pieces, or larger rooms",
+    FURNITURE: "try another seed, require fewer pieces, or larger rooms",
     PROOF: "ask for fewer rooms, or require less, so that less is to be proved",
 }
 """For each stage what may be changed."""
@@ -45,6 +45,7 @@ class Account:
         self._layouts = self._plans = self._rooms = 0
         self._by: Counter[Reason] = Counter()
         self._unfurnished: Counter[str] = Counter()
+        self._undecided: Counter[str] = Counter()
 
     def at(self, stage: str, what: str) -> None:
         """This is what is done now."""
@@ -71,9 +72,9 @@ class Account:
         """How many layouts of the rooms were found, and how many of these were refuted."""
         return self._layouts, self._plans
 
-    def unfurnished(self, type_: str) -> None:
-        """A room of this type, at its size and with its doors, is proved to have no furniture."""
-        self._unfurnished[type_] += 1
+    def unfurnished(self, type_: str, decided: bool = True) -> None:
+        """A room of this type, at its size and with its doors, has no furniture, or none is soon found."""
+        (self._unfurnished if decided else self._undecided)[type_] += 1
 
     @property
     def refutations(self) -> str:
@@ -83,11 +84,10 @@ class Account:
             said.append(f"{self._plans:,} of {self._layouts:,} layouts of the rooms were refuted.")
         if self._rooms:
             said.append(f"{self._rooms:,} layouts of furniture were refuted.")
-        if self._unfurnished:
-            types = ", ".join(
-                f"a {type_} {number:,} times" for type_, number in self._unfurnished.most_common(MOST)
-            )
-            said.append(f"No furniture fitted in {types}.")
+        for what, counted in (("fitted in", self._unfurnished), ("was soon found for", self._undecided)):
+            types = ", ".join(f"a {type_} {number:,} times" for type_, number in counted.most_common(MOST))
+            if types:
+                said.append(f"No furniture {what} {types}.")
         lines = [f"  {number:,} times: {reason}" for reason, number in self._by.most_common(MOST)]
         if lines:
             said.append("Most were refuted by")

@@ -33,6 +33,10 @@ Nogood = Mapping[Symbol, bool]
 """Atoms that do not all hold, or fail, as stated together in one layout."""
 
 
+class TooMany(Exception):
+    """The search was ended before it was known whether there is a layout."""
+
+
 @dataclass(frozen=True)
 class Conflict:
     """A minimal set of reasons why a room cannot have its furniture: take one away and CLP(R) has a solution.
@@ -62,6 +66,9 @@ order of its search, at random by a ``--seed``, and only begins with the sampled
 program first takes as long as the search that it shortens.
 """
 
+BOUNDS = (500, 1000, 2000)
+"""Most conflicts of clingo in each search of a bounded program, which begins with other picks."""
+
 PATIENCE = 200
 """How often such a search branches on the sampled picks before it goes its own way."""
 
@@ -85,12 +92,13 @@ class Program:
         arguments: Iterable[str] = (),
         most: int | None = None,
         seed: int | None = None,
+        bounded: bool = False,
     ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
-        With a ``seed`` the program is for one house (``FREE``). A layout is the atoms that hold and that the
-        rules show. ``remarks`` keeps what clingo remarks on the way. Raises ``GrammarError`` for its first
-        error, ``Endless`` past this number of ground rules.
+        With a ``seed`` the program is for one house (``FREE``), and may be ``bounded`` (``BOUNDS``). A layout
+        is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the way.
+        Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks = remarks = list[str]()
@@ -122,6 +130,7 @@ class Program:
         self._search = ExitStack()
         self._handle: clingo.SolveHandle | None = None
         self._assumed, self._excluding, self._sampled = list[int](), False, 0
+        self._bounds = BOUNDS if bounded else (None,)
 
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
@@ -183,8 +192,27 @@ class Program:
         """Sample a layout with all assumed atoms, without any of the others, and outside the nogoods.
 
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
-        arguments give the same layout.
+        arguments give the same layout. A ``bounded`` program raises ``TooMany`` past
+        ``BOUNDS``.
         """
+        holds, excluded = self._literals(assumed, without), [self._excluded(nogood) for nogood in nogoods]
+        for bound in self._bounds:
+            model = self._model(holds, *self._order(rng), excluded, bound)
+            if model is not None:
+                break
+            exhausted = self._handle is None or bool(self._handle.get().exhausted)
+            self.end_search()
+            if exhausted:
+                return None
+        else:
+            raise TooMany
+        layout = sorted(model.symbols(shown=True))
+        if self.models is not None:
+            self.models.append((layout, list(model.symbols(atoms=True))))
+        return layout
+
+    def _order(self, rng: np.random.Generator) -> tuple[list[int], list[int]]:
+        """Sample the order of the options, and where in it to go on after each that is taken."""
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         places = rng.permutation(len(self._counts))
@@ -195,18 +223,15 @@ class Program:
         # Where a variable picks one value, the first that is taken settles its others.
         ends = np.cumsum(self._counts[np.argsort(places)])[places]
         then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
-        excluded = [self._excluded(nogood) for nogood in nogoods]
-        model = self._model(self._literals(assumed, without), order.tolist(), then.tolist(), excluded)
-        if model is None:
-            self.end_search()
-            return None
-        layout = sorted(model.symbols(shown=True))
-        if self.models is not None:
-            self.models.append((layout, list(model.symbols(atoms=True))))
-        return layout
+        return order.tolist(), then.tolist()
 
     def _model(
-        self, assumed: list[int], order: list[int], then: list[int], excluded: list[list[int]]
+        self,
+        assumed: list[int],
+        order: list[int],
+        then: list[int],
+        excluded: list[list[int]],
+        bound: int | None,
     ) -> clingo.Model | None:
         """The first model by the picks in this order.
 
@@ -214,7 +239,7 @@ class Program:
         layouts, as long as these assume the same and have no nogoods.
         """
         self._sampled += 1
-        if excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
+        if bound or excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
             self.end_search()
         self._assumed, self._excluding = assumed, bool(excluded)
         self._brancher.branch(order, then, excluded)
@@ -226,7 +251,7 @@ class Program:
             self.end_search()  # As after a layout without any choice: there was no other to go on to.
             self._brancher.branch(order, then, excluded)
         self._configure("solver", forget_on_step=LEMMAS if self._sampled > LAYOUTS else NOTHING)
-        self._configure("solve", enum_mode="user", models=0)
+        self._configure("solve", enum_mode="user", models=0, solve_limit=f"{bound or 'umax'},umax")
         self._sampled = self._sampled % (LAYOUTS + 1)
         self._handle = self._search.enter_context(self._control.solve(assumptions=assumed, yield_=True))
         return self._handle.model()
@@ -236,7 +261,7 @@ class Program:
         if self._handle is not None:
             self._search.close()
             self._handle = None
-            self._configure("solve", enum_mode="auto", models=1)
+            self._configure("solve", enum_mode="auto", models=1, solve_limit="umax,umax")
             self._brancher.branch()
 
     def _configure(self, part: str, **options: object) -> None:

@@ -1,9 +1,11 @@
 """The programs of stage 1 for one grammar: the rooms of a house, and the furniture of a room of each type."""
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
 
+import numpy as np
 from clingo import Symbol
 
 from logic.errors import GrammarError
@@ -24,6 +26,21 @@ from logic.request.request import Request
 GIVEN = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room/room.lp`` for rooms of given sizes."""
 
+CROWD = 6
+"""A type of room is crowded from so many pieces on, of one kind or that must be there. Picks that are sampled
+one by one may lead to a proof that so many do not fit in a few rows, which takes exponential time. So crowded
+rooms have a program of their own in each house (``program.FREE``).
+"""
+
+
+def crowded(may: Iterable[Symbol]) -> set[str]:
+    """The types of room that are crowded, by the facts ``may/4``."""
+    needed, most = Counter[str](), Counter[str]()
+    for type_, _, fewest, number in (fact.arguments for fact in may):
+        needed[str(type_)] += fewest.number
+        most[str(type_)] = max(most[str(type_)], number.number)
+    return {type_ for type_ in most if max(needed[type_], most[type_]) >= CROWD}
+
 
 class Programs:
     """Grounds each program once and keeps it."""
@@ -35,12 +52,15 @@ class Programs:
         lengths: Lengths,
         account: Account,
         walls: Iterable[Symbol] = (),
+        crowded: Collection[str] = (),
     ) -> None:
         """Know a grammar's files, the pieces of each of its room types, their lengths, and those of walls.
 
-        ``account`` hears what is ground.
+        ``account`` hears what is ground. ``crowded``: types of room, see ``CROWD``.
         """
-        self._account = account
+        self._account, self._crowded = account, crowded
+        self._of_all: dict[tuple[object, ...], Program] = {}
+        self._of_house: dict[tuple[object, ...], Program] = {}
         self._grammar, self._furniture, self._lengths, self._walls = grammar, furniture, lengths, tuple(walls)
 
     @cache  # noqa: B019 (the programs live as long as their process)
@@ -75,30 +95,56 @@ class Programs:
         """How many rooms the units of a house may have; none where it has no units."""
         return sorted({atom.arguments[1].number for atom in self.units(rooms).atoms("unit", 2)})
 
-    @cache  # noqa: B019
     def furniture(
-        self, type_: str, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
+        self,
+        type_: str,
+        required: tuple[Symbol, ...] = (),
+        arguments: tuple[str, ...] = (),
+        rng: np.random.Generator | None = None,
     ) -> Program:
-        """The program of a room's furniture, with the extremes of its lengths as facts."""
-        facts = [fact for fact, _ in self._lengths[type_]]
-        self._account.at(GROUNDING, f"grounding the rules for the furniture of a {type_} (clingo)")
-        return Program(
-            self._grammar.asp,
-            {"this_room": type_},
-            [("room", []), ("capacity", []), *parts(facts), *parts(required)],
-            arguments=arguments,
-        )
+        """The program of a room's furniture, with the extremes of its lengths as facts.
 
-    @cache  # noqa: B019
-    def given(self, type_: str, doorways: tuple[Symbol, ...], required: tuple[Symbol, ...] = ()) -> Program:
-        """The program of a room's furniture whose size, doors and windows are given: ``doors.lp``."""
+        That of the house which is made, seeded by ``rng``, where the type of room is crowded.
+        """
+        facts = [fact for fact, _ in self._lengths[type_]]
+        return self._furnishing(type_, "capacity", (*facts, *required), arguments, rng)
+
+    def given(
+        self,
+        type_: str,
+        doorways: tuple[Symbol, ...],
+        required: tuple[Symbol, ...],
+        rng: np.random.Generator,
+    ) -> Program:
+        """The same of a room whose size, doors and windows are given: ``doors.lp``."""
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
-        self._account.at(GROUNDING, f"grounding the rules for the furniture of a {type_} (clingo)")
-        return Program(
-            self._grammar.asp,
-            {"this_room": type_, **GIVEN},
-            [("room", []), ("plan", []), *parts(facts), *parts(doorways), *parts(required)],
-        )
+        return self._furnishing(type_, "plan", (*facts, *doorways, *required), (), rng)
+
+    def _furnishing(
+        self,
+        type_: str,
+        stage: str,
+        facts: tuple[Symbol, ...],
+        arguments: tuple[str, ...],
+        rng: np.random.Generator | None,
+    ) -> Program:
+        key, own = (type_, stage, facts, arguments), rng if type_ in self._crowded else None
+        known = self._of_house if own or key in self._of_house else self._of_all
+        if key not in known:
+            self._account.at(GROUNDING, f"grounding the rules for the furniture of a {type_} (clingo)")
+            known[key] = Program(
+                self._grammar.asp,
+                {"this_room": type_, **(GIVEN if stage == "plan" else {})},
+                [("room", []), (stage, []), *parts(facts)],
+                arguments=arguments,
+                seed=own and int(own.integers(2**31)),
+                bounded=own is not None,
+            )
+        return known[key]
+
+    def begin(self) -> None:
+        """Begin another house, without the programs of the last one."""
+        self._of_house.clear()
 
     def has_furniture(self, type_: str) -> bool:
         """Whether there is anything that a room of this type may have."""
@@ -126,11 +172,17 @@ class Programs:
         return self.rooms(request.rooms, tuple(possible)), assumed
 
     def furniture_for(
-        self, type_: str, request: Request, arguments: tuple[str, ...] = ()
+        self,
+        type_: str,
+        request: Request,
+        arguments: tuple[str, ...] = (),
+        rng: np.random.Generator | None = None,
     ) -> tuple[Program, list[Symbol]]:
-        """The program that furnishes a room of this type for a request, and what to assume in it."""
+        """The program that furnishes a room of this type for a request, as ``furniture``, and what to assume
+        in it.
+        """
         required = self.required_in(type_, request)
-        return self.furniture(type_, required, arguments), [granted(each) for each in required]
+        return self.furniture(type_, required, arguments, rng), [granted(each) for each in required]
 
     def required_in(self, type_: str, request: Request) -> tuple[Symbol, ...]:
         """What a request requires of the furniture of a room of this type."""

@@ -36,7 +36,7 @@ from logic.layout.conditional import (
 )
 from logic.layout.differences import Differences
 from logic.layout.ground import Endless, Instances, Literals
-from logic.layout.program import CORE, Conflict, Part
+from logic.layout.program import CORE, Conflict, Part, TooMany
 
 
 @dataclass(frozen=True)
@@ -58,10 +58,6 @@ CONFLICTS = 100
 
 class Late(Exception):
     """The time to try something is over."""
-
-
-class TooMany(Exception):
-    """The search was ended before it was known whether there is a layout."""
 
 
 Refutation = Callable[[Sequence[Symbol]], Conflict | None]

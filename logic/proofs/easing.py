@@ -13,7 +13,8 @@ from logic.generation.builder import Builder
 from logic.grammar import SHIPPED
 from logic.layout.account import LAYOUT
 from logic.layout.conditional import ABSENT
-from logic.layout.relaxed import Relaxed, Statement, TooMany
+from logic.layout.program import TooMany
+from logic.layout.relaxed import Relaxed, Statement
 from logic.request.request import Request
 
 FIRST, LARGER = 2_000, 4

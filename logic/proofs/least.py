@@ -16,7 +16,8 @@ from logic.errors import Reason
 from logic.generation.question import Question
 from logic.grammar import SHIPPED
 from logic.layout.conflicts import minimal
-from logic.layout.relaxed import Relaxed, Statement, TooMany
+from logic.layout.program import TooMany
+from logic.layout.relaxed import Relaxed, Statement
 
 MOST_LAYOUTS = 400
 """So many layouts are looked at for a smallest conflict; past them a minimal one has to do."""

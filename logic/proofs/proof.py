@@ -12,8 +12,8 @@ from logic.generation.feasibility import Feasibility, barred, option
 from logic.generation.movable_doors import Refuted
 from logic.generation.question import Question
 from logic.layout.account import PROOF
-from logic.layout.program import Conflict
-from logic.layout.relaxed import Statement, TooMany
+from logic.layout.program import Conflict, TooMany
+from logic.layout.relaxed import Statement
 from logic.layout.terms import (
     brief_requirements,
     fixed_requirements,

@@ -24,7 +24,6 @@ INFERENCES = 10**8
 @pytest.fixture(scope="module")
 def clinic() -> Builder:
     Programs.rooms.cache_clear()
-    Programs.furniture.cache_clear()
     return Builder(find("clinic"))
 
 

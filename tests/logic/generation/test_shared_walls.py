@@ -49,7 +49,6 @@ def unfurnished(builder: Builder, *arguments: Any) -> tuple[Plan, list[Symbol], 
 
 def builder(grammar: str | Path) -> Builder:
     Programs.rooms.cache_clear()
-    Programs.furniture.cache_clear()
     return Builder(find(grammar))
 
 

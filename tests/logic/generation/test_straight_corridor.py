@@ -23,7 +23,6 @@ SECONDS = 20.0
 @pytest.fixture(scope="module")
 def hotel() -> Builder:
     Programs.rooms.cache_clear()
-    Programs.furniture.cache_clear()
     return Builder(find(HOTEL))
 
 

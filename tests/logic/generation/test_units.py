@@ -23,7 +23,6 @@ PUBLIC = "commonCorridor"
 
 def builder(grammar: str | Path) -> Builder:
     Programs.rooms.cache_clear()
-    Programs.furniture.cache_clear()
     return Builder(find(grammar))
 
 

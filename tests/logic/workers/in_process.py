@@ -35,5 +35,4 @@ def generate(
 @lru_cache(maxsize=1)  # SWI-Prolog holds one grammar at a time
 def _builder(grammar: Grammar, cell: float) -> Builder:
     Programs.rooms.cache_clear()
-    Programs.furniture.cache_clear()
     return Builder(grammar, cell)

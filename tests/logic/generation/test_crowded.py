@@ -1,0 +1,114 @@
+"""Rooms of many pieces, where sampled picks lead to proofs that as many do not fit in as few rows."""
+
+from collections import Counter
+from pathlib import Path
+
+import clingo
+import numpy as np
+import pytest
+
+from logic import check
+from logic.generation.builder import Builder
+from logic.grammar import find
+from logic.house.house import House
+from logic.language.linter import all_warnings
+from logic.layout import program
+from logic.layout.program import Program, TooMany
+from logic.layout.programs import CROWD, crowded
+from logic.request.request import Request
+
+DESKS = """
+{types}
+may(classroom,desk,8,8).   stands(desk,middle).  around(desk,chair,1,1).  rows(classroom,4).
+may(classroom,board,1,1).  stands(board,back).
+#program room.
+:- with(desk,_,chair,H), H != outwards.
+:- row(inwards).
+% Rows of three desks or more, and so two rows: in three rows one has too few.
+desks(P,N) :- on(desk,_,P,_), N = #count{{ K : on(desk,K,P,_) }}.
+:- desks(_,N), N < 3.
+"""
+LENGTHS = """
+door_width(0.9).  door_clearance(0.3).  passage(0.5).  room_gap(0.0).
+room_size(classroom, W, D) :- { W >= 7, W =< 9, D >= 7, D =< 9 }.
+piece_size(desk, L, D, _)  :- { L = 0.7, D = 0.5 }.
+piece_size(chair, L, D, _) :- { L = 0.4, D = 0.4 }.
+piece_size(board, L, D, _) :- { L >= 1.8, L =< 3, D = 0.1 }.
+"""
+PLAN = """
+topology(dissection).  type(foyer; classroom).  empty(foyer).
+opens(outside,foyer).  opens(foyer,classroom).
+#program house.
+:- { room(_,foyer) } != 1.
+#program base.
+"""
+FOYER = "room_size(foyer, W, D) :- { W >= 3, W =< 9, D >= 3, D =< 9 }.  door_margin(0.1).\n"
+PLACES = """
+option(at(1..{pieces}),1..{places},1).
+:- pick(at(P),X), pick(at(Q),X), P < Q.
+"""
+
+
+def builder(folder: Path, star: bool = False) -> Builder:
+    (folder / "rooms.lp").write_text(DESKS.format(types="type(classroom)." if star else PLAN))
+    (folder / "sizes.pl").write_text(LENGTHS + ("" if star else FOYER))
+    return Builder(find(folder))
+
+
+def rows(house: House) -> list[list[int]]:
+    """How many desks stand in each row of each classroom."""
+    found = []
+    for room in house.rooms:
+        if room.type == "classroom":
+            desks = [piece for piece in room.children if piece.type == "desk"]
+            way = next(each.orientation for each in room.children if each.type == "board") in "NS"
+            found.append(sorted(Counter(round(each.y if way else each.x, 6) for each in desks).values()))
+    return found
+
+
+@pytest.mark.parametrize(("star", "seed"), [(False, 0), (False, 1), (True, 1)])
+def test_pieces_in_rows_that_picks_do_not_find_are_found(tmp_path: Path, star: bool, seed: int) -> None:
+    house = builder(tmp_path, star).house(Request(1 if star else 3), seed, 0, 10**8)
+    assert check(house) == []
+    assert all(len(desks) == 2 and sum(desks) == 8 and min(desks) >= 3 for desks in rows(house))
+    assert len(rows(house)) == (1 if star else 2)
+
+
+def test_a_house_of_crowded_rooms_depends_on_no_house_before_it(tmp_path: Path) -> None:
+    rules, request = builder(tmp_path, star=True), Request(1)
+    alone = rules.house(request, 2, 0, 10**8)
+    other = builder(tmp_path, star=True)
+    all_warnings(other.grammar, other.loaded)  # which grounds the programs of all types
+    assert other.house(request, 1, 0, 10**8) != alone
+    assert other.house(request, 2, 0, 10**8) == alone
+
+
+@pytest.mark.parametrize(
+    ("facts", "types"),
+    [
+        ([("desk", 0, CROWD)], {"hall"}),
+        ([("desk", 1, CROWD - 1)], set[str]()),
+        ([("desk", 2, 2), ("sofa", CROWD - 2, CROWD - 2)], {"hall"}),
+    ],
+)
+def test_a_type_is_crowded_by_many_pieces_of_a_kind_or_many_that_it_needs(
+    facts: list[tuple[str, int, int]], types: set[str]
+) -> None:
+    assert crowded(clingo.parse_term(f"may(hall,{kind},{a},{b})") for kind, a, b in facts) == types
+
+
+def places(folder: Path, pieces: int, bounded: bool = True) -> Program:
+    """So many pieces in one place fewer: a pigeonhole problem."""
+    file = folder / "places.lp"
+    file.write_text(PLACES.format(pieces=pieces, places=pieces - 1))
+    return Program([file], {}, [], seed=1, bounded=bounded)
+
+
+def test_a_bounded_program_ends_its_searches_undecided(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(program, "BOUNDS", (10, 20))
+    hard = places(tmp_path, 9)
+    with pytest.raises(TooMany):
+        hard.sample(np.random.default_rng(0))
+    assert places(tmp_path, 4).sample(np.random.default_rng(0)) is None, "an easy one is decided"
