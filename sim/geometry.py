@@ -124,8 +124,10 @@ def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
     return np.hstack([corners[:, :2] + corners[:, 2:], corners[:, 2:] - corners[:, :2]]) / 2
 
 
-FARTHEST = 100.0
-"""Metres from the origin that a house may reach: beyond, float32 places are coarser than the body's skin."""
+FARTHEST = 512.0
+"""Metres from the origin that a house may reach. Places are float32, rounded to 4e-6 m up to 128 m from the
+origin, to 8e-6 m up to 256 m, and to 1.5e-5 m, more than the body's skin, up to 512 m.
+"""
 
 
 def check_lengths(houses: Sequence[House]) -> None:

@@ -52,6 +52,7 @@ FOLDERS = {
             "cache",
             "allowed",
             "actions",
+            "fields",
             "drive",
             "config",
             "compiler",

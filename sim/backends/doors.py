@@ -13,7 +13,7 @@ import numpy as np
 
 from sim.backends.backend import DOOR, TARGET
 from sim.backends.body import Body, slides_into
-from sim.backends.rays import MARGIN, OVERLAP, Rays
+from sim.backends.rays import MARGIN, OVERLAP, Rays, overlap
 from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import Array, ti
@@ -27,7 +27,9 @@ def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
     rows = np.full((len(shapes), most, 4), np.nan)
     for k, shape in enumerate(shapes):
         middle, half = shape.doors[:, :2], shape.doors[:, 2:]
-        rows[k, : len(middle)] = np.hstack([middle - half, middle + half])
+        corners = np.hstack([middle - half, middle + half])
+        wider = (overlap(corners.reshape(-1, 4)) - OVERLAP)[:, None] * (half > 0)
+        rows[k, : len(middle)] = corners + np.hstack([-wider, wider])
     return np.concatenate([[most], rows.ravel()]).astype(np.float32)
 
 

@@ -16,11 +16,22 @@ from sim.runtime import constants, ti
 OVERLAP = 2e-5
 """Metres by which a line reaches beyond its ends for a ray, so that none slips through where two meet."""
 
+EXACT = 128.0
+"""Metres from the origin up to which ``OVERLAP`` is more than float32 places are rounded by."""
+
 MARGIN = 1e-3
 """Metres by which a rough test is more generous than it needs to be: more than rounding can take away."""
 
 PARALLEL = 1e-30
 """In place of a zero sine or cosine: a ray along an axis meets no line along it, in plain arithmetic."""
+
+
+def overlap(lines: np.ndarray) -> np.ndarray:
+    """Return the metres (n,) by which lines reach beyond their ends, by the numbers (n, k) of their places:
+    ``OVERLAP``, and beyond ``EXACT`` as many times more as float32 is coarser there.
+    """
+    reach = np.abs(lines).max(axis=1)
+    return OVERLAP * np.exp2(np.ceil(np.log2(np.maximum(reach, EXACT) / EXACT)))
 
 
 def outermost(config: Config) -> float:

@@ -35,6 +35,9 @@ TABLES = "numbers", "indices", "places"
 FEW = 64
 """Environments that one thread steps sooner than several."""
 
+MOST_PLACES, MOST_ALONG = 1 << 26, 1 << 16
+"""Places of a house's lattice, which a survey holds at once, and along an axis, which have 16 bits."""
+
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
 
@@ -197,6 +200,7 @@ class World:
         try:
             for index in range(count):
                 lattice, cell = self._lattice(houses[index], bank, index, task)
+                _require_countable(lattice)
                 lattices.append(lattice)
                 cells.append(cell)
             for first in range(0, count, BATCH):
@@ -381,3 +385,13 @@ class World:
         memory, guide = ("memory",) * bool(self.config.memory), GUIDE * self.guided
         others = ("others",) * (self.at_once > 1)
         return (*STATE, *doors, *extras, *past, *odometer, *memory, *guide, *others)
+
+
+def _require_countable(lattice: Lattice) -> None:
+    """Raise ``ValueError`` for a lattice of too many places."""
+    columns, rows = lattice.shape
+    if columns * rows > MOST_PLACES or max(columns, rows) > MOST_ALONG:
+        raise ValueError(
+            f"it has {columns:,} by {rows:,} places, {lattice.pitch:.3g} m apart: {MOST_PLACES:,} at most, "
+            f"and {MOST_ALONG:,} along an axis"
+        )

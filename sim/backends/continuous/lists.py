@@ -41,8 +41,9 @@ def listed_arrays(
     Launch(find, arrays)()
     counts = arrays["counts"].numpy().reshape(-1, LISTS).cumsum(axis=1)
     total = counts[:, -1]
-    if total.max() > LONGEST:
-        house = owner[total.argmax()]
+    most = np.maximum(header[:, BOXES], lines[:, 0])
+    if max(total.max(), most.max()) > LONGEST:
+        house = most.argmax() if most.max() > LONGEST else owner[total.argmax()]
         raise ValueError(f"house {house} of {len(header)} has more walls and furniture than lists can hold")
     ends = np.zeros((len(owner), 2 * ENDS), np.uint16)
     ends[:, 1 : LISTS + 1] = counts

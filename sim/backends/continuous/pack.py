@@ -10,7 +10,7 @@ from sim.backends.backend import WALL, Bank
 from sim.backends.blocks import CELL, HEADER
 from sim.backends.continuous.lists import listed_arrays
 from sim.backends.kinds import codes
-from sim.backends.rays import OVERLAP
+from sim.backends.rays import overlap
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -89,5 +89,5 @@ def _lines(walls: np.ndarray, pieces: np.ndarray, kinds: list[int], axis: int) -
         kind = sign * np.array(kinds)
         rows.append(np.column_stack([pieces[:, side], pieces[:, other], pieces[:, other + 2], kind]))
     at, low, high, kind = np.vstack(rows).astype(np.float32).T
-    half = np.float32(0.5)
-    return np.column_stack([at, half * (low + high), half * (high - low) + np.float32(OVERLAP), kind])
+    half, more = np.float32(0.5), overlap(np.column_stack([at, low, high])).astype(np.float32)
+    return np.column_stack([at, half * (low + high), half * (high - low) + more, kind])

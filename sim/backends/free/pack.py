@@ -11,7 +11,7 @@ from sim.backends.blocks import CELL, HEADER
 from sim.backends.free.layout import ROW
 from sim.backends.free.lists import listed_arrays
 from sim.backends.kinds import codes
-from sim.backends.rays import OVERLAP
+from sim.backends.rays import overlap
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -89,9 +89,11 @@ def _sides(solids: np.ndarray, kinds: np.ndarray) -> np.ndarray:
     there is one line, of which both sides are seen.
     """
     rows = []
-    for (x, y, u, v, half, thick), kind in zip(solids.tolist(), kinds.tolist(), strict=True):
+    ends = [solids[:, :2] + sign * solids[:, 4:5] * solids[:, 2:4] for sign in (-1, 1)]
+    more = overlap(np.hstack(ends).reshape(-1, 4)).tolist()
+    for (x, y, u, v, half, thick), kind, beyond in zip(solids.tolist(), kinds.tolist(), more, strict=True):
         if thick == 0:
-            rows.append((x, y, u, v, half + OVERLAP, -kind))
+            rows.append((x, y, u, v, half + beyond, -kind))
             continue
         for a, b, far, long in (
             (u, v, thick, half),
@@ -99,5 +101,5 @@ def _sides(solids: np.ndarray, kinds: np.ndarray) -> np.ndarray:
             (-v, u, half, thick),
             (v, -u, half, thick),
         ):
-            rows.append((x + far * b, y - far * a, a, b, long + OVERLAP, kind))
+            rows.append((x + far * b, y - far * a, a, b, long + beyond, kind))
     return np.array(rows, np.float64).reshape(-1, ROW)

@@ -19,7 +19,7 @@ from sim.backends.backend import Bank
 from sim.backends.body import Body
 from sim.backends.grid.cells import Cells
 from sim.backends.kinds import codes
-from sim.backends.rays import OVERLAP, Rays, directions
+from sim.backends.rays import EXACT, OVERLAP, Rays, directions
 from sim.config import Config
 from sim.geometry import geometry
 from sim.runtime import Array, Floats, Ints, Launch, start, ti
@@ -29,6 +29,9 @@ FIRST_CELL, COLUMNS, ROWS = range(HEADER)
 
 ROW = 10
 """The bit of a cell where the number of its row begins, behind those of its moves."""
+
+MOST_CELLS = 1 << (31 - ROW)
+"""Cells where a body can be, of all houses of a bank: they are numbered in the bits from ``ROW`` on."""
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
@@ -46,6 +49,10 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         numbers = row + np.cumsum(stands) - 1
         cells.append(np.where(stands, part.moves.T.ravel() | numbers << ROW, 0))
         row, at = row + int(stands.sum()), at + stands.size
+    if row > MOST_CELLS:
+        raise ValueError(
+            f"these houses have {row:,} free cells: the grid backend takes {MOST_CELLS:,} at most"
+        )
     indices = np.concatenate([header.ravel(), *cells]).astype(np.int32)
     count = len(directions(config))
     arrays = {
@@ -122,9 +129,13 @@ def _kernel(program: Any, config: Config) -> Any:
                         distance = ahead * over
                         searching = ti.cast(distance < nearest, ti.i32)
                         # Where it crosses, in cells; near a corner the edges of both sides count.
-                        across = (eye[1 - axis] + ahead * slope - lines[houses[at + 5 - axis]]) * (1 / cell)
-                        other = ti.cast(across - ti.static(OVERLAP / cell), ti.i32)
-                        after = ti.cast(across + ti.static(OVERLAP / cell), ti.i32) + 1
+                        aside, slack = eye[1 - axis] + ahead * slope, ti.f32(OVERLAP / cell)
+                        across = (aside - lines[houses[at + 5 - axis]]) * (1 / cell)
+                        for part in ti.static((EXACT, 2 * EXACT)):  # see ``overlap``
+                            if ti.max(ti.abs(ahead + eye[axis]), ti.abs(aside)) > part:
+                                slack *= 2.0
+                        other = ti.cast(across - slack, ti.i32)
+                        after = ti.cast(across + slack, ti.i32) + 1
                         while searching and other < after:
                             met = 0
                             if ti.static(axis == 0):

@@ -106,8 +106,8 @@ def test_starts_and_targets_on_a_grid_are_all_of_the_largest_floor_and_nothing_e
 WRONG: dict[str, tuple[list[House], dict[str, Any], str]] = {
     "narrow cells": ([random_map(0, 0.1)], {"backend": "grid"}, r"0.1 m are narrower .*coarser\(3\)"),
     "other cells": ([HOUSES[0], random_map(0, 0.6)], {"backend": "grid"}, "different cells"),
-    "too far": ([House.from_grid([[0] * 9] * 9, 30.0)], {}, "further than 100 m .*: House.from_grid"),
-    "not in the middle": ([House.from_grid([[0] * 9] * 9, 10.0, (50.0, 0.0))], {}, "further than 100 m"),
+    "too far": ([House.from_grid([[0] * 9] * 9, 120.0)], {}, "further than 512 m .*: House.from_grid"),
+    "not in the middle": ([House.from_grid([[0] * 9] * 9, 10.0, (450.0, 0.0))], {}, "further than 512 m"),
     "no room for a body": ([House.from_grid([[0]], 0.2)], {}, "nowhere to stand"),
     "no room for a target": ([House.from_grid([[0]], 0.4)], {}, "no target fits"),
     "secondary": (HOUSES, {"targets": "secondary"}, "no room for the targets"),

@@ -250,8 +250,8 @@ WRONG_HOUSES = {
     "house 1 of 2: room R0 is at (0.0, 0.0), inf x ": [HOUSES[0], with_room(width=np.inf)],
     "house 0 of 1: the door of room R0 is at": [with_room(door=replace(ROOM.door, height=np.nan))],
     "house 0 of 1: a table in room R0 is at": [with_room(children=(replace(ROOM.children[0], width=-0.1),))],
-    "house 0 of 1: the main room reaches further than 100 m": [
-        sample_houses.drawn("a+a\n...\n...", cell=40.0)
+    "house 0 of 1: the main room reaches further than 512 m": [
+        sample_houses.drawn("a+a\n...\n...", cell=200.0)
     ],
     "house 0 of 1: the body has nowhere to stand in the main room": [with_floor(width=0.2, height=0.2)],
 }
