@@ -40,6 +40,12 @@ RAYS = "rays"
 EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, "speed": 2}
 """What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
 
+VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration"
+"""What may differ from episode to episode: see ``Config.varied``."""
+
+SHARES = "dropout", "slip", "speed", "acceleration"
+"""Those of them that are at most 1."""
+
 MEMORY = "memory"
 """What can be observed of tasks whose terms keep numbers."""
 
@@ -145,6 +151,11 @@ class Config:
     slip: float = 0.0
     """The probability that an action does nothing, and that nothing says so."""
 
+    varied: tuple[tuple[str, float, float], ...] = ()
+    """What differs from episode to episode, as ("noise", 0.0, 0.05): in each ``noise``, ``dropout``, ``slip``
+    or ``drift`` is some number from the first to the second, all alike, in place of the field's; in the
+    backend ``free`` also ``speed`` and ``acceleration``, shares of what a body is told and can."""
+
     target: float = 15 * PIXEL
     """Side of the square target, metres."""
 
@@ -189,6 +200,7 @@ class Config:
             raise ValueError(f"observe is {', '.join(self.observe) or 'nothing'}: one at least, each once")
         if not 0 <= self.drift < float("inf"):
             raise ValueError(f"drift is {self.drift}: not negative")
+        self._require_varied()
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
         if not 0 <= self.closed_doors <= MOST_PUSHES:
@@ -200,6 +212,30 @@ class Config:
                 "closed_doors needs collision 'swept', a body as wide on a diagonal as along an axis, and "
                 "episodes that do not end on a collision: walking at a door is one"
             )
+
+    def _require_varied(self) -> None:
+        """Raise ``ValueError`` for what cannot differ so from episode to episode."""
+        object.__setattr__(self, "varied", tuple(tuple(each) for each in self.varied))
+        for each in self.varied:
+            if len(each) != 3:
+                raise ValueError(f'varied: {each}: give a name and two numbers, as ("noise", 0.0, 0.05)')
+            name, low, high = each
+            if name not in VARIABLE:
+                raise ValueError(f"varied: {unknown('field', name, VARIABLE)}")
+            most = 1.0 if name in SHARES else float("inf")
+            if not (0 <= low <= high <= most and high < float("inf")):
+                raise ValueError(f"varied: {name} from {low} to {high}: from 0, and at most {most:g}")
+        if len({name for name, *_ in self.varied}) < len(self.varied):
+            raise ValueError("varied: each field once")
+
+    def most(self, name: str) -> float:
+        """The greatest value of a field that may differ from episode to episode."""
+        return next((high for each, _, high in self.varied if each == name), getattr(self, name, 1.0))
+
+    @property
+    def varies_drive(self) -> bool:
+        """Whether bodies drive otherwise from episode to episode."""
+        return any(name in ("speed", "acceleration") for name, *_ in self.varied)
 
     def require_lattice(self, who: str) -> None:
         """Raise ``ValueError`` where bodies move freely, which is not for who counts steps on a lattice."""

@@ -100,7 +100,7 @@ def shield(envs: HouseVectorEnv) -> Shield:
         config.body[0],
         config.step,
         margin=air(config),
-        noise=config.noise,
+        noise=config.most("noise"),
         distance=config.column("distance"),
         door=config.column("is door") if config.sees_doors else None,
         device=envs.device,

@@ -104,7 +104,7 @@ class Planner:
         directions = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * world.range / self.cell
         clear = clearance(angles, side, world.step, air(world)) / world.range
         starts, skips, cells = fan(config, angles, world.range / self.cell)
-        errs = (world.noise > 0 or world.slip > 0) and not world.in_cells
+        errs = (world.most("noise") > 0 or world.most("slip") > 0) and not world.in_cells
         program = start()
         given = {
             "observation": Array(ti.f32, count * rays * world.channels),
@@ -120,7 +120,7 @@ class Planner:
             "fan": Array.of(cells),
             "views": Array.of(views(config)),
         }
-        memory = memory_arrays(config, count, rays, errs, prior, world.slip > 0)
+        memory = memory_arrays(config, count, rays, errs, prior, world.most("slip") > 0)
         self.arrays = given | tables | memory | {"goals": Array(ti.i32, 3 * count)}
         self.body = body = BodyModel(
             rays=rays,
@@ -131,7 +131,7 @@ class Planner:
             ray_range=FINE * world.range / self.cell,
             noise=world.noise / self.cell,
             dropout=world.dropout > 0,
-            slip=world.slip > 0,
+            slip=world.most("slip") > 0,
             eighth=world.rays_in_a_turn,
             errs=errs,
             prior=prior,

@@ -19,6 +19,7 @@ from sim.world.extras import Extras
 from sim.world.observing import Observing
 from sim.world.philox import EPISODE, WHEELS, below, philox, uniform
 from sim.world.surroundings import Surroundings
+from sim.world.varying import Varying
 
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
@@ -160,7 +161,8 @@ class Episodes(Observing):
         if config.closed_doors:
             self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, cast(Any, backend), cast(Any, backend.body)
-        self.extras = Extras(config, backend.body)
+        self.varying = Varying(config)
+        self.extras = Extras(config, backend.body, self.varying)
         self.ends_on_pick_up, self.terms, self.Now = ends_on_pick_up, terms, now_of(terms.memory)
         self.surroundings = Surroundings(backend.body)
         self.knows_distance = config.knows_distance or terms.asks_distance
@@ -177,10 +179,10 @@ class Episodes(Observing):
         blocked (i32).
         """
         origin, cell, blocked, door = self.move(world, e, state, action)
-        if ti.static(self.config.slip > 0):
+        if ti.static(self.config.most("slip") > 0):
             counter = ti.Vector([state.episode, state.time, 0, WHEELS])
             words = philox(state.seed, ti.cast(counter, ti.u64))
-            if uniform(words[0]) < ti.static(self.config.slip):
+            if uniform(words[0]) < self.varying.value(state, "slip"):
                 origin, cell, blocked, door = state.origin, state.cell, 0, -1
         self.push(world, e, door)
         bumped = -1
@@ -295,7 +297,14 @@ class Episodes(Observing):
         closed door is, -1 for none. Nothing is changed.
         """
         origin, cell, blocked, door = state.origin, state.cell, 0, -1
-        if ti.static(self.config.drives):
+        if ti.static(self.config.drives and self.config.varies_drive):
+            shares = ti.Vector([
+                self.varying.value(state, "speed"), self.varying.value(state, "acceleration"),
+            ])  # fmt: skip
+            origin, cell, blocked = self.backend.drive_with(
+                world.numbers, world.indices, state.house, state.origin, state.cell, action, shares
+            )
+        elif ti.static(self.config.drives):
             origin, cell, blocked = self.backend.drive(
                 world.numbers, world.indices, state.house, state.origin, state.cell, action
             )

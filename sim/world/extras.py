@@ -8,15 +8,16 @@ from sim.actions import ACTIONS, FORWARD, LEFT
 from sim.config import MEMORY, Config
 from sim.runtime import ti
 from sim.world.philox import ODOMETER, normal, philox
+from sim.world.varying import Varying
 
 
 @ti.data_oriented
 class Extras:
     """Writes what ``Config.observe`` asks for."""
 
-    def __init__(self, config: Config, body: Any) -> None:
+    def __init__(self, config: Config, body: Any, varying: Varying) -> None:
         """For a configuration, and the body that is at the eye of it."""
-        self.config, self.body = config, body
+        self.config, self.body, self.varying = config, body, varying
 
     @ti.func
     def notice(self, world: ti.template(), e, state, action, blocked):
@@ -70,10 +71,10 @@ class Extras:
             pose = ti.Vector([0.0, 0.0, 0.0, 0.0])
         elif ti.static(self.config.drives) or not blocked:
             share = 1.0
-            if ti.static(self.config.drift > 0):
+            if ti.static(self.config.most("drift") > 0):
                 counter = ti.Vector([state.episode, state.time, 0, ODOMETER])
                 words = philox(state.seed, ti.cast(counter, ti.u64))
-                share += ti.static(self.config.drift) * normal(words)
+                share += self.varying.value(state, "drift") * normal(words)
             if ti.static(self.config.drives):
                 speeds = ti.static(self.config.drive.time_step) * share * self.body.speeds(state.cell)
                 turn = speeds[ti.static(len(self.config.drive.low) - 1)]

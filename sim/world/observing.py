@@ -10,6 +10,7 @@ from sim.config import DEVIATIONS, Config
 from sim.runtime import ti
 from sim.world.extras import Extras
 from sim.world.philox import DIRECTION, SENSOR, normal, philox, uniform
+from sim.world.varying import Varying
 
 
 @ti.data_oriented
@@ -22,6 +23,7 @@ class Observing:
     doors: Doors
     others: OtherTargets
     at_once: int
+    varying: Varying
     extras: Extras
 
     @ti.func
@@ -60,9 +62,10 @@ class Observing:
         distance, kind = self.seen(world, e, state, ray, lanes)
         if ti.static(self.config.closed_doors > 0):
             self.doors.hide(world, e, state.house, state.origin, state.cell, ray, distance, kind)
-        if ti.static(self.config.noise > 0 or self.config.dropout > 0):
+        if ti.static(self.config.most("noise") > 0 or self.config.most("dropout") > 0):
+            noise, dropout = self.varying.value(state, "noise"), self.varying.value(state, "dropout")
             for r in range(ti.static(lanes)):
-                distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
+                distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r], noise, dropout)
         at = e * ti.static(self.config.rays) + ray
         if ti.static(self.config.channels == 2):
             pairs = ti.Vector([ti.u64(0) for _ in range(ti.static(lanes))])
@@ -126,13 +129,13 @@ class Observing:
         observation[ray + ti.static(self.config.column(column))] = number
 
     @ti.func
-    def disturbed(self, state, ray, distance, kind):
+    def disturbed(self, state, ray, distance, kind, noise, dropout):
         """What a ray's sensor makes of a hit: a normal error, by Box and Muller, or nothing at all."""
         counter = ti.Vector([state.episode, state.time, ray, SENSOR])
         words = philox(state.seed, ti.cast(counter, ti.u64))
-        if ti.static(self.config.noise > 0):
-            distance += ti.static(self.config.noise) * normal(words)
+        if ti.static(self.config.most("noise") > 0):
+            distance += noise * normal(words)
             distance = ti.max(0.0, ti.min(ti.static(self.config.range), distance))
-        if uniform(words[2]) < ti.static(self.config.dropout):
+        if uniform(words[2]) < dropout:
             distance, kind = ti.static(self.config.range), ti.u32(0)
         return distance, kind

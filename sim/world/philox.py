@@ -7,7 +7,7 @@ import math
 
 from sim.runtime import ti
 
-EPISODE, SENSOR, WHEELS, ODOMETER, DIRECTION = range(5)
+EPISODE, SENSOR, WHEELS, ODOMETER, DIRECTION, VARIED = range(6)
 """What a random number is for: the fourth word of its counter."""
 
 MASK = 0xFFFFFFFF

@@ -94,8 +94,16 @@ class Motion:
 
         It goes along the chord of its arc. What it is slowed down by takes its speed, too.
         """
-        wanted, speeds = self.body.ordered(action), self.body.speeds(cell)
+        return self.drive_with(numbers, indices, house, origin, cell, action, ti.Vector([1.0, 1.0]))
+
+    @ti.func
+    def drive_with(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action, shares):
+        """``drive`` of a body that makes these ``shares`` of the speeds that it is told, and of the greatest
+        change of them.
+        """
+        wanted, speeds = shares[0] * self.body.ordered(action), self.body.speeds(cell)
         limits = ti.Vector([ti.static(self.changes[k]) for k in ti.static(range(len(self.changes)))])
+        limits *= shares[1]
         speeds += ti.max(-limits, ti.min(limits, wanted - speeds))
         half = ti.static(0.5 * self.config.drive.time_step) * speeds[ti.static(len(self.changes) - 1)]
         heading = self.body.heading(cell)
