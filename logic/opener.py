@@ -21,6 +21,8 @@ from xml.etree import ElementTree
 
 import msgspec
 
+from logic.encoding import illegible
+
 STANDARD = Path("-")
 """The standard input where a file is read, the standard output where one is written."""
 
@@ -125,6 +127,9 @@ def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any
         return found
     except UnicodeEncodeError:
         raise ValueError("a text has half of a surrogate pair") from None
+    except UnicodeDecodeError:
+        line, column, words = illegible(content) or (1, 1, "not UTF-8: save as UTF-8")
+        raise ValueError(f"line {line}, column {column}: {words}") from None
     except RecursionError:
         raise ValueError(f"nested more than {MAX_DEPTH} deep") from None
 

@@ -46,10 +46,10 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
     Raises ``HouseFileError``, with the line, for a file that is absent, empty, truncated or wrong.
     """
     path = Path(path)
-    if path.suffix in PICTURES:
+    if path.suffix.lower() in PICTURES:
         raise HouseFileError(f"{path}: a picture, and no house file: read a map by its .yaml")
     try:
-        if path.suffix in DESCRIPTIONS and not path.is_dir():
+        if path.suffix.lower() in DESCRIPTIONS and not path.is_dir():
             return Houses([House.of_map(read_map(path))])
         with file or opened(path, MOST_BYTES) as content:
             houses = Houses(_houses(content, path, whole_pixels))
@@ -60,8 +60,7 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
     except DAMAGED as error:
         raise HouseFileError(f"{path}: cannot be read: {reason(error)}") from None
     if not houses:
-        made = f"vitruvius generate --rooms 4 --out {quoted(path)}"
-        raise HouseFileError(f"{path}: holds no house. Make some with: {made}")
+        raise HouseFileError(f"{path}: holds no house. Make some with: {_made(path, 'generate --rooms 4')}")
     return houses
 
 
@@ -185,7 +184,7 @@ def _folder(path: Path) -> str:
     """What a folder is in place of a house file, and which house file there is in it."""
     if any(path.glob("*.lp")):
         return _grammar(path)
-    there = sorted(file.name for file in path.glob("*") if file.name.endswith(HOUSE_FILES))
+    there = sorted(file.name for file in path.glob("*") if file.name.lower().endswith(HOUSE_FILES))
     return "is a folder, and no house file" + (f": did you mean {path / there[0]}?" if there else "")
 
 
@@ -198,15 +197,20 @@ def _absent(path: Path) -> str:
     """Which house file there is in place of an absent one, or how to make one."""
     if str(path) in shipped():
         return _grammar(path)
-    there = sorted(file.name for file in path.parent.glob("*") if file.name.endswith(HOUSE_FILES))
+    there = sorted(file.name for file in path.parent.glob("*") if file.name.lower().endswith(HOUSE_FILES))
     if close := closest(path.name, there):
         return f"there is no such file: did you mean {path.parent / close}?"
     if there:
         folder = "this folder" if path.parent == Path() else path.parent
         return f"there is no such file: {folder} has {', '.join(there[:5])}"
-    return (
-        f"there is no such file. Make it with: vitruvius generate --rooms 4 --count 100 --out {quoted(path)}"
-    )
+    made = _made(path, "generate --rooms 4 --count 100")
+    return f"there is no such file. Make {'it' if made.endswith(quoted(path)) else 'one'} with: {made}"
+
+
+def _made(path: Path, words: str) -> str:
+    """Return the command that makes a house file: of this name, if houses are written into files of such."""
+    name = path if path.name.endswith(HOUSE_FILES) else path.with_name("houses.jsonl")
+    return f"vitruvius {words} --out {quoted(name)}"
 
 
 class _End(msgspec.Struct, forbid_unknown_fields=True):
@@ -227,7 +231,7 @@ def stopped_by(line: bytes) -> str | None:
 
 def _holds_one(path: Path) -> bool:
     """Whether a file is named ``.json`` (or ``.json.gz``), which is one house over any number of lines."""
-    return path.name.removesuffix(".gz").endswith(".json")
+    return path.name.lower().removesuffix(".gz").endswith(".json")
 
 
 def _require_once(pairs: list[tuple[str, Any]]) -> None:

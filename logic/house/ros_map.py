@@ -7,6 +7,7 @@ map below ``free_thresh``; what is neither free nor occupied is unknown, and sol
 """
 
 import math
+import re
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -86,6 +87,8 @@ def _described(path: Path) -> Description:
         _require_plain(content)
         found: Any = yaml.load(content, yaml.BaseLoader)  # texts, and lists of them
     except (yaml.YAMLError, UnicodeDecodeError) as error:
+        if re.match(rb"[\w\s]*+:", content) and not re.search(rb"(?m)^image[ \t]*:", content):
+            wrong("it lacks image, as in image: map.png")
         mark = getattr(error, "problem_mark", None)
         wrong(f"it is no YAML of plain values{f', in line {mark.line + 1}' if mark else ''}")
     if not isinstance(found, dict):

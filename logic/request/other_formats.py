@@ -6,8 +6,8 @@ from typing import Any
 
 from logic.opener import from_json
 
-GEOJSON = "convert it to GeoJSON, a rectangle for each room"
-DRAW = "draw its rooms as rectangles in a GIS or CAD, and export GeoJSON"
+GEOJSON = "convert it to GeoJSON, a polygon for each room"
+DRAW = "draw its rooms as polygons in a GIS or CAD, and export GeoJSON"
 
 BEGINNINGS = (
     (re.compile(rb"\x89PNG\r\n\x1a\n"), "a PNG picture", DRAW),
@@ -45,6 +45,9 @@ XML = {b"svg": "an SVG picture", b"kml": "KML", b"gml": "GML", b"mxfile": "a dia
 JSON = {"Topology": "TopoJSON", "CityJSON": "CityJSON"}
 """What JSON is, by its ``type``."""
 
+YAML = re.compile(rb"(?m)^(?:levels|floors|rooms|hallways)[ \t]*:[ \t]*(?:#.*)?\r?$")
+"""A line of a floor plan in YAML."""
+
 READ = "a plan is a house file of one house, GeoJSON, or of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC"
 
 
@@ -52,7 +55,7 @@ def named(content: bytes) -> str | None:
     """What a file's content is and what to do, if it is a known format that is no plan."""
     content = content.removeprefix(b"\xef\xbb\xbf").lstrip()
     found = next(((what, do) for begins, what, do in BEGINNINGS if begins.match(content)), None)
-    found = found or _xml(content) or _json(content) or _table(content)
+    found = found or _xml(content) or _json(content) or _yaml(content) or _table(content)
     return found and f"is {found[0]}, and {READ}: {found[1]}"
 
 
@@ -81,6 +84,13 @@ def _json(content: bytes) -> tuple[str, str] | None:
     return None
 
 
+def _yaml(content: bytes) -> tuple[str, str] | None:
+    """YAML that names levels, floors or rooms, and no picture, as a map of ROS does."""
+    if YAML.search(content[:65536]) is None or re.search(rb"(?m)^image[ \t]*:", content[:65536]):
+        return None
+    return "a floor plan in YAML, as of Open-RMF, PyRoboSim or ESPresense", GEOJSON
+
+
 def _table(content: bytes) -> tuple[str, str] | None:
     """Lines of as many commas, semicolons or tabs each, and no JSON."""
     lines = content[:4096].splitlines()[:3]
@@ -88,5 +98,5 @@ def _table(content: bytes) -> tuple[str, str] | None:
         return None
     for mark in (b",", b";", b"\t"):
         if lines[0].count(mark) and lines[0].count(mark) == lines[1].count(mark):
-            return "a table (CSV)", "write each row as a rectangle in GeoJSON"
+            return "a table (CSV)", "write each row as a polygon in GeoJSON"
     return None

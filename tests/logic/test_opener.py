@@ -86,7 +86,7 @@ REFUSED_JSON = {
     "no number": (b"[NaN]", "NaN"),
     "infinity": (b"[-Infinity]", "Infinity"),
     "half a letter": (rb'["\ud800"]', "half of a surrogate pair"),
-    "other letters": (b'["\xff"]', "utf-8"),
+    "other letters": (b'["\xff"]', "not UTF-8: byte 0xff"),
     "many values": (b"[" + b"[]," * (1 << 22) + b"[]]", "values"),
     "no JSON": (b'{"a": [1, 2}', "line 1 column 12"),
 }

@@ -126,7 +126,7 @@ def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_pa
     ("name", "content", "error", "says"),
     [
         ("notes.txt", b"some words", UnknownFileError, "nothing that Vitruvius writes or reads"),
-        ("empty.json", b"", UnknownFileError, "nothing that Vitruvius writes or reads"),
+        ("empty.json", b"", UnknownFileError, "is empty"),
         ("list.json", b"[1, 2]", UnknownFileError, "nothing that Vitruvius writes or reads"),
         ("other.json", b'{"a": 1}', UnknownFileError, "nothing that Vitruvius writes or reads"),
         ("cut.jsonl", b'{"format": "vitruvius-1", "roomN', HouseFileError, "cut.jsonl:1: not a house"),

@@ -15,10 +15,10 @@ from logic.dataset.sets import SET
 from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, stopped_by
 from logic.house.files import MOST_BYTES as MOST_HOUSES
-from logic.house.ros_map import DESCRIPTIONS
+from logic.house.ros_map import DESCRIPTIONS, PICTURES
 from logic.opener import PACKED, STANDARD, content_of, from_json, opened
 from logic.readers import sketch
-from logic.readers.features import is_geojson
+from logic.readers.features import SEPARATOR, from_text, is_geojson
 from logic.readers.sketch import Sketch
 from logic.spelling import closest, quoted, unknown
 from vitruvius import settings
@@ -106,18 +106,23 @@ def _file(name: str, path: Path) -> Kind:
             start = file.read(16)
     except OSError as error:
         raise UnknownFileError(f"{name}: cannot be read: {error.strerror}") from None
-    if path.suffix == ".safetensors" or start[8:9] == b"{":
+    if not start:
+        raise UnknownFileError(f"{name}: is empty")
+    suffix = path.suffix.lower()
+    if suffix == ".safetensors" or start[8:9] == b"{":
         return read_agent(name, path)
-    if path.suffix == ".toml":
+    if suffix == ".toml":
         preset, config, _ = settings.read(path)
         return read_settings(name, preset, config)
-    if path.suffix in DESCRIPTIONS:
+    if suffix in DESCRIPTIONS:
         return read_houses(name, load(path))
-    if path.suffix in (".lp", ".pl"):
+    if suffix in PICTURES:
+        raise UnknownFileError(f"{name}: a picture: look at a map of it by its .yaml")
+    if suffix in (".lp", ".pl"):
         raise UnknownFileError(
             f"{name}: a rule file: look at its grammar, vitruvius info {quoted(path.parent)}"
         )
-    if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] == b"{":
+    if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] in (b"{", SEPARATOR):
         return _json(name, path)
     if plan := _sketch(name, _content(name, path), None):
         return read_plan(name, plan)
@@ -141,8 +146,13 @@ def _json(name: str, path: Path) -> Kind:
         with suppress(ValueError):
             record = from_json(text, Any)
             break
-    if record is None and path.name.endswith(HOUSE_FILES):
-        load(path)  # says where it is damaged
+    if record is None or is_geojson(record):
+        try:
+            record = from_text(content)  # a feature a line
+        except ValueError as error:
+            if path.name.lower().endswith(HOUSE_FILES):
+                load(path)  # says where it is damaged
+            raise UnknownFileError(f"{name}: is damaged: {error}") from None
     if not isinstance(record, dict):
         raise _unknown(name)
     format_ = str(record.get("format"))

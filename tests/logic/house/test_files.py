@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from logic import House, HouseFileError, Piece, load, save
-from logic.house.files import write_whole
+from logic.house.files import HOUSE_FILES, require_ending, write_whole
 from logic.house.parts import ORIGINAL, PIXEL, Provenance
 from tests.logic.house.handmade import built, houses, sketches
 from tests.sample_houses import changed_record
@@ -220,6 +220,18 @@ def test_a_small_file_that_unpacks_to_more_than_is_read_is_refused(
         load(path)
 
 
+@pytest.mark.parametrize("name", ["a.jsonl", "A.JSONL", "a.geojson", "a.yaml", "a.pgm.txt", "a"])
+def test_the_command_that_an_error_proposes_is_not_refused(name: str, tmp_path: Path) -> None:
+    for _ in ("absent", "empty"):
+        with pytest.raises(HouseFileError) as error:
+            load(tmp_path / name)
+        if name.endswith(".yaml") and (tmp_path / name).exists():
+            assert "no map of ROS" in str(error.value)
+            continue
+        require_ending(str(error.value).rpartition(" --out ")[2], HOUSE_FILES)
+        (tmp_path / name).touch()
+
+
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(HouseFileError, match="there is no such file"):
         load(tmp_path / "absent.jsonl")
@@ -248,7 +260,7 @@ def test_a_kill_on_the_way_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "houses.jsonl"
     write_whole(path, b"old")
     script = (
-        "import os, signal, sys; from logic.house.files import write_whole\n"
+        "import os, signal, sys; from logic.house.files import HOUSE_FILES, require_ending, write_whole\n"
         "os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)\n"
         "write_whole(sys.argv[1], b'new')"
     )

@@ -286,6 +286,7 @@ WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "a list": ("- 1\n- 2", b"", "it says nothing by name"),
     "nothing": ("", b"", "it says nothing by name"),
     "not text": ("\x00\x01", b"", "it is no YAML"),
+    "another floor plan": ("name: a\nlevels:\n  L1:\n    vertices:\n    - [0, 0]", b"", "it lacks image"),
     "deep": ("[" * 20_000, b"", "it is no YAML"),
     "long": ("# " + "a" * (1 << 17), b"", "more than 64 KiB"),
     "aliases": (ALIASES, b"", "it is no YAML of plain values, in line 1"),
@@ -319,10 +320,18 @@ def test_a_map_that_is_none_is_refused_in_a_line(case: str, tmp_path: Path, caps
     assert not (tmp_path / "plans").exists()
 
 
-def test_a_picture_by_itself_is_no_map(tmp_path: Path) -> None:
-    (tmp_path / "map.pgm").write_bytes(free_picture())
+@pytest.mark.parametrize("ending", [".yaml", ".yml", ".YAML", ".Yml"])
+def test_the_ending_of_a_map_may_be_in_capitals(ending: str, tmp_path: Path) -> None:
+    (tmp_path / "map.png").write_bytes(free_picture())
+    (tmp_path / f"map{ending}").write_text(yaml.safe_dump(SAID))
+    assert load(tmp_path / f"map{ending}")[0].occupancy
+
+
+@pytest.mark.parametrize("name", ["map.pgm", "MAP.PGM"])
+def test_a_picture_by_itself_is_no_map(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(free_picture())
     with pytest.raises(HouseFileError, match=r"read a map by its \.yaml"):
-        load(tmp_path / "map.pgm")
+        load(tmp_path / name)
     with pytest.raises(HouseFileError, match="there is no such file"):
         load(tmp_path / "other.yaml")
 

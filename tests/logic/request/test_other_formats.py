@@ -87,11 +87,18 @@ PLANS = {
     "DWG": lambda _: b"AC1032" + bytes(20),
     "STEP": lambda _: b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\n",
     "shapefile": lambda _: struct.pack(">7i", 9994, 0, 0, 0, 0, 0, 50),
+    "YAML of Open-RMF": lambda _: b"name: flat\nlevels:\n  L1:\n    vertices:\n      - [0, 0, 0, a]\n",
+    "YAML of PyRoboSim": lambda _: (
+        b"params:\n  name: w\nrooms:\n  - name: kitchen\n    footprint: {type: polygon}\n"
+    ),
+    "YAML of ESPresense": lambda _: (
+        b"mqtt:\n  host: a\nfloors: # metres\n  - id: f\n    bounds: [[0, 0, 0], [1, 1, 2]]\n"
+    ),
     "KML": lambda _: b'<?xml version="1.0"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"></kml>',
 }
 
 
-@pytest.mark.parametrize("name", ["plan.json", "plan.geojson", "plan.jsonl", "plan"])
+@pytest.mark.parametrize("name", ["plan.json", "plan.geojson", "plan.jsonl", "plan", "plan.yaml"])
 @pytest.mark.parametrize("kind", PLANS)
 def test_another_format_is_named_with_what_to_do(kind: str, name: str, tmp_path: Path) -> None:
     content = PLANS[kind](tmp_path)
@@ -108,3 +115,22 @@ def test_what_is_packed_is_named_too(tmp_path: Path) -> None:
     (tmp_path / "plan").write_bytes(gzip.compress(PLANS["TopoJSON"](tmp_path)))
     with pytest.raises(HouseFileError, match="TopoJSON"):
         read_plan(tmp_path / "plan")
+
+
+@pytest.mark.parametrize("name", ["flat.geojson", "flat.json", "flat.jsonl"])
+def test_text_that_is_not_utf_8_says_where_and_what_to_save(name: str, tmp_path: Path) -> None:
+    plan = {"type": "Polygon", "properties": {"name": "Küche"}, "coordinates": []}
+    (tmp_path / name).write_bytes(json.dumps(plan, ensure_ascii=False).encode("latin-1"))
+    with pytest.raises(
+        HouseFileError, match="line 1, column 46: not UTF-8: byte 0xfc, ü in Latin-1: save as UTF-8"
+    ):
+        read_plan(tmp_path / name)
+
+
+def test_an_empty_plan_and_a_damaged_one_are_named_as_such(tmp_path: Path) -> None:
+    (tmp_path / "plan.geojson").touch()
+    with pytest.raises(HouseFileError, match="is empty, and a plan is a house file"):
+        read_plan(tmp_path / "plan.geojson")
+    (tmp_path / "plan.geojson").write_text('{"type": "Polygon", ')
+    with pytest.raises(HouseFileError, match="is no GeoJSON: Expecting property name"):
+        read_plan(tmp_path / "plan.geojson")
