@@ -66,14 +66,6 @@ LARGEST, SMALLEST = 50.0, 0.01
 """Metres: where half of the sides of rooms are longer or shorter, their unit is another one."""
 
 
-class Drawn(NamedTuple):
-    """A plan in metres, y growing north; for each room the one that it is a part of, or an empty text."""
-
-    sketch: Sketch
-    wholes: list[str]
-    notes: list[str]
-
-
 class Feature(NamedTuple):
     """A room, a door or a window as a feature says it: its number in the file, and which of these it is."""
 
@@ -86,8 +78,8 @@ class Feature(NamedTuple):
 
 def read_geojson(
     record: Mapping[str, Any], unit: str | None, storey: str | None, types: Collection[str] | None
-) -> Drawn:
-    """Return the rooms, doors and windows of GeoJSON, in metres.
+) -> tuple[Sketch, list[str]]:
+    """Return the rooms, doors and windows of GeoJSON, in metres, and what is to be said.
 
     ``unit``: see ``metres_to``; without it metres, or degrees where the numbers are such. ``types``: those of
     the grammar, if known. Raises ``RequestError`` for what is no plan, naming the room.
@@ -103,13 +95,12 @@ def read_geojson(
     if not rooms:
         beside = f", but {_counted(passed)}" if passed else ""
         raise RequestError(f"plan: it has no polygon that is a room{beside}")
-    spaces, wholes, unknown = list[Space](), list[str](), set[str]()
+    spaces, unknown = list[Space](), set[str]()
     for each in rooms:
         name = _name(each)
         literal, words = _words(each, name, types, unknown)
-        for part in _polygons(each, name):
-            spaces.append(Space(name, words, part, literal))
-            wholes.append(str(each.properties.get("part_of") or ""))
+        whole = str(each.properties.get("part_of") or "")
+        spaces += [Space(name, words, part, literal, whole) for part in _polygons(each, name)]
     shapes = [_geometry(each) for each in others]
     flat, notes = _flat([each.shape for each in spaces], unit)
     spaces = [each._replace(shape=flat(each.shape)) for each in spaces]
@@ -125,7 +116,7 @@ def read_geojson(
     if unknown:
         some = ", ".join(sorted(unknown)[:8])
         notes.append(f"words of no known type, so these rooms may have any: {some}")
-    return Drawn(Sketch(FORMAT, spaces, doors, windows, north_up=True), wholes, notes)
+    return Sketch(FORMAT, spaces, doors, windows, north_up=True), notes
 
 
 def _feature(feature: Any, number: int, passed: Counter[str]) -> Feature | None:

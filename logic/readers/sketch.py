@@ -27,6 +27,8 @@ class Space(NamedTuple):
     shape: Polygon
     type: str = ""
     """Its type in the words of a grammar, if the file says that."""
+    whole: str = ""
+    """Name of the room that it is a part of, if any."""
 
 
 class Passage(NamedTuple):

@@ -32,16 +32,23 @@ Uses = tuple[str, ...]
 """Types that a word means: several for a room of several uses, an empty one where any may be."""
 
 
+class Least(msgspec.Struct, frozen=True):
+    """Least floor of a use of a room, square metres, and its least width, metres."""
+
+    floor: float
+    width: float
+
+
 class Table(msgspec.Struct):
     """Words for each type of room, or for several of them, as in ``living+kitchen``.
 
-    ``open``: types that may be uses of one room, and the least floor of each, square metres. ``entered``: the
+    ``open``: types that may be uses of one room, and the least size of each. ``entered``: the
     types of rooms by which a house is entered, most likely first. ``whose``: words that say whose room it is,
     and its type only without another word. ``elements``: words for what is no room but a part of a house.
     """
 
     types: dict[str, list[str]]
-    open: dict[str, float]
+    open: dict[str, Least]
     entered: list[str]
     whose: list[str]
     elements: dict[str, list[str]]
@@ -68,8 +75,8 @@ def uses(words: Iterable[str]) -> Uses:
     return next((types for word in words if (types := _uses(word)) and types[0]), ())
 
 
-def least_floor() -> dict[str, float]:
-    """Return the types that may be uses of one room, the most needed first, and their least floor in m²."""
+def least_sizes() -> dict[str, Least]:
+    """Return the types that may be uses of one room, the most needed first, and the least size of each."""
     return table().open
 
 

@@ -11,10 +11,12 @@ from shapely import Geometry
 
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import Room
+from logic.readers.combined import divided
 from logic.readers.features import inner_wall
-from logic.readers.geojson import Drawn, read_geojson
+from logic.readers.geojson import read_geojson
 from logic.readers.lines import FACING, MOST_WALL
 from logic.readers.regular import Opening, Regular, regular, unlike
+from logic.readers.sketch import Sketch
 from logic.readers.types import OUTSIDE, kind_of
 from logic.readers.units import metres_to
 
@@ -42,25 +44,25 @@ def from_geojson(
     metres, stay as they are, unless walls lie between them; all else is made regular. Arguments and errors
     are those of ``read_geojson`` and ``regular``.
     """
-    drawn = read_geojson(record, unit, storey, types)
+    sketch, notes = read_geojson(record, unit, storey, types)
+    sketch, more = divided(sketch)
+    notes += more
     if thick := record.get("wall_thickness"):  # our own export: rooms end at the faces of their walls
         half = inner_wall(thick) * metres_to(unit or "m") / 2
-        found = _tiles(drawn, snap, types, half)
+        found = _tiles(sketch, snap, types, half)
     else:
-        found = _tiles(drawn, snap, types)
-    if found:
-        return Plan(found, False)
-    made = regular(drawn.sketch, None, snap, types)
-    return Plan(made._replace(notes=[*drawn.notes, *made.notes]), True)
+        found = _tiles(sketch, snap, types)
+    made = found or regular(sketch, None, snap, types)
+    return Plan(made._replace(notes=[*notes, *made.notes]), found is None)
 
 
 def _tiles(
-    drawn: Drawn, snap: float, types: Collection[str] | None, half: float | None = None
+    sketch: Sketch, snap: float, types: Collection[str] | None, half: float | None = None
 ) -> Regular | None:
     """Return rooms that are rectangles, each grown by ``half`` a wall; None for others, and where walls lie
     between the rooms that no ``half`` is of.
     """
-    spaces, kinds = drawn.sketch.spaces, [kind_of(each, types)[0] for each in drawn.sketch.spaces]
+    spaces, kinds = sketch.spaces, [kind_of(each, types)[0] for each in sketch.spaces]
     is_room = [kind != OUTSIDE for kind in kinds]
     boxes = [each.shape.bounds for each in spaces]
     if not any(is_room) or not all(
@@ -74,27 +76,24 @@ def _tiles(
         return None
     left, top = min(box[0] for box in inner), max(box[3] for box in inner)
     names = list(unlike(each.name for each in spaces))
-    wholes = {name for name, whole in zip(names, drawn.wholes, strict=True) if not whole}
-    rooms, outdoors, notes = list[Room](), list[Geometry](), list(drawn.notes)
+    wholes = {name for name, each in zip(names, spaces, strict=True) if not each.whole}
+    rooms, outdoors, notes = list[Room](), list[Geometry](), list[str]()
 
     def placed(shape: Geometry) -> Geometry:
         return shapely.transform(shape, lambda points: (points - (left, top)) * (1, -1))
 
-    for name, each, kind, whole, (west, south, east, north) in zip(
-        names, spaces, kinds, drawn.wholes, boxes, strict=True
-    ):
+    for name, each, kind, (west, south, east, north) in zip(names, spaces, kinds, boxes, strict=True):
         if kind == OUTSIDE:
             outdoors.append(placed(each.shape))
             continue
         # Edges are rounded, not sizes: what two rooms share stays shared.
         x, right, y, bottom = (round(m, 6) for m in (west - left, east - left, top - north, top - south))
         size = round(right - x, 6), round(bottom - y, 6)
-        part_of = whole if whole in wholes else UNSET
+        part_of = each.whole if each.whole in wholes else UNSET
         rooms.append(Room(x, y, *size, name=name, type=kind, part_of=part_of).grown(half or 0.0))
     if outdoors:
         others = sorted({each.name for each, inside in zip(spaces, is_room, strict=True) if not inside})
         notes.append(f"passed over, as they are no rooms: {', '.join(others[:8])}")
-    sketch = drawn.sketch
     doors = [Opening(_bounds(placed(each.shape)), *each[1:]) for each in sketch.passages]
     windows = [Opening(_bounds(placed(each))) for each in sketch.windows]
     return Regular(rooms, doors, windows, outdoors, [], notes)

@@ -24,6 +24,7 @@ from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
 from logic.opener import STANDARD, content_of
 from logic.readers import sketch
+from logic.readers.combined import divided
 from logic.readers.features import from_text, is_geojson
 from logic.readers.lines import MOST_WALL
 from logic.readers.regular import regular
@@ -78,7 +79,9 @@ def read_plan(
         doors, windows, notes, hint = found.doors, found.windows, list[str](), HINT
     else:
         if isinstance(found, Sketch):
+            found, said = divided(found, unit)
             drawn = regular(found, unit, snap, types)
+            drawn = drawn._replace(notes=[*said, *drawn.notes])
         else:
             drawn, is_made_regular = from_geojson(found, unit, snap, storey, types)
             noise, hint = (noise, hint) if is_made_regular else (0.0, HINT)

@@ -18,6 +18,9 @@ REACH = MOST_WALL / 2 + 0.15
 ROUND = 0.05
 """Metres: doors are so many of them wide, where noise is all that is between."""
 
+ALL = 0.2
+"""Metres by which an opening may be shorter than the wall that all of it opens."""
+
 LEAST = 0.4
 """Metres: what is shorter is no door and no window."""
 
@@ -46,7 +49,7 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     alone: list[str] = []
     knows_entrance = any(each.is_entrance for each in drawn.passages)
     in_front = list[Door]()
-    for opening in drawn.passages:
+    for opening in (piece for each in drawn.passages for piece in _pieces(each, inner)):
         found = _nearest(opening, [*inner, *outer])
         if found is None:
             notes.append(f"a door at {_at(opening)} is in no wall: it is passed over")
@@ -60,6 +63,8 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
             continue
         between = names[wall.room], OUTSIDE if wall.behind is None else names[wall.behind]
         length = _rounded(end - start, noise)
+        if opening.is_open and length > wall.end - wall.start - ALL:
+            start, length = wall.start, wall.end - wall.start
         doors.append(Door(*_segment(wall, start, length), between, opening=opening.is_open))
         if wall.behind is None and not is_garden:
             in_front.append(doors[-1])
@@ -73,7 +78,8 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
         doors += _joints(drawn, inner, names)
         if alone := _unreached(names, doors):
             some = f"{', '.join(alone[:3])}{' and others' if alone[3:] else ''}"
-            notes.append(f"no door that is drawn leads to {some}: there may be more doors than these")
+            if any(not each.is_open for each in drawn.passages):
+                notes.append(f"no door that is drawn leads to {some}: there may be more doors than these")
     kept = _entrance_first(list(_widest(doors, notes)), in_front, plan, [] if knows_entrance else notes)
     return Placed(tuple(kept), tuple(windows), bool(doors and alone), notes)
 
@@ -104,6 +110,24 @@ def _entrance_first(
 def _inner(door: Door) -> str:
     """Return the room of a door that leads outside."""
     return next(name for name in door.between if name != OUTSIDE)
+
+
+def _pieces(opening: Opening, inner: Sequence[Wall]) -> Iterator[Opening]:
+    """Yield an opening, or a piece of it for each wall, where floor is open along several walls."""
+    box, axis = opening.box, int(opening.box[2] - opening.box[0] > opening.box[3] - opening.box[1])
+    low, high = box[1 - axis], box[3 - axis]
+    spans = [
+        (start, end)
+        for wall in inner
+        if WALLS.index(wall.side) % 2 == axis and abs(wall.place - (box[axis] + box[axis + 2]) / 2) < ROUND
+        if (end := min(high, wall.end)) - (start := max(low, wall.start)) > LEAST
+    ]
+    if not opening.is_open or len(spans) < 2:
+        yield opening
+        return
+    for start, end in spans:
+        sides = (box[0], start, box[2], end) if axis == 0 else (start, box[1], end, box[3])
+        yield opening._replace(box=sides)
 
 
 def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, float] | None:

@@ -20,6 +20,7 @@ from logic.dataset.sets import files_of_shards, read_manifest, read_set
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
 from logic.opener import content_of, from_json, opened
+from logic.readers.combined import divided
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
 from logic.request.geojson import from_geojson
@@ -103,7 +104,7 @@ def read_plan(name: str, found: Sketch | dict[str, Any]) -> Plan:
     format_ = found.format if isinstance(found, Sketch) else "GeoJSON"
     try:
         rooms = (
-            regular(found, None, SNAP).rooms
+            regular(divided(found)[0], None, SNAP).rooms
             if isinstance(found, Sketch)
             else from_geojson(found, snap=SNAP).drawn.rooms
         )

@@ -1,0 +1,148 @@
+"""A room of several uses, such as ``Wohnen/Essen/Kochen``, as a room for each, open to each other."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import atan2, degrees
+from typing import Any, NamedTuple
+
+import shapely
+from shapely import Geometry, LineString, Polygon, affinity
+
+from logic.readers.lines import MOST_WALL
+from logic.readers.sketch import Passage, Sketch, Space
+from logic.readers.types import TOGETHER, Least, least_sizes, uses
+from logic.readers.units import metres_to
+
+
+class Cut(NamedTuple):
+    """Parts of a room, one for each use, and the lines between them."""
+
+    parts: list[Polygon]
+    lines: list[LineString]
+
+
+def divided(sketch: Sketch, unit: str | None = None) -> tuple[Sketch, list[str]]:
+    """Return a sketch whose rooms have one use each, and what is to be said. ``unit`` is the user's.
+
+    The floor is divided by the least that each use needs; a use for which the floor is too small, or which
+    another room has, is dropped. Of all ways to cut, one is taken that meets no door or window and leaves no
+    part without a window, if there is one.
+    """
+    metres = metres_to(unit) if unit else sketch.unit
+    wanted = [() if space.type else uses(space.words) for space in sketch.spaces]
+    had = {each[0] for each in wanted if len(each) == 1}
+    spaces, passages, notes = list[Space](), list(sketch.passages), list[str]()
+    for space, each in zip(sketch.spaces, wanted, strict=True):
+        if len(each) < 2:
+            spaces.append(space)
+            continue
+        own = _fitting([use for use in least_sizes() if use in each and use not in had], space, metres)
+        while (cut := _best(space, own, sketch, metres)) is None and len(own) > 1:
+            own = own[:-1]
+        if cut is None:
+            spaces.append(space._replace(words=(own or each)[:1]))
+            continue
+        names = [_name(space.name, use) for use in own]
+        spaces += [
+            space._replace(name=name, words=(use,), shape=part)
+            for name, use, part in zip(names, own, cut.parts, strict=True)
+        ]
+        passages += [Passage(line, is_open=True) for line in cut.lines]
+        notes.append(
+            f"{space.name} is read as {len(own)} rooms that are open to each other: {', '.join(names)}"
+        )
+    return sketch._replace(spaces=spaces, passages=passages), notes
+
+
+def _fitting(own: list[str], space: Space, metres: float) -> list[str]:
+    """Return the uses for which a room has enough floor, the most needed first."""
+    area, least = space.shape.area * metres**2, least_sizes()
+    while len(own) > 1 and sum(least[use].floor for use in own) > area:
+        own = own[:-1]
+    return own
+
+
+def _name(name: str, use: str) -> str:
+    """Return what a use is called in the name of a room of several."""
+    return next(
+        (part.strip(" -") for part in TOGETHER.split(name) if uses([part]) == (use,)), f"{name} {use}"
+    )
+
+
+def _best(space: Space, own: Sequence[str], sketch: Sketch, metres: float) -> Cut | None:
+    """Return the best way to cut a room; None for one use, and where all leave parts that are too narrow."""
+    if len(own) < 2:
+        return None
+    reach = MOST_WALL / metres
+    others = [each.shape for each in sketch.spaces if each is not space]
+    panes = [each for each in sketch.windows if shapely.distance(each, space.shape) < reach]
+    openings: list[Any] = [*(each.shape for each in sketch.passages), *panes]
+
+    def is_dark(part: Polygon) -> bool:
+        if sketch.windows:
+            return all(shapely.distance(part, pane) > reach for pane in panes)
+        inner = shapely.union_all([*others, shapely.difference(space.shape, part)]).buffer(reach)
+        return shapely.difference(part.exterior, inner).length * metres < 1
+
+    def cost(cut: Cut) -> tuple[float, ...]:
+        crossed = sum(line.distance(each) * metres < 0.1 for line in cut.lines for each in openings)
+        corners = sum(len(shapely.simplify(part, 0.01 / metres).exterior.coords) for part in cut.parts)
+        shape = sum(part.exterior.length**2 / part.area for part in cut.parts)
+        return crossed, sum(map(is_dark, cut.parts)), corners, round(shape, 6)
+
+    return min(_cuts(space.shape, [least_sizes()[use] for use in own], metres), key=cost, default=None)
+
+
+def _cuts(room: Polygon, least: Sequence[Least], metres: float) -> Iterator[Cut]:
+    """Yield the ways to cut a room along its walls: off for the first use, then across for the others."""
+    (x, y), (to_x, to_y) = max(pairwise(room.exterior.coords), key=lambda side: LineString(side).length)
+    turn = degrees(atan2(to_y - y, to_x - x)) % 90
+    upright = affinity.rotate(room, -turn, origin=(0, 0))
+    for axis, is_first in ((0, True), (0, False), (1, True), (1, False)):
+        first, rest, line = _halves(upright, axis, is_first, least[0], least[1:], metres)
+        ways = [([first, rest], [line])]
+        if len(least) > 2:
+            ways = []
+            for turned in (True, False):
+                one, other, across = _halves(rest, 1 - axis, turned, least[1], least[2:], metres)
+                sides = [line.intersection(each.buffer(0.01 / metres)) for each in (one, other)]
+                ways.append(([first, one, other], [*sides, across]))
+        for parts, lines in ways:
+            if all(_is_wide(part, metres, each) for part, each in zip(parts, least, strict=True)) and all(
+                isinstance(each, LineString) for each in lines
+            ):
+                back = [affinity.rotate(each, turn, origin=(0, 0)) for each in (*parts, *lines)]
+                yield Cut(back[: len(parts)], back[len(parts) :])
+
+
+def _halves(
+    room: Any, axis: int, is_first: bool, least: Least, others: Sequence[Least], metres: float
+) -> tuple[Any, Any, Any]:
+    """Return the part of a room for a use, the rest for others, and the line between them, on a centimetre.
+
+    They have their shares of the floor, but are as wide as the uses need.
+    """
+    west, south, east, north = shapely.bounds(room)
+    low, high = (west, east) if axis == 0 else (south, north)
+
+    def below(place: float) -> Polygon:
+        return shapely.box(west, south, place, north) if axis == 0 else shapely.box(west, south, east, place)
+
+    share = least.floor / (least.floor + sum(each.floor for each in others))
+    wanted, ends = room.area * (share if is_first else 1 - share), [low, high]
+    for _ in range(40):
+        middle = sum(ends) / 2
+        ends[room.intersection(below(middle)).area > wanted] = middle
+    wide, wide_other = least.width / metres, max(each.width for each in others) / metres
+    margins = (wide, wide_other) if is_first else (wide_other, wide)
+    place = max(low + margins[0], min(sum(ends) / 2, high - margins[1]))
+    place = low + round((place - low) * metres, 2) / metres
+    one, other = room.intersection(below(place)), room.difference(below(place))
+    across = LineString([(place, south), (place, north)] if axis == 0 else [(west, place), (east, place)])
+    first, rest = (one, other) if is_first else (other, one)
+    return first, rest, across.intersection(room)
+
+
+def _is_wide(part: Geometry, metres: float, least: Least) -> bool:
+    half = (least.width / 2 - 0.01) / metres
+    return isinstance(part, Polygon) and not part.buffer(-half, join_style="mitre").is_empty
