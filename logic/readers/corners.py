@@ -11,14 +11,17 @@ from shapely import Polygon
 
 from logic.errors import RequestError
 
-CHAMFER = 0.15
+CHAMFER = 0.3
 """Metres: a diagonal wall that is no longer becomes a corner."""
 
 MOST_CORNERS = 200
 """Of a room, those of steps that are noise among them."""
 
-LEAN = 0.03
-"""How far a wall may lean, as a share of its length, beside noise."""
+GRID = 1e-4
+"""Metres: places of walls are rounded to it, so that sides stay along the axes."""
+
+LEAN, STRAIGHT = 0.03, 0.08
+"""How far a wall may lean from end to end: a share of its length, beside noise, and in any case metres."""
 
 Point = tuple[float, float]
 
@@ -39,7 +42,7 @@ def squared(name: str, shape: Polygon, noise: float) -> Polygon:
     rings = [shape.exterior, *(each for each in shape.interiors if Polygon(each).area > (4 * noise) ** 2)]
     plain = [shapely.simplify(ring, 2 * noise) for ring in rings]
     shell, *holes = (_ring(name, [(x, y) for x, y, *_ in ring.coords[:-1]], noise) for ring in plain)
-    found = Polygon(shell, holes)
+    found = shapely.set_precision(Polygon(shell, holes), GRID, mode="pointwise")
     if not found.is_valid or found.is_empty:
         x, y = shape.representative_point().coords[0]
         raise RequestError(
@@ -79,7 +82,7 @@ def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
     found, diagonals = list[Side](), list[tuple[Point, Point]]()
     for one, other in pairwise([*corners, corners[0]]):
         x, y = abs(other[0] - one[0]), abs(other[1] - one[1])
-        if min(x, y) <= 2.5 * noise + LEAN * max(x, y):
+        if min(x, y) <= max(STRAIGHT, 2.5 * noise + LEAN * max(x, y)) and min(x, y) < 0.5 * max(x, y):
             axis = int(x > y)
             found.append(Side(axis, (one[axis] + other[axis]) / 2, max(x, y)))
         elif hypot(x, y) <= CHAMFER:

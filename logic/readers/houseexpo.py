@@ -1,17 +1,22 @@
 """HouseExpo (Li and others, IROS 2020): JSON of one house, in metres, with y as in pictures.
 
-``verts`` is the outline of the free floor, walls and doors cut out of it; ``room_category`` has the bounding
-boxes of the rooms of each type.
+``verts`` is the outline of the free floor, walls and doors cut out of it, as a picture of 1 cm a pixel has
+it; ``room_category`` has boxes of the rooms of each type, which reach over walls, and as far as doors swing.
 """
 
-from typing import Any
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
 
+import numpy as np
 import shapely
-from shapely import Polygon
+from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
 from logic.house.parts import MOST_ROOMS
-from logic.readers.sketch import Passage, Sketch, Space, numbers, require_plain
+from logic.readers.doorways import SMALLEST, Doorway, cut
+from logic.readers.sketch import Passage, Sketch, Space, numbers, parts_of, require_plain
+from logic.readers.types import OUTSIDE, meant
 
 FORMAT = "a plan of HouseExpo"
 
@@ -21,8 +26,33 @@ MAX_BOXES = 2 * MOST_ROOMS
 SAME = 0.05
 """Metres within which boxes of two types are one room."""
 
-DOOR, DEEP = (0.5, 3.0), (0.02, 0.6)
-"""Metres: how wide floor between rooms is where it is a door, and how deep in its wall."""
+DOOR = 1.3
+"""Metres: a gap beside a wall that goes on is a door if it is no wider and no box says otherwise."""
+
+SURE, LIKELY = 0.7, 0.5
+"""Share of a box and a room together that they have in common, where the box is that room's."""
+
+BEVEL = 0.03
+"""Metres along an axis: a bevel is no longer."""
+
+PART, OF_ROOM, OF_BOX = 0.8, 0.6, 0.7
+"""Least area in square metres of a room without walls in another; share of a room that a box of all of it has
+at least; share of a box that lies in the room that it is a part of."""
+
+SNAP = 0.3
+"""Metres: a side of such a part that is so near to a wall lies on it."""
+
+
+class Boxes(NamedTuple):
+    """The boxes around rooms: what of the floor lies in them, and the types that each is listed under."""
+
+    shapes: np.ndarray
+    words: list[tuple[str, ...]]
+
+    def fits(self, room: Geometry) -> np.ndarray:
+        """Return the share that each box and a room have in common, of both together, shape (B,)."""
+        common = shapely.area(shapely.intersection(self.shapes, room))
+        return common / (shapely.area(self.shapes) + shapely.area(room) - common)
 
 
 def is_houseexpo(_: bytes, record: Any) -> bool:
@@ -31,20 +61,19 @@ def is_houseexpo(_: bytes, record: Any) -> bool:
 
 
 def read_houseexpo(_: bytes, record: Any) -> Sketch:
-    """The rooms are their boxes, of which what is no floor and what is another, smaller room's is cut off."""
+    """The rooms are the floor, cut at its doorways. Boxes say their types, and what is open to each other."""
     floor = shapely.make_valid(outline(record))
-    boxes = _boxes(record["room_category"])
-    spaces, taken = [], Polygon()
-    for box, words in sorted(boxes, key=lambda each: each[0].area):
-        parts = shapely.get_parts(shapely.intersection(box, floor).difference(taken))
-        polygons = [each for each in parts if isinstance(each, Polygon) and each.area > SAME]
-        if not polygons:
-            continue
-        shape = max(polygons, key=lambda each: each.area)
-        taken = taken.union(shape)
-        spaces.append(Space(words[0].replace("_", " "), words, shape))
-    doors = [Passage(each) for each in shapely.get_parts(floor.difference(taken)) if _is_door(each)]
-    return Sketch(FORMAT, spaces[::-1], doors, [])
+    boxes = _boxes(record["room_category"], floor)
+    rooms, doorways = cut(floor, lambda one, other, doorway: _is_one(one, other, doorway, boxes))
+    passages = [Passage(each.gap, is_open=each.width > DOOR) for each in doorways]
+    fits = np.array([boxes.fits(room) for room in rooms])
+    spaces = list[Space]()
+    for number, room in enumerate(rooms):
+        own = np.flatnonzero((fits.argmax(0) == number) & (fits[number] > 0)).tolist()
+        for shape, words in _parts(room, boxes, own):
+            spaces.append(Space(words[0].replace("_", " "), words, shape))
+    spaces.sort(key=lambda space: space.shape.area, reverse=True)
+    return Sketch(FORMAT, spaces, passages, [], has_walls=True)
 
 
 def outline(record: Any) -> Polygon:
@@ -60,8 +89,25 @@ def outline(record: Any) -> Polygon:
     return found
 
 
-def _boxes(categories: Any) -> list[tuple[Polygon, tuple[str, ...]]]:
-    """The boxes of the rooms, each with all types it is listed under."""
+def without_bevels(shape: Polygon) -> Polygon:
+    """An outline with right corners for bevels, as pixels have them, if all walls then run along the axes."""
+    corners = list[tuple[float, float]]()
+    ring = [(x, y) for x, y, *_ in shape.exterior.coords]
+    is_level = ring[-2][1] == ring[0][1]
+    for (x, y), (to_x, to_y) in pairwise(ring):
+        corners.append((x, y))
+        if x != to_x and y != to_y:
+            if max(abs(to_x - x), abs(to_y - y)) > BEVEL:
+                return shape
+            # The wall before goes on to the corner.
+            corners.append((to_x, y) if is_level else (x, to_y))
+            is_level = not is_level
+        else:
+            is_level = y == to_y
+    return Polygon(corners)
+
+
+def _boxes(categories: Any, floor: Geometry) -> Boxes:
     if not isinstance(categories, dict):
         raise RequestError(f"plan: {FORMAT} has room_category, an object of lists of boxes by type")
     found: list[tuple[Polygon, tuple[str, ...]]] = []
@@ -76,17 +122,68 @@ def _boxes(categories: Any) -> list[tuple[Polygon, tuple[str, ...]]]:
             shape = shapely.box(box[0], box[1], box[2], box[3])
             for place, (other, words) in enumerate(found):
                 if max(abs(a - b) for a, b in zip(shape.bounds, other.bounds, strict=True)) < SAME:
-                    found[place] = other, (*words, word)
+                    # A bathroom with a toilet is listed as both.
+                    found[place] = other, ((word, *words) if "Toilet" in words else (*words, word))
                     break
             else:
                 found.append((shape, (word,)))
-    return found
+    return Boxes(shapely.intersection([shape for shape, _ in found], floor), [words for _, words in found])
 
 
-def _is_door(shape: Any) -> bool:
-    west, north, east, south = shape.bounds
-    deep, wide = sorted((east - west, south - north))
-    return shape.geom_type == "Polygon" and DEEP[0] < deep < DEEP[1] and DOOR[0] < wide < DOOR[1]
+def _is_one(one: Polygon, other: Polygon, doorway: Doorway, boxes: Boxes) -> bool:
+    """Whether a gap from the end of a wall to a wall that goes on is within one room: a box has both."""
+    if doorway.is_facing:
+        return False
+    whole = shapely.union_all([one, other, doorway.shape])
+    apart, together = max(_best(boxes, one), _best(boxes, other)), _best(boxes, whole)
+    if max(apart, together) < LIKELY:
+        return doorway.width > DOOR
+    return apart < SURE and apart < together
+
+
+def _best(boxes: Boxes, room: Geometry) -> float:
+    return float(boxes.fits(room).max(initial=0.0))
+
+
+def _parts(room: Polygon, boxes: Boxes, own: Sequence[int]) -> Iterator[tuple[Polygon, tuple[str, ...]]]:
+    """Yield a room with the words of its boxes, cut at those of rooms that are open to it."""
+    common = {box: shapely.intersection(boxes.shapes[box], room).area for box in own}
+    is_whole = {box: common[box] > OF_ROOM * room.area for box in own}
+    parts = [
+        box
+        for box in sorted(own, key=lambda box: common[box])
+        if not is_whole[box]
+        and common[box] > max(PART, OF_BOX * boxes.shapes[box].area)
+        and meant(boxes.words[box])[0] != OUTSIDE
+    ]
+    if not any(is_whole.values()) and parts:
+        is_whole[parts.pop()] = True
+    for box in parts:
+        split = _split(room, boxes.shapes[box], [boxes.shapes[each] for each in own if each != box])
+        part, rest = ([each for each in parts_of(some) if each.area > SMALLEST] for some in split)
+        if len(part) == len(rest) == 1 and min(part[0].area, rest[0].area) > PART:
+            yield part[0], boxes.words[box]
+            room = rest[0]
+    whole = [word for box in own if is_whole[box] for word in boxes.words[box]]
+    words = whole or [word for box in own if box not in parts for word in boxes.words[box]]
+    yield room, tuple(words) or ("Room",)
+
+
+def _split(room: Polygon, box: Polygon, others: Sequence[Polygon]) -> tuple[Geometry, Geometry]:
+    """A room in a box and out of it. A side of the box lies on a wall of the room that is near, else in the
+    middle between it and the side of another box that it overlaps.
+    """
+    corners = shapely.get_coordinates(room)
+    edges = []
+    for k, edge in enumerate(box.bounds):
+        walls = corners[:, k % 2]
+        near = walls[abs(walls - edge).argmin()]
+        if abs(near - edge) >= SNAP:
+            facing = [other.bounds[(k + 2) % 4] for other in others]
+            near = (min(facing, key=lambda place: abs(place - edge), default=edge) + edge) / 2
+        edges.append(near if abs(near - edge) < SNAP else edge)
+    inner = shapely.box(*edges)
+    return room & inner, room - inner
 
 
 def _list(value: Any) -> list[Any]:

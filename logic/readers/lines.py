@@ -11,8 +11,11 @@ from shapely import Polygon
 MOST_WALL = 0.4
 """Metres: the thickest wall between two rooms."""
 
-FACING = 0.1
-"""Metres of two walls that must be opposite each other."""
+OVERLAP = 0.05
+"""Metres: rooms that overlap by no more are side by side."""
+
+THIN, FACING = 0.2, 0.1
+"""Metres: of two faces of a wall that is thicker, so much must be opposite each other."""
 
 
 Places = dict[float, float]
@@ -31,8 +34,9 @@ class Face(NamedTuple):
     is_far: bool
 
 
-def common_lines(shapes: Sequence[Polygon], noise: float) -> list[tuple[Places, Places]]:
-    """Of each room, for its lines at an x and for those at a y, where they lie when walls have no thickness.
+def common_lines(shapes: Sequence[Polygon], noise: float) -> tuple[list[tuple[Places, Places]], float]:
+    """Of each room, for its lines at an x and for those at a y, where they lie when walls have no thickness;
+    and how thick walls are in the median, metres.
 
     Two faces at most ``MOST_WALL`` apart, with no room between them, are one wall, in its middle; what lies
     ``2 * noise`` metres beside each other is one line. Outer walls are as thick as those between rooms are.
@@ -46,7 +50,7 @@ def common_lines(shapes: Sequence[Polygon], noise: float) -> list[tuple[Places, 
             place = _middle(wall, half)
             for face in wall:
                 found[face.room][axis][face.place] = place
-    return found
+    return found, 2 * half
 
 
 def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face]]:
@@ -69,7 +73,8 @@ def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face
     numbered = [(face, number) for number, group in enumerate(groups) for face in group]
     far, near = ([each for each in numbered if each[0].is_far == side] for side in (True, False))
     lines = [_along(axis, face.place, face.place, face) for face, _ in near]
-    reaches = [_along(axis, face.place - 2 * noise, face.place + MOST_WALL, face) for face, _ in far]
+    back = max(2 * noise, OVERLAP)
+    reaches = [_along(axis, face.place - back, face.place + MOST_WALL, face) for face, _ in far]
     for which, beside in shapely.STRtree(lines).query(reaches, "dwithin", 1e-6).T if near and far else ():
         (one, its), (other, others) = far[which], near[beside]
         if its != others and _is_wall(one, other, noise) and not _between(one, other, axis, shapes, tree):
@@ -114,8 +119,9 @@ def _is_wall(one: Face, other: Face, noise: float) -> bool:
     """Whether there is a wall from a room to another at greater places."""
     if not one.is_far or other.is_far or one.room == other.room:
         return False
-    along = min(one.end, other.end) - max(one.start, other.start)
-    return -2 * noise <= other.place - one.place <= MOST_WALL and along > FACING
+    along, apart = min(one.end, other.end) - max(one.start, other.start), other.place - one.place
+    least = FACING if apart > THIN else 2 * noise
+    return -max(2 * noise, OVERLAP) <= apart <= MOST_WALL and along > least
 
 
 def _between(one: Face, other: Face, axis: int, shapes: Sequence[Polygon], tree: shapely.STRtree) -> bool:

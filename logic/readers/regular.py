@@ -5,31 +5,32 @@ Whatever the format: here alone are units, rotation, noise, walls and rooms of s
 
 from cmath import exp, phase
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from itertools import combinations, pairwise
+from itertools import pairwise
 from math import atan2, degrees, radians
 from statistics import median
 from typing import Any, NamedTuple
 
 import shapely
-from msgspec import UNSET, UnsetType
 from shapely import Geometry, Polygon, affinity
 
 from logic.errors import RequestError
 from logic.house.boxes import Box
 from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS, OUTSIDE, Room
-from logic.readers.corners import boxes, moved, squared
-from logic.readers.lines import common_lines
-from logic.readers.sketch import Sketch, Space, require_plain
+from logic.readers.corners import moved, squared
+from logic.readers.lines import MOST_WALL, common_lines
+from logic.readers.room_boxes import room_boxes, room_of
+from logic.readers.sketch import Sketch, Space, parts_of, require_plain
+from logic.readers.tidy import open_borders, without_slivers, without_stubs
 from logic.readers.types import OUTSIDE as NO_ROOM
 from logic.readers.types import kind_of
 from logic.readers.units import metres_to
 from logic.spelling import numbered
 
-NARROW = 0.6
-"""Metres: a part of a room that is narrower, such as a niche, is no room."""
-
 MAX_CORNERS = 1 << 13
 """Number of corners of all rooms, once their sides lie along the axes."""
+
+ANY = "room"
+"""In the table of words: a room of any type."""
 
 TURNED = 0.25
 """Degrees: a plan turned by less is not turned back."""
@@ -57,6 +58,8 @@ class Regular(NamedTuple):
     joints: list[tuple[str, str]]
     """Parts of one room."""
     notes: list[str]
+    wall: float = 0.0
+    """How thick walls are in the drawing, metres."""
 
 
 def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str] | None = None) -> Regular:
@@ -79,10 +82,6 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     )
     if unknown:
         notes.append(f"words of no known type, so these rooms may have any: {', '.join(unknown[:8])}")
-    if others:
-        notes.append(
-            f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
-        )
     if (openings := len(sketch.passages) + len(sketch.windows)) > MOST_OPENINGS:
         raise RequestError(f"plan: {openings:,} doors and windows: at most {MOST_OPENINGS:,} are read")
     try:
@@ -95,53 +94,58 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     if abs(turn) > TURNED:
         notes.append(f"turned back by {turn:.1f} degrees, so that its walls run along the axes")
     upright = _upright(spaces, metres, turn if abs(turn) > TURNED else 0.0, sketch.north_up)
-    names = unlike(space.name or space.words[0] or "room" for space in spaces)
-    named = list(zip(names, spaces, strict=True))
-    shapes = [squared(name, upright(space.shape), noise) for name, space in named]
+    inner, others = _surrounded(spaces, others, upright)
+    if inner:
+        notes.append(f"between rooms, so that they may be any: {', '.join(each.name for each in inner[:8])}")
+    if others:
+        notes.append(
+            f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
+        )
+    spaces += [Space(each.name, (ANY,), each.shape) for each in inner]
+    solid = [(space, part) for space in spaces for part in without_slivers(upright(space.shape))]
+    names = list(unlike(space.name or space.words[0] or "room" for space, _ in solid))
+    shapes = [squared(name, shape, noise) for name, (_, shape) in zip(names, solid, strict=True)]
+    shapes = without_stubs(names, shapes, noise, notes)
     if (corners := sum(len(each.exterior.coords) for each in shapes)) > MAX_CORNERS:
         raise RequestError(f"plan: its rooms have {corners:,} corners: at most {MAX_CORNERS:,} are read")
-    on_lines = [moved(*each) for each in zip(shapes, common_lines(shapes, noise), strict=True)]
-    for name, shape in zip((name for name, _ in named), on_lines, strict=True):
+    lines, wall = common_lines(shapes, noise)
+    on_lines = [moved(*each) for each in zip(shapes, lines, strict=True)]
+    for name, shape in zip(names, on_lines, strict=True):
         if not shape.is_valid or shape.area < 0.1:
             x, y = shape.centroid.coords[0] if shape.area else shape.exterior.coords[0]
             raise RequestError(
                 f"plan: {name} at x {x:.2f}, y {y:.2f} m is narrower than the walls around it: leave it "
                 "out, or join it to a room beside it"
             )
-    rooms, joints = list[Room](), list[tuple[str, str]]()
-    taken = {name for name, _ in named}
-    for (name, space), shape in zip(named, on_lines, strict=True):
-        parts = list(_parts(name, shape, notes))
-        own = [name, *_more(name, len(parts) - 1, taken)]
-        for part, each in zip(parts, own, strict=True):
-            # Of a room of several corners the largest part is of its type.
-            kind = kind_of(space, types)[0] if each == name else ""
-            whole = name if each != name and _touch(part, parts[0]) else UNSET
-            rooms.append(_room(each, kind, part, whole))
-        joints += [
-            (a, b)
-            for (a, one), (b, other) in combinations(zip(own, parts, strict=True), 2)
-            if _touch(one, other)
-        ]
-        if len(parts) > 1:
-            notes.append(
-                f"{name} has {len(shape.exterior.coords) - 1} corners, and a room is a box: it is read as "
-                f"{len(parts)} rooms, {', '.join(own)}"
-            )
+    rooms, joints = room_boxes(
+        [
+            (name, kind_of(space, types)[0], shape)
+            for name, (space, _), shape in zip(names, solid, on_lines, strict=True)
+        ],
+        notes,
+    )
     west, north = (min(room.box[k] for room in rooms) for k in (0, 1))
     shift = (-west, -north)
-    rooms = [_room(each.name, each.type, shapely.box(*each.box), each.part_of, shift) for each in rooms]
+    rooms = [
+        room_of(affinity.translate(shapely.box(*each.box), *shift), each.name, each.type, each.part_of)
+        for each in rooms
+    ]
 
     def placed(shape: Geometry) -> Geometry:
         return affinity.translate(upright(shape), *shift)
 
+    borders = [shapely.box(*each) for each in open_borders(shapes)] if sketch.has_walls else []
     return Regular(
         rooms,
-        [Opening(_bounds(placed(each.shape)), *each[1:]) for each in sketch.passages],
+        [
+            *(Opening(_bounds(placed(each.shape)), *each[1:]) for each in sketch.passages),
+            *(Opening(_bounds(affinity.translate(each, *shift)), is_open=True) for each in borders),
+        ],
         [Opening(_bounds(placed(each))) for each in sketch.windows],
         [placed(each.shape) for each in others],
         joints,
         notes,
+        wall,
     )
 
 
@@ -170,14 +174,15 @@ def _words(name: str) -> str:
     return " ".join(words.split())[:LONGEST_NAME] or "room"
 
 
-def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
-    """Names of the other parts of a room."""
-    place = 1
-    for _ in range(number):
-        while (own := f"{name[: LONGEST_NAME - 5]} {place}") in taken or place == 1:
-            place += 1
-        taken.add(own)
-        yield own
+def _surrounded(
+    spaces: Sequence[Space], others: Sequence[Space], upright: Callable[[Any], Any]
+) -> tuple[list[Space], list[Space]]:
+    """What is no room, such as a loggia: what has rooms all around it, and the rest of it."""
+    floor = shapely.union_all([upright(space.shape) for space in spaces])
+    outlines = [Polygon(part.exterior) for part in parts_of(floor.buffer(MOST_WALL / 2, join_style="mitre"))]
+    is_inner = [shapely.union_all(outlines).covers(upright(each.shape)) for each in others]
+    both = list(zip(others, is_inner, strict=True))
+    return [each for each, inner in both if inner], [each for each, inner in both if not inner]
 
 
 def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: str | None) -> None:
@@ -216,32 +221,3 @@ def _upright(spaces: Sequence[Space], metres: float, turn: float, north_up: bool
         return affinity.scale(shape, metres, -metres if north_up else metres, origin=(0, 0))
 
     return upright
-
-
-def _parts(name: str, shape: Polygon, notes: list[str]) -> Iterator[Polygon]:
-    """The boxes of a room; those that are no rooms are left out, and said to be."""
-    first, *others = boxes(shape)
-    yield first
-    for part in others:
-        west, north, east, south = part.bounds
-        if min(east - west, south - north) >= NARROW:
-            yield part
-        else:
-            size = f"{east - west:.2f} by {south - north:.2f} m"
-            notes.append(f"a niche of {name} of {size} is left out: a room is a box")
-
-
-def _touch(one: Polygon, other: Polygon) -> bool:
-    return shapely.intersection(one, other).length > NARROW
-
-
-def _room(
-    name: str,
-    kind: str,
-    box: Polygon,
-    whole: str | UnsetType,
-    shift: tuple[float, float] = (0.0, 0.0),
-) -> Room:
-    west, north, east, south = (round(edge + shift[k % 2], 4) for k, edge in enumerate(box.bounds))
-    size = round(east - west, 6), round(south - north, 6)
-    return Room(west, north, *size, name=name, type=kind, part_of=whole)

@@ -42,10 +42,10 @@ def read_resplan(_: bytes, record: Any) -> Sketch:
         Passage(each, key == "front_door") for key in ("door", "front_door") for each in _of(record, key)
     ]
     inner, area = sum(each.area for each in _of(record, "inner")), record.get("area")
+    found = Sketch(FORMAT, spaces, doors, _of(record, "window"), has_walls=True)
     if isinstance(area, int | float) and area > 0 and inner > 0:
-        return Sketch(FORMAT, spaces, doors, _of(record, "window"), (float(area) / inner) ** 0.5)
-    guessed = "it has no area that says its unit, so that is taken to be a metre"
-    return Sketch(FORMAT, spaces, doors, _of(record, "window"), guessed=guessed)
+        return found._replace(unit=(float(area) / inner) ** 0.5)
+    return found._replace(guessed="it has no area that says its unit, so that is taken to be a metre")
 
 
 def _of(record: Mapping[str, Any], key: str) -> list[Any]:

@@ -54,6 +54,8 @@ class Sketch(NamedTuple):
     """Whether y grows north, as on maps, and not south, as in pictures."""
     guessed: str = ""
     """Why the unit is a guess, where it is one."""
+    has_walls: bool = False
+    """Whether walls are as thick as they are drawn, so that rooms that touch are open to each other."""
 
 
 def numbers(value: Any, least: int) -> list[float] | None:
@@ -85,6 +87,11 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
             found += tree.query(sides[first : first + SIDES_PER_QUERY], predicate).shape[1]
             if found > most:
                 raise ValueError("its outlines cross each other too often: draw them again")
+
+
+def parts_of(shape: Geometry) -> list[Polygon]:
+    """The polygons of a geometry as they are."""
+    return [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
 
 
 def polygons(shape: Geometry) -> Iterator[Polygon]:

@@ -24,7 +24,7 @@ from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_
 from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
 from logic.opener import reason
 from logic.readers.features import features, from_text, inner_wall, is_geojson
-from logic.readers.houseexpo import is_houseexpo, outline
+from logic.readers.houseexpo import is_houseexpo, outline, without_bevels
 from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
 from logic.spelling import numbered
 
@@ -60,7 +60,7 @@ def read_world(content: bytes, path: Path) -> House | None:
         return None
     try:
         if is_houseexpo(content, record):
-            return _house([outline(record)], [], [])
+            return _house([without_bevels(outline(record))], [], [])
         return _of_geojson(record) if is_geojson(record) else None
     except (RequestError, ValueError, GEOSException) as error:
         raise HouseFileError(f"{path}: {str(error).removeprefix('plan: ')}") from None

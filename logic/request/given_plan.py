@@ -7,10 +7,11 @@ or leave gaps. Which rules it breaks is found later, as a proof (``logic.generat
 import io
 import warnings
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from errno import EFBIG
 from itertools import chain, combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import shapely
@@ -43,11 +44,22 @@ MOST_BYTES = 1 << 24
 SNAP, MOST_SNAP = 0.01, 0.5
 """Metres within which edges are one wall, and how much that may be."""
 
+MORE_SNAP = 0.02, 0.05, 0.1
+"""Metres: what is proposed where it does."""
+
 HINT = "draw all rooms to the middle of their walls, or all of them from wall to wall"
 
 HINT_OF_WALLS = (
     f"walls between rooms are {MOST_WALL:g} m thick at most: draw what lies there as part of a room"
 )
+
+
+class Fault(NamedTuple):
+    """Why rooms are no plan: in words; how far off walls are, metres, and how far ``--snap`` may reach."""
+
+    said: str
+    off: float
+    snap: float = MOST_SNAP / 4
 
 
 def read_plan(
@@ -69,9 +81,25 @@ def read_plan(
     if isinstance(source, OwnPlan):
         require_none(storey)
         _require_rooms(source.rooms)
-        _require_plan(source, HINT)
+        _require_plan(source)
         return source
-    found, drawn, noise, hint = _read(source, storey), None, max(snap, SNAP), HINT_OF_WALLS
+    found = _read(source, storey)
+    try:
+        return _plan(found, unit, snap, storey, types)
+    except RequestError as error:
+        if isinstance(found, Sketch) and (more := _snap_that_does(found, unit, snap, types)):
+            raise RequestError(f"{error}, or say --snap {more:g}, which reads it") from None
+        raise
+
+
+def _plan(
+    found: House | Sketch | Mapping[str, Any],
+    unit: str | None,
+    snap: float,
+    storey: str | None = None,
+    types: Collection[str] | None = None,
+) -> OwnPlan:
+    drawn, noise, hint = None, max(snap, SNAP), HINT_OF_WALLS
     doors, windows = (), ()
     if isinstance(found, House):
         require_none(storey)
@@ -97,9 +125,23 @@ def read_plan(
         notes += openings.notes
         plan = OwnPlan(plan.rooms, openings.doors, openings.windows, has_more_doors=openings.has_more)
     for note in notes:
-        warnings.warn(f"plan: {note}", PlanWarning, stacklevel=3)
-    _require_plan(plan, hint)
+        warnings.warn(f"plan: {note}", PlanWarning, stacklevel=4)
+    _require_plan(plan, drawn.wall if drawn and hint == HINT_OF_WALLS else None)
     return plan
+
+
+def _snap_that_does(
+    found: Sketch, unit: str | None, snap: float, types: Collection[str] | None
+) -> float | None:
+    """The least of ``MORE_SNAP`` with which a drawing is a plan, if any is."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PlanWarning)
+        for more in MORE_SNAP:
+            if more > snap:
+                with suppress(RequestError):
+                    _plan(found, unit, more, None, types)
+                    return more
+    return None
 
 
 def keeping(plan: OwnPlan, house: House) -> OwnPlan:
@@ -181,12 +223,16 @@ def _require_rooms(rooms: Sequence[Room]) -> None:
             )
 
 
-def _require_plan(plan: OwnPlan, hint: str) -> None:
-    """Refuse rooms that are no plan, each by its name."""
+def _require_plan(plan: OwnPlan, wall: float | None = None) -> None:
+    """Refuse rooms that are no plan, each by its name. ``wall``: how thick a drawing's walls are, metres."""
+    thick = wall or 0.0
     for fault in _covers(plan):
         raise RequestError(f"plan: {fault}")
-    for fault in chain(_overlaps(plan), _apart(plan), _gaps(plan)):
-        raise RequestError(f"plan: {fault}: {hint}")
+    for fault in chain(_overlaps(plan, thick), _apart(plan, thick), _gaps(plan)):
+        hint = HINT_OF_WALLS if wall is not None else HINT
+        more, which = figure(fault.off + 0.001, digits=3), TOLERANCE < fault.off < fault.snap - 0.001
+        by_snap = f" (--snap {more} takes these walls for one)" if which and wall is None else ""
+        raise RequestError(f"plan: {fault.said}{by_snap}: {hint}")
     for fault in _misplaced(plan):
         raise RequestError(f"plan: {fault}")
 
@@ -208,30 +254,34 @@ def _within(inner: Box, outer: Box) -> bool:
     return min(west, north) >= -TOLERANCE and max(east, south) <= TOLERANCE
 
 
-def _overlaps(plan: OwnPlan) -> Iterator[str]:
+def _overlaps(plan: OwnPlan, wall: float) -> Iterator[Fault]:
     for one, other in combinations(plan.rooms, 2):
         if (depth := overlap(one.box, other.box)) > TOLERANCE:
-            yield f"{one.name} overlaps {other.name} by {figure(depth, digits=3)} m{_by_snap(depth)}"
+            drawn = depth - wall if depth > wall + TOLERANCE else depth
+            yield Fault(f"{one.name} overlaps {other.name} by {figure(drawn, digits=3)} m", depth)
 
 
-def _apart(plan: OwnPlan) -> Iterator[str]:
-    """The first room that no way by shared walls leads to from the first of all."""
+def _apart(plan: OwnPlan, wall: float) -> Iterator[Fault]:
+    """The nearest of the rooms that no way by shared walls leads to from the first."""
     reached, waiting = {0}, [0]
     while waiting:
         number = waiting.pop()
         new = {wall.behind for wall in plan.walls if wall.room == number and wall.behind is not None}
         waiting += new - reached
         reached |= new
-    for number, room in enumerate(plan.rooms):
-        if number not in reached:
-            around = [shapely.box(*plan.rooms[other].box) for other in reached]
-            off = min(shapely.distance(around, shapely.box(*room.box)))
-            near = f", {figure(off, digits=3)} m off{_by_snap(off, MOST_SNAP)}" if off > TOLERANCE else ""
-            yield f"{room.name} shares no wall with the rooms around {plan.rooms[0].name}{near}"
-            return
+    boxes = [shapely.box(*room.box) for room in plan.rooms]
+    others = [number for number in range(len(plan.rooms)) if number not in reached]
+    if others:
+        pairs = ((shapely.distance(boxes[a], boxes[b]), a, b) for a in others for b in sorted(reached))
+        off, room, nearest = min(pairs)
+        name, first = plan.rooms[room].name, plan.rooms[0].name
+        near = f", {figure(off + wall, digits=3)} m off" if off > TOLERANCE else ""
+        if len(reached) > 1:
+            near = f", the nearest of which is {plan.rooms[nearest].name}{near}"
+        yield Fault(f"{name} shares no wall with the rooms around {first}{near}", off, MOST_SNAP)
 
 
-def _gaps(plan: OwnPlan) -> Iterator[str]:
+def _gaps(plan: OwnPlan) -> Iterator[Fault]:
     """What lies between rooms and is none, as the check finds it too."""
     for gap in shapely.get_parts(gaps(House(plan.rooms, (), ()))):
         if gap.area > 1e-4:
@@ -239,13 +289,7 @@ def _gaps(plan: OwnPlan) -> Iterator[str]:
             wide = min(east - west, south - north)
             around = [room.name for room in plan.rooms if shapely.box(*room.box).distance(gap) < 1e-4]
             size = f"{figure(gap.area)} m² between {', '.join(around)} are no room's"
-            yield f"{size}, {figure(wide, digits=3)} m wide{_by_snap(wide)}"
-
-
-def _by_snap(off: float, most: float = MOST_SNAP / 4) -> str:
-    """What to do about walls that are so far apart, if they may be meant to be one."""
-    more = figure(off + 0.001, digits=3)
-    return f" (--snap {more} takes these walls for one)" if off + 0.001 < most else ""
+            yield Fault(f"{size}, {figure(wide, digits=3)} m wide", wide)
 
 
 def _misplaced(plan: OwnPlan) -> Iterator[str]:

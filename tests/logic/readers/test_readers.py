@@ -322,7 +322,7 @@ def hall(off: float) -> tuple[str, Ring]:
 SHORT: Ring = [(0, 4.1), (2, 4.1), (2, 6), (0, 6)]
 LONG: Ring = [(0, 6.1), (6, 6.1), (6, 8), (0, 8)]
 COURT = svg(ROOM, hall(0), ("Bath", SHORT), ("Bath", [(x + 4, y) for x, y in SHORT]), ("Sauna", LONG))
-COMB: Ring = [(4, 0), *((6 + 0.5 * (k // 2 % 2), 0.1 * ((k + 1) // 2)) for k in range(300)), (4, 15)]
+COMB: Ring = [(4, 0), *((6 + 0.5 * (k // 2 % 2), 0.5 * ((k + 1) // 2)) for k in range(300)), (4, 75)]
 BATH = '<g class="Space Bath"><polygon points="0,0 9,0 9,9 "/></g>'
 STOREYS = "".join(f'<g id="Floor-{k}" class="Floorplan Floor-{k}">{BATH}</g>' for k in (1, 2))
 

@@ -1,0 +1,147 @@
+"""Doorways of a floor that is drawn as one outline: gaps before the ends of walls, which divide rooms."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+from shapely import Geometry, Polygon
+from shapely.geometry.polygon import orient
+
+from logic.readers.sketch import parts_of
+
+NOISE = 0.03
+"""Metres: outlines are simplified by as much, so that bevels are corners."""
+
+DEPTH = 0.04, 0.4
+"""Metres: between them is the thickness of a wall that ends in the floor."""
+
+WIDTH = 0.45, 3.0
+"""Metres: between them is the width of a gap from the end of a wall to the next wall."""
+
+SAME = 1e-3
+"""Metres within which lines are one."""
+
+SMALLEST = 0.5
+"""Square metres: the least room."""
+
+REACH = 0.05
+"""Metres: doorways reach as far into the walls beside them, past their bevels."""
+
+
+class Doorway(NamedTuple):
+    """A gap before the end of a wall, also with what it cuts off at bevels, and how wide it is, metres."""
+
+    gap: Polygon
+    shape: Polygon
+    width: float
+    is_facing: bool
+    """Whether another wall ends at its other side."""
+
+
+IsOne = Callable[[Polygon, Polygon, Doorway], bool]
+"""Whether two rooms beside a doorway are one room all the same."""
+
+
+def cut(floor: Geometry, is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
+    """Return the rooms of a floor and the doorways between them: of those that lead from a room to itself, or
+    to less than a room, none is a doorway.
+    """
+    doorways = _doorways(floor)
+    rooms = parts_of(shapely.difference(floor, shapely.union_all([each.shape for each in doorways])))
+    tree, whole = shapely.STRtree(rooms), list(range(len(rooms)))
+
+    def root(room: int) -> int:
+        while whole[room] != room:
+            room = whole[room]
+        return room
+
+    between = list[tuple[Doorway, list[int]]]()
+    for doorway in sorted(doorways, key=lambda each: each.width, reverse=True):
+        beside = sorted({root(each) for each in tree.query(doorway.shape, "dwithin", 1e-6)})
+        edge = doorway.shape.boundary.buffer(SAME)
+        open_to = [(rooms[each] & edge).area / SAME for each in beside]
+        sides = [room for room, length in zip(beside, open_to, strict=True) if length > doorway.width / 2]
+        areas = [rooms[each].area for each in sides]
+        is_two = len(sides) == 2 and min(areas) > SMALLEST
+        if is_two and not is_one(rooms[sides[0]], rooms[sides[1]], doorway):
+            between.append((doorway, sides))
+        elif beside:
+            joined = shapely.union_all(
+                [shapely.intersection(floor, doorway.shape), *(rooms[each] for each in beside)]
+            )
+            rooms[beside[0]] = max(parts_of(joined), key=lambda part: part.area)
+            whole = [beside[0] if root(each) in beside else each for each in whole]
+    kept = [doorway for doorway, sides in between if len({root(each) for each in sides}) == 2]
+    return [room for k, room in enumerate(rooms) if root(k) == k and room.area > SMALLEST], kept
+
+
+def _doorways(floor: Geometry) -> list[Doorway]:
+    """The gaps before the ends of all walls; of those that overlap, as one does that is seen from both of its
+    sides, the narrowest.
+    """
+    found = list[Doorway]()
+    for part in parts_of(floor):
+        plain = orient(shapely.simplify(part, NOISE))
+        rings = [shapely.get_coordinates(ring) for ring in (plain.exterior, *plain.interiors)]
+        walls = np.concatenate([np.stack([ring[:-1], ring[1:]], 1) for ring in rings])
+        for ring in rings:
+            found += _of_ring(ring, _tree(walls))
+    found.sort(key=lambda each: (each.width, not each.is_facing))
+    shapes = np.array([each.shape for each in found], object)
+    one, other = shapely.STRtree(shapes).query(shapes, "intersects")
+    is_much = shapely.area(shapely.intersection(shapes[one], shapes[other])) > DEPTH[0] ** 2
+    overlap: dict[int, list[int]] = {}
+    for a, b in zip(one[is_much].tolist(), other[is_much].tolist(), strict=True):
+        overlap.setdefault(a, []).append(b)
+    kept = set[int]()
+    for k in range(len(found)):
+        if not kept.intersection(overlap[k]):
+            kept.add(k)
+    return [found[k] for k in sorted(kept)]
+
+
+def _tree(lines: np.ndarray) -> shapely.STRtree:
+    """The spatial index of segments (S, 2, 2)."""
+    segments: Any = shapely.linestrings(lines)
+    return shapely.STRtree(segments)
+
+
+def _of_ring(corners: np.ndarray, walls: shapely.STRtree) -> list[Doorway]:
+    """The gaps before the ends of walls along a closed ring (C + 1, 2), metres, the floor to its left."""
+    sides = np.diff(corners, axis=0)
+    length = np.hypot(*sides.T)
+    before = np.roll(sides, 1, 0)
+    turn = (before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0]) / (length * np.roll(length, 1))
+    ends = (turn < -0.7) & (np.roll(turn, -1) < -0.7) & (length > DEPTH[0]) & (length < DEPTH[1])
+    start, along, thick = corners[:-1][ends], sides[ends], length[ends]
+    way = np.stack([-along[:, 1], along[:, 0]], 1) / thick[:, None]
+    # A short side leans by its noise, and walls run along the axes.
+    way = np.where(abs(way).max(1, keepdims=True) > 0.95, np.round(way), way)
+    reach = np.stack([_reach(start + share * along, way, walls) for share in (0.15, 0.85)])
+    is_gap = (reach.min(0) > WIDTH[0]) & (reach.max(0) < WIDTH[1]) & (np.ptp(reach, 0) < DEPTH[1])
+    tips = _tree(np.stack([start, start + along], 1))
+    found = []
+    for k in np.flatnonzero(is_gap):
+        width = float(reach[:, k].max())
+        gap, shape = (_beside(start[k], along[k], way[k], -more, width + more) for more in (0.0, REACH))
+        opposite = shapely.Point(start[k] + along[k] / 2 + width * way[k])
+        is_facing = len(tips.query(opposite, "dwithin", thick[k])) > 0
+        found.append(Doorway(gap, shape, width, is_facing))
+    return found
+
+
+def _beside(start: np.ndarray, along: np.ndarray, way: np.ndarray, near: float, far: float) -> Polygon:
+    """The rectangle before the end of a wall, from ``near`` to ``far`` metres off."""
+    low, high = start + near * way, start + far * way
+    return Polygon([low, low + along, high + along, high])
+
+
+def _reach(start: np.ndarray, way: np.ndarray, walls: shapely.STRtree) -> np.ndarray:
+    """How far it is from points (P, 2) that way (P, 2) to a wall, metres, shape (P,); no more than WIDTH."""
+    rays: Any = shapely.linestrings(np.stack([start + 0.01 * way, start + WIDTH[1] * way], 1))
+    ray, wall = walls.query(rays, "intersects")
+    met = shapely.intersection(rays[ray], walls.geometries[wall])
+    found = np.full(len(rays), WIDTH[1])
+    np.minimum.at(found, ray, shapely.distance(shapely.points(start[ray]), met))
+    return found

@@ -1,0 +1,105 @@
+"""Rooms of several corners as boxes side by side: the largest is the room, the others are its parts."""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+import shapely
+from msgspec import UNSET, UnsetType
+from shapely import Polygon
+
+from logic.house.parts import LONGEST_NAME, Room
+from logic.readers.corners import boxes
+from logic.readers.gaps import gaps, taken_up
+
+NARROW = 0.6
+"""Metres: a part of a room that is narrower, such as a niche, is no room."""
+
+Named = Sequence[tuple[str, str, Polygon]]
+"""Rooms: the name, the type and the shape along the axes of each."""
+
+
+def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[str, str]]]:
+    """Return the boxes of rooms, and which of them are parts of one room beside each other.
+
+    A niche is left out; where other rooms lie beside it, one of them takes it, or it is a part.
+    """
+    split = [list(boxes(shape)) for _, _, shape in rooms]
+    every = [(number, part, _is_niche(part, each)) for number, each in enumerate(split) for part in each]
+    parts = [(number, part) for number, part, is_niche in every if not is_niche]
+    niches = [(number, part) for number, part, is_niche in every if is_niche]
+
+    def say(place: int, strip: Polygon) -> None:
+        name = rooms[parts[place][0]][0]
+        notes.append(f"{_size(strip)} beside {name} are too narrow for a room, and taken as its floor")
+
+    between = [
+        niche for number, niche in niches if any(touch(part, niche) for of, part in parts if of != number)
+    ]
+    shapes = taken_up([part for _, part in parts], between, say)
+    parts = [(number, shape) for (number, _), shape in zip(parts, shapes, strict=True)]
+    free = shapely.union_all(gaps(shapes))
+    for number, niche in niches:
+        beside = [shape for (of, _), shape in zip(parts, shapes, strict=False) if of != number]
+        if any(shape.covers(niche.centroid) for shape in shapes):
+            continue
+        if shapely.intersects(free, niche.centroid) or any(touch(each, niche) for each in beside):
+            parts.append((number, niche))
+        else:
+            notes.append(f"a niche of {rooms[number][0]} of {_size(niche)} is left out: a room is a box")
+    for gap in gaps([shape for _, shape in parts]):
+        for part in boxes(gap):
+            of = max(range(len(parts)), key=lambda k: shapely.intersection(parts[k][1], part).length)
+            say(of, part)
+            parts.append((parts[of][0], part))
+    found, joints = list[Room](), list[tuple[str, str]]()
+    taken = {name for name, _, _ in rooms}
+    for number, (name, kind, shape) in enumerate(rooms):
+        own = [part for of, part in parts if of == number]
+        names = [name, *_more(name, len(own) - 1, taken)]
+        for part, each in zip(own, names, strict=True):
+            # Of a room of several corners the largest part is of its type.
+            whole = name if each != name and touch(part, own[0]) else UNSET
+            found.append(room_of(part, each, kind if each == name else "", whole))
+        joints += [
+            (a, b)
+            for (a, one), (b, other) in combinations(zip(names, own, strict=True), 2)
+            if touch(one, other)
+        ]
+        if len(own) > 1:
+            notes.append(
+                f"{name} has {len(shape.exterior.coords) - 1} corners, and a room is a box: it is read as "
+                f"{len(own)} rooms, {', '.join(names)}"
+            )
+    return found, joints
+
+
+def room_of(box: Polygon, name: str, kind: str, whole: str | UnsetType) -> Room:
+    """A room as a box says it, to a tenth of a millimetre."""
+    west, north, east, south = (round(edge, 4) for edge in box.bounds)
+    size = round(east - west, 6), round(south - north, 6)
+    return Room(west, north, *size, name=name, type=kind, part_of=whole)
+
+
+def _is_niche(part: Polygon, parts: Sequence[Polygon]) -> bool:
+    west, north, east, south = part.bounds
+    return part is not parts[0] and min(east - west, south - north) < NARROW
+
+
+def _size(box: Polygon) -> str:
+    west, north, east, south = box.bounds
+    return f"{east - west:.2f} by {south - north:.2f} m"
+
+
+def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
+    """Names of the other parts of a room."""
+    place = 1
+    for _ in range(number):
+        while (own := f"{name[: LONGEST_NAME - 5]} {place}") in taken or place == 1:
+            place += 1
+        taken.add(own)
+        yield own
+
+
+def touch(one: Polygon, other: Polygon) -> bool:
+    """Whether boxes share a wall that is wide enough to walk through."""
+    return shapely.intersection(one, other).length > NARROW

@@ -1,0 +1,70 @@
+"""Shapes of rooms without slivers and without walls that stand into them, and where they are open."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import shapely
+from shapely import Polygon
+
+from logic.house.boxes import Box
+from logic.readers.corners import GRID, squared
+from logic.readers.lines import MOST_WALL
+from logic.readers.sketch import parts_of
+
+SLIVER = 0.2
+"""Metres: floor that is narrower is none."""
+
+SCRAP = 0.5
+"""Square metres: a part of a room that hangs on slivers alone is no room if it is smaller."""
+
+TOUCHING = 0.06
+"""Metres: there is no wall between rooms that are so near to each other."""
+
+
+def without_slivers(shape: Polygon) -> list[Polygon]:
+    """The parts of a room that no strip of less than ``SLIVER`` joins; the room itself if it has no strip."""
+    wide = shape.buffer(-SLIVER / 2, join_style="mitre").buffer(SLIVER / 2, join_style="mitre")
+    if shapely.difference(shape, wide).area < SLIVER**2:
+        return [shape]
+    return [part for part in parts_of(shape & wide) if part.area > SCRAP]
+
+
+def without_stubs(
+    names: Sequence[str], shapes: Sequence[Polygon], noise: float, notes: list[str]
+) -> list[Polygon]:
+    """Rooms along the axes without the walls that stand into them: such a wall has both faces in one room."""
+    found, half = list(shapes), MOST_WALL / 2
+    tree = shapely.STRtree(found)
+    for place, shape in enumerate(shapes):
+        closed = shape.buffer(half, join_style="mitre").buffer(-half, join_style="mitre")
+        near = [shapes[other] for other in tree.query(closed) if other != place]
+        stubs = [
+            each
+            for each in parts_of(shapely.difference(closed, shape, grid_size=GRID))
+            if each.area > 1e-3 and not any(shapely.intersection(each, other).area > 1e-3 for other in near)
+        ]
+        filled = shapely.union_all([shape, *stubs], grid_size=GRID)
+        if stubs and isinstance(filled, Polygon):
+            found[place] = squared(names[place], filled, noise)
+            west, north, east, south = max(stubs, key=lambda each: each.length).bounds
+            size = f"{east - west:.2f} by {south - north:.2f} m"
+            notes.append(f"a wall of {size} that stands into {names[place]} is left out")
+    return found
+
+
+def open_borders(shapes: Sequence[Polygon]) -> Iterator[Box]:
+    """Yield the longest straight border of each two rooms along the axes without a wall between them."""
+    tree = shapely.STRtree(list(shapes))
+    for one, other in tree.query(list(shapes), "dwithin", TOUCHING).T.tolist():
+        if one < other:
+            beside = shapely.buffer(shapes[other], TOUCHING, join_style="mitre")
+            border = shapely.line_merge(shapes[one].boundary & beside)
+            lines = shapely.simplify(shapely.get_parts(border), GRID)
+            sides = [side for line in lines for side in _sides(line)]
+            if sides:
+                yield max(sides, key=lambda side: side[2] - side[0] + side[3] - side[1])
+
+
+def _sides(line: shapely.Geometry) -> Iterator[Box]:
+    for (x1, y1), (x2, y2) in pairwise(shapely.get_coordinates(line).tolist()):
+        yield min(x1, x2), min(y1, y2), max(x1, x2), max(y1, y2)
