@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from shapely import Geometry, Polygon
+from shapely import Geometry, Point, Polygon
 from shapely.geometry.polygon import orient
 
 from logic.readers.sketch import parts_of
@@ -25,6 +25,9 @@ SAME = 1e-3
 SMALLEST = 0.5
 """Square metres: the least room."""
 
+LONG = 1.5
+"""Metres: a wall that stands so far between two rooms divides them, however they are open before it."""
+
 REACH = 0.05
 """Metres: doorways reach as far into the walls beside them, past their bevels."""
 
@@ -37,6 +40,8 @@ class Doorway(NamedTuple):
     width: float
     is_facing: bool
     """Whether another wall ends at its other side."""
+    beside: tuple[Point, Point]
+    """Points on both sides of the wall, ``LONG`` metres from its end."""
 
 
 IsOne = Callable[[Polygon, Polygon, Doorway], bool]
@@ -64,7 +69,8 @@ def cut(floor: Geometry, is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
         sides = [room for room, length in zip(beside, open_to, strict=True) if length > doorway.width / 2]
         areas = [rooms[each].area for each in sides]
         is_two = len(sides) == 2 and min(areas) > SMALLEST
-        if is_two and not is_one(rooms[sides[0]], rooms[sides[1]], doorway):
+        both = [rooms[each] for each in sides]
+        if is_two and (_divides(doorway, both[0], both[1]) or not is_one(both[0], both[1], doorway)):
             between.append((doorway, sides))
         elif beside:
             joined = shapely.union_all(
@@ -74,6 +80,12 @@ def cut(floor: Geometry, is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
             whole = [beside[0] if root(each) in beside else each for each in whole]
     kept = [doorway for doorway, sides in between if len({root(each) for each in sides}) == 2]
     return [room for k, room in enumerate(rooms) if root(k) == k and room.area > SMALLEST], kept
+
+
+def _divides(doorway: Doorway, one: Polygon, other: Polygon) -> bool:
+    """Whether a long wall before a doorway stands between the two rooms."""
+    left, right = doorway.beside
+    return any(one.contains(a) and other.contains(b) for a, b in ((left, right), (right, left)))
 
 
 def _doorways(floor: Geometry) -> list[Doorway]:
@@ -125,9 +137,11 @@ def _of_ring(corners: np.ndarray, walls: shapely.STRtree) -> list[Doorway]:
     for k in np.flatnonzero(is_gap):
         width = float(reach[:, k].max())
         gap, shape = (_beside(start[k], along[k], way[k], -more, width + more) for more in (0.0, REACH))
-        opposite = shapely.Point(start[k] + along[k] / 2 + width * way[k])
+        opposite = Point(start[k] + along[k] / 2 + width * way[k])
         is_facing = len(tips.query(opposite, "dwithin", thick[k])) > 0
-        found.append(Doorway(gap, shape, width, is_facing))
+        back = start[k] - LONG * way[k]
+        beside = Point(back - along[k]), Point(back + 2 * along[k])
+        found.append(Doorway(gap, shape, width, is_facing, beside))
     return found
 
 
