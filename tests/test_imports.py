@@ -36,6 +36,7 @@ FOLDERS = {
         *(
             "house",
             "checking",
+            "shapes",
             "readers",
             "request",
             "layout",

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import shapely
 from shapely import Geometry, LineString, Polygon, affinity
 
-from logic.readers.lines import MOST_WALL
 from logic.readers.sketch import Passage, Sketch, Space
 from logic.readers.types import TOGETHER, Least, least_sizes, uses
 from logic.readers.units import metres_to
+from logic.shapes.lines import MOST_WALL
 
 
 class Cut(NamedTuple):

@@ -14,9 +14,10 @@ from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
 from logic.house.parts import MOST_ROOMS
-from logic.readers.doorways import SMALLEST, Doorway, cut
-from logic.readers.sketch import Passage, Sketch, Space, numbers, parts_of, require_plain
+from logic.readers.sketch import Passage, Sketch, Space, numbers, require_plain
 from logic.readers.types import OUTSIDE, meant
+from logic.shapes.corners import parts_of
+from logic.shapes.doorways import SMALLEST, Doorway, cut
 
 FORMAT = "a plan of HouseExpo"
 

@@ -16,14 +16,14 @@ from shapely import Geometry, Polygon, affinity
 from logic.errors import RequestError
 from logic.house.boxes import Box
 from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS, OUTSIDE, Room
-from logic.readers.corners import moved, squared
-from logic.readers.lines import MOST_WALL, common_lines
-from logic.readers.room_boxes import room_boxes, room_of
-from logic.readers.sketch import Sketch, Space, parts_of, require_plain
-from logic.readers.tidy import open_borders, without_slivers, without_stubs
+from logic.readers.sketch import Sketch, Space, require_plain
 from logic.readers.types import OUTSIDE as NO_ROOM
 from logic.readers.types import kind_of
 from logic.readers.units import metres_to
+from logic.shapes.corners import moved, parts_of, squared
+from logic.shapes.lines import MOST_WALL, common_lines
+from logic.shapes.room_boxes import room_boxes, room_of
+from logic.shapes.tidy import open_borders, without_slivers, without_stubs
 from logic.spelling import numbered
 
 MAX_CORNERS = 1 << 13

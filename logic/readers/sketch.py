@@ -89,11 +89,6 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
                 raise ValueError("its outlines cross each other too often: draw them again")
 
 
-def parts_of(shape: Geometry) -> list[Polygon]:
-    """The polygons of a geometry as they are."""
-    return [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
-
-
 def polygons(shape: Geometry) -> Iterator[Polygon]:
     """Yield the polygons of a geometry, made valid. Raises ``ValueError`` as ``require_plain`` does."""
     require_plain([shape])

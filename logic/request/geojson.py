@@ -14,11 +14,11 @@ from logic.house.parts import Room
 from logic.readers.combined import divided
 from logic.readers.features import inner_wall
 from logic.readers.geojson import read_geojson
-from logic.readers.lines import FACING, MOST_WALL
 from logic.readers.regular import Opening, Regular, regular, unlike
 from logic.readers.sketch import Sketch
 from logic.readers.types import OUTSIDE, kind_of
 from logic.readers.units import metres_to
+from logic.shapes.lines import FACING, MOST_WALL
 
 LEAST_WALL = 0.04
 """Metres: rooms that lie nearer to each other are meant to touch."""

@@ -27,7 +27,6 @@ from logic.opener import STANDARD, content_of
 from logic.readers import sketch
 from logic.readers.combined import divided
 from logic.readers.features import from_text, is_geojson
-from logic.readers.lines import MOST_WALL
 from logic.readers.regular import regular
 from logic.readers.sketch import Sketch
 from logic.readers.storeys import require_none
@@ -36,6 +35,7 @@ from logic.request.openings import placed
 from logic.request.other_formats import READ, named
 from logic.request.own_plan import OwnPlan
 from logic.request.snapping import snapped
+from logic.shapes.lines import MOST_WALL
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24

@@ -7,10 +7,10 @@ import shapely
 
 from logic.house.boxes import WALLS, Box
 from logic.house.parts import OUTSIDE, Door, Window
-from logic.readers.lines import MOST_WALL
 from logic.readers.regular import Opening, Regular
 from logic.readers.types import table
 from logic.request.own_plan import OwnPlan, Wall
+from logic.shapes.lines import MOST_WALL
 
 REACH = MOST_WALL / 2 + 0.15
 """Metres: how far from a wall its doors and windows may be drawn."""

@@ -44,7 +44,7 @@ def _warnings_are_read_where_they_are_claimed() -> Iterator[None]:
         yield
 
 
-def bevelled(shape: Polygon) -> list[list[float]]:
+def bevelled(shape: Any) -> list[list[float]]:
     """The corners of an outline as a picture of 1 cm a pixel has them: each is cut off."""
     ring = [shapely.Point(each) for each in shape.exterior.coords[:-1]]
     found = []
@@ -186,7 +186,7 @@ def test_strips_of_an_open_living_room_in_resplan_are_none_and_it_is_open_to_the
     assert len(plan.doors) == 3
 
 
-HALL = ("Entry", [(4, 0), (6, 0), (6, 4), (4, 4)])
+HALL: tuple[str, Ring] = ("Entry", [(4, 0), (6, 0), (6, 4), (4, 4)])
 DOOR = '<g id="Door" class="Door"><polygon points="390,100 400,100 400,180 390,180"/></g>'
 
 
@@ -240,7 +240,9 @@ def test_of_rooms_that_lie_apart_the_nearest_two_are_named_and_their_gap_is_as_d
         (x, wide, name)
         for (x, wide), name in zip(flats, ("LivingRoom", "Kitchen", "Bath", "Bedroom"), strict=True)
     ]
-    rings = [(name, [*box(x, 0, x + wide, 2.9).exterior.coords][:-1]) for x, wide, name in rooms]
+    rings: list[tuple[str, Ring]] = [
+        (name, [(x, 0), (x + wide, 0), (x + wide, 2.9), (x, 2.9)]) for x, wide, name in rooms
+    ]
     with pytest.raises(RequestError, match=r"Bedroom shares no wall .* which is Kitchen, 0\.650 m off"):
         drawn(tmp_path, *rings, more="")
 

@@ -12,8 +12,7 @@ from shapely import Geometry, Polygon
 
 from logic.house.parts import LONGEST_NAME, Room
 from logic.house.promises import PASSAGE
-from logic.readers.corners import GRID, boxes
-from logic.readers.sketch import parts_of
+from logic.shapes.corners import GRID, boxes, parts_of
 
 NARROW = 0.6
 """Metres: a part of a room that is narrower, such as a niche, is no room."""

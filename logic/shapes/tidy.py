@@ -7,9 +7,8 @@ import shapely
 from shapely import Polygon
 
 from logic.house.boxes import Box
-from logic.readers.corners import GRID, squared
-from logic.readers.lines import MOST_WALL
-from logic.readers.sketch import parts_of
+from logic.shapes.corners import GRID, parts_of, squared
+from logic.shapes.lines import MOST_WALL
 
 SLIVER = 0.2
 """Metres: floor that is narrower is none."""

@@ -8,7 +8,7 @@ import shapely
 from shapely import Geometry, Point, Polygon
 from shapely.geometry.polygon import orient
 
-from logic.readers.sketch import parts_of
+from logic.shapes.corners import parts_of
 
 NOISE = 0.03
 """Metres: outlines are simplified by as much, so that bevels are corners."""

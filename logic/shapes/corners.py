@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from shapely import Polygon
+from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
 
@@ -121,6 +121,11 @@ def _along(sides: Sequence[Side]) -> list[Side]:
 def _joined(one: Side, other: Side) -> Side:
     length = one.length + other.length
     return Side(one.axis, (one.place * one.length + other.place * other.length) / (length or 1.0), length)
+
+
+def parts_of(shape: Geometry) -> list[Polygon]:
+    """The polygons of a geometry as they are."""
+    return [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
 
 
 def moved(shape: Polygon, lines: tuple[Mapping[float, float], Mapping[float, float]]) -> Polygon:
