@@ -9,8 +9,7 @@ from logic.readers.houseexpo import is_houseexpo, read_houseexpo
 from logic.readers.ifc import is_ifc, read_ifc
 from logic.readers.imdf import is_imdf, read_imdf
 from logic.readers.resplan import is_resplan, read_resplan
-from logic.readers.sketch import Sketch
-from logic.readers.storeys import of_one_storey
+from logic.readers.sketch import Sketch, of_one_storey
 
 
 class Reader(NamedTuple):

@@ -16,8 +16,7 @@ from shapely import Polygon
 
 from logic.errors import RequestError
 from logic.opener import from_xml
-from logic.readers.sketch import Passage, Sketch, Space
-from logic.readers.storeys import chosen, require_none
+from logic.readers.sketch import Passage, Sketch, Space, chosen, require_none
 from logic.readers.svg_shapes import kind, placed, polygon_in
 
 FORMAT = "a plan of CubiCasa5K"

@@ -16,12 +16,10 @@ from shapely.geometry import shape
 from logic.errors import RequestError
 from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
 from logic.opener import reason
-from logic.readers.degrees import plane
 from logic.readers.features import GEOMETRIES, features
-from logic.readers.sketch import FAR, Passage, Sketch, Space, polygons
-from logic.readers.storeys import chosen
+from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons
 from logic.readers.types import element, meant
-from logic.readers.units import metres_to
+from logic.readers.units import metres_to, plane
 from logic.spelling import numbered, printable
 
 FORMAT = "GeoJSON"

@@ -15,7 +15,7 @@ import shapely
 from shapely import Polygon
 
 from logic.errors import RequestError
-from logic.readers.storeys import chosen
+from logic.readers.sketch import chosen
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
 """Address space and processor time of this process, the same as of a solver process."""

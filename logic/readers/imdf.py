@@ -13,9 +13,8 @@ from shapely.geometry import shape
 from logic.errors import RequestError
 from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
 from logic.opener import archive_of, from_json, member_of
-from logic.readers.degrees import plane
-from logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
-from logic.readers.storeys import chosen
+from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_plain
+from logic.readers.units import plane
 
 FORMAT = "IMDF"
 
@@ -110,7 +109,7 @@ def _kind(feature: Any) -> Any:
 
 
 def _properties(feature: Any) -> Mapping[str, Any]:
-    found = feature.get("properties")
+    found = feature.get("properties") if isinstance(feature, Mapping) else None
     return found if isinstance(found, Mapping) else {}
 
 

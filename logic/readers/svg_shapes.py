@@ -16,6 +16,9 @@ from logic.readers.sketch import polygons
 MAX_LETTERS = 1 << 10
 """Letters of a ``transform``."""
 
+MAX_SCALE = 1e12
+"""The largest number of a matrix."""
+
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 STEPS = re.compile(r"([MmLlHhVvZz])([^A-Za-z]*+)")
@@ -32,7 +35,8 @@ def placed(element: Element, at: Matrix | None = None) -> Iterator[tuple[Element
     """
     here = np.eye(3) if at is None else at
     if element.get("transform"):
-        here = here @ _matrix(element)
+        with np.errstate(all="ignore"):
+            here = np.clip(here @ _matrix(element), -MAX_SCALE, MAX_SCALE)
     yield element, here
     for child in element:
         yield from placed(child, here)
@@ -50,10 +54,13 @@ def polygon_in(group: Element, at: Matrix) -> Polygon | None:
     """
     for child in group:
         if (corners := _corners(child)) is not None and len({*corners}) >= 3:
-            (a, c, e), (b, d, f), _ = (at @ _matrix(child)).tolist()
             try:
-                drawn = affinity.affine_transform(Polygon(corners), (a, c, b, d, e, f))
+                with np.errstate(all="ignore"):
+                    (a, c, e), (b, d, f), _ = (at @ _matrix(child)).tolist()
+                    drawn = affinity.affine_transform(Polygon(corners), (a, c, b, d, e, f))
                 return max(polygons(drawn), key=lambda each: each.area, default=None)
+            except RequestError:
+                raise
             except (shapely.errors.ShapelyError, ValueError):
                 raise RequestError(f"plan: the polygon of {_called(group)} is none") from None
     return None
@@ -100,13 +107,20 @@ def _matrix(element: Element) -> Matrix:
     text = element.get("transform", "")
     if not text.strip():
         return np.eye(3)
+    with np.errstate(over="raise", invalid="raise"):
+        return _read(element, text)
+
+
+def _read(element: Element, text: str) -> Matrix:
     found = re.findall(r"(\w{1,9})\s{0,9}\(([^()]*+)\)", text) if len(text) <= MAX_LETTERS else []
     try:
         if not found or re.sub(r"\w{1,9}\s{0,9}\([^()]*+\)", "", text).strip(" ,\t\r\n"):
             raise KeyError
         *_, whole = accumulate((FUNCTIONS[name](*_numbers(given)) for name, given in found), np.matmul)
+        if not (np.abs(whole) < MAX_SCALE).all():
+            raise ValueError
         return whole
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, ValueError, FloatingPointError):
         raise RequestError(
             f"plan: the transform of {_called(element)}, {text[:40]!r}, cannot be read: apply it in "
             "a drawing program, and save the file again"

@@ -28,8 +28,7 @@ from logic.readers import sketch
 from logic.readers.combined import divided
 from logic.readers.features import from_text, is_geojson
 from logic.readers.regular import regular
-from logic.readers.sketch import Sketch
-from logic.readers.storeys import require_none
+from logic.readers.sketch import Sketch, require_none
 from logic.request.geojson import from_geojson
 from logic.request.openings import placed
 from logic.request.other_formats import READ, named
@@ -183,7 +182,7 @@ def _from_file(path: Path, storey: str | None) -> House | Sketch | dict[str, Any
     try:
         content = content_of(path, MOST_BYTES)
         if not content.strip():
-            raise HouseFileError(f"{path}: is empty, and {READ}")
+            raise HouseFileError(f"{path}: holds no house, and {READ}")
     except OSError as error:
         if error.errno == EFBIG:
             raise HouseFileError(f"{path}: {error.strerror}: a plan is of one house") from None

@@ -33,7 +33,7 @@ def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
 def require_plan(plan: Path | None, unit: str | None, snap: float, storey: str | None) -> None:
     """Raise ``RequestError`` for what is said of a plan where there is none."""
     if plan is None and (unit, snap, storey) != (None, 0.01, None):
-        raise RequestError("--plan-unit, --snap and --storey are of a plan: give it by --plan FILE")
+        raise RequestError("--storey, --plan-unit and --snap are of a plan: give it by --plan FILE")
 
 
 def print_line(text: str) -> None:

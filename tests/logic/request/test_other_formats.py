@@ -129,7 +129,7 @@ def test_text_that_is_not_utf_8_says_where_and_what_to_save(name: str, tmp_path:
 
 def test_an_empty_plan_and_a_damaged_one_are_named_as_such(tmp_path: Path) -> None:
     (tmp_path / "plan.geojson").touch()
-    with pytest.raises(HouseFileError, match="is empty, and a plan is a house file"):
+    with pytest.raises(HouseFileError, match="holds no house, and a plan is a house file"):
         read_plan(tmp_path / "plan.geojson")
     (tmp_path / "plan.geojson").write_text('{"type": "Polygon", ')
     with pytest.raises(HouseFileError, match="is no GeoJSON: Expecting property name"):
