@@ -154,9 +154,9 @@ def find(grammar: str | Path) -> Grammar:
             raise GrammarError("is a link out of the grammar's directory: copy the file there", file)
     for found, kind in ((asp, ".lp"), (prolog, ".pl")):
         if not found:
-            raise GrammarError(
-                f"the grammar has no {kind} file. Copy {SHIPPED / 'home'} and edit it", directory
-            )
+            near = next((file.name for file in files if kind in file.name.lower()), "")
+            hint = f": rename {near}" if near else f". Copy {SHIPPED / 'home'} and edit it"
+            raise GrammarError(f"the grammar has no {kind} file{hint}", directory)
     reading = reading_of(directory)
     asp, prolog = (
         tuple(sorted(reading.follow(files), key=lambda file: directory in file.parents))

@@ -9,8 +9,10 @@ from typing import Any
 from logic.errors import Finding, GrammarError, Reason
 from logic.grammar import Grammar
 from logic.house.looks import DEFAULT, NAME, read_looks, unused
+from logic.language.absent import absent
 from logic.language.asp.audit import UNITS
 from logic.language.loaded import LoadedGrammar
+from logic.language.unread import unread
 from logic.layout.account import GROUNDING
 from logic.layout.conditional import Source
 from logic.layout.program import Part
@@ -25,6 +27,9 @@ BUILDINGS = (16,)
 
 LARGER = (5, 7, 10, 12, 14, 16, 20, 27, 40, 53, 64, 90, 128)
 """Numbers for which the rules are looked at that bind in none of these, if the topology allows them."""
+
+MOST_SOLVED = 16
+"""Number of rooms up to which houses are looked for."""
 
 MOST_INSTANCES = 1_500_000
 """Ground rules that are looked at in all, which takes three seconds; shipped grammars take 100,000."""
@@ -48,9 +53,9 @@ def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
 
 def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     """What is of no use in the rules and the looks of a grammar without errors."""
-    return warnings(grammar, loaded) + _findings(
-        "warning", _unseen(grammar.directory / NAME, loaded), grammar
-    )
+    sizes = [number for number in (*SIZES, *LARGER) if number <= min(loaded.most_rooms, MOST_SOLVED)]
+    others = [*absent(loaded, sizes), *_unseen(grammar.directory / NAME, loaded)]
+    return warnings(grammar, loaded) + _findings("warning", others, grammar)
 
 
 def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
@@ -62,7 +67,8 @@ def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
 
 def warnings(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None = None) -> list[Finding]:
     """What is of no use in rules without errors, where houses of these ``rooms`` are asked for, if any."""
-    return _findings("warning", [*loaded.warnings, *_idle(grammar, loaded, rooms)], grammar)
+    found = [*unread(grammar.directory), *loaded.warnings, *_idle(grammar, loaded, rooms)]
+    return _findings("warning", found, grammar)
 
 
 def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:

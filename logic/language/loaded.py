@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from clingo import Function, Symbol
@@ -120,7 +121,9 @@ class LoadedGrammar:
             probe = self._probe({"rooms": 1}, "house")
             self._probe({}, "room")
         except GrammarError as error:
-            yield from [*gone, Mistake(error), *strange]
+            lines = {(str(each.error.file), each.error.line) for each in strange}
+            own = [] if (str(error.file), error.line) in lines else [Mistake(error)]
+            yield from [*gone, *own, *strange]
             return
         names = {name for mistake in strange for name in mistake.about or ()}
         values, wrong = self.rules.facts.wrong(probe, names)
@@ -166,6 +169,8 @@ class LoadedGrammar:
         for known in ({*self.furniture, *boxes}, pieces):
             rows = [each for each in sized if (each[0] == "piece_size") == (known is pieces)]
             rows = [each for each in rows if each[1] not in known]
+            if known is not pieces:  # The grammar may leave out a type that an included file measures.
+                rows = [each for each in rows if self.grammar.directory in Path(each[2]).parents]
             # Of one name without a meaning and one without a size, the first is likely to be the other.
             lacks = lacking & known
             only = min(lacks) if len({name for _, name, *_ in rows}) == len(lacks) == 1 else ""
@@ -202,7 +207,9 @@ class LoadedGrammar:
         joints = [*self.openings, *parts]
         clashes = disagreements(self.placer, usable, joints, whole is not probe, MOST_ROOMS)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
-        yield from map(Mistake, [*errors, *clashes, *self.rules.facts.absent(absent)])
+        # Lengths in centimetres contradict others.
+        unit = unlikely(self.extremes, self.placer.origins) if clashes and not (errors or absent) else ()
+        yield from map(Mistake, [*errors, *unit, *clashes, *self.rules.facts.absent(absent)])
         if not errors and not absent:
             yield from map(Mistake, impossible(self.extremes, self.placer.origins))
 
@@ -230,7 +237,9 @@ class LoadedGrammar:
 
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""
-        yield from self._of_no_room
+        # What an included file says of other pieces is not the user's to mend.
+        own = self.grammar.directory
+        yield from (each for each in self._of_no_room if own in Path(str(each.file)).parents)
         yield from unlikely(self.extremes, self.placer.origins)
         yield from capitalised(self.rules.words)
 
@@ -268,7 +277,8 @@ def furniture_of(probe: Program) -> dict[str, list[str]]:
     """For each room type the pieces that it may have, and their companions."""
     furniture: dict[str, list[str]] = {str(symbol.arguments[0]): [] for symbol in probe.atoms("type", 1)}
     for symbol in probe.atoms("may", 4):
-        furniture[str(symbol.arguments[0])].append(str(symbol.arguments[1]))
+        if (type_ := str(symbol.arguments[0])) in furniture:
+            furniture[type_].append(str(symbol.arguments[1]))
     for symbol in [*probe.atoms("beside", 4), *probe.atoms("around", 4)]:
         piece, companion = map(str, symbol.arguments[:2])
         for pieces in furniture.values():

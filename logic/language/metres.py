@@ -24,6 +24,7 @@ def impossible(lengths: Mapping[str, Any], origins: Origins) -> Iterator[Grammar
     for clause, metres, _ in _sizes(lengths):
         if max(metres) > FARTHEST:
             text = f"{clause.arguments[-1]}: {max(metres):g} m, more than the {FARTHEST:g} m of a house"
+            text += f". Lengths are in metres: {max(metres):g} mm are {max(metres) / 1000:g}"
             found[origins([clause])[clause]] = text
     for (file, line), text in found.items():
         yield GrammarError(text, file, line, 1)
@@ -36,7 +37,8 @@ def unlikely(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarEr
         wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)
         if wrong is not None:
             place, name = origins([clause])[clause], clause.arguments[-1]
-            found[place] = f"{name}: {wrong:g} m. Lengths are in metres: 320 cm are 3.2"
+            meant = f"{wrong:g} cm are {wrong / 100:g}" if wrong > longest else "1 cm is 0.01"
+            found[place] = f"{name}: {wrong:g} m. Lengths are in metres: {meant}"
     for (file, line), text in found.items():
         yield GrammarError(text, file, line, 1)
 

@@ -32,7 +32,12 @@ SYNTAX = {
         r"(?<!#)\b(count|sum|min|max)\s*\{"
     ): "a # stands before the name, as in #count{ R : room(R,hall) }",
     re.compile(r"\{[^{}:|]*\|"): "a condition follows a colon, as in #count{ R : room(R,hall) }",
+    re.compile(r"=/=|=\\=|\\=|<>|~="): "unequal is !=, as in R != Q",
+    re.compile(r"\b(no|Not|NOT|never|without)\s+[a-z]\w*\("): "not is a word, as in not side(R,north)",
     re.compile(r"\band\b|&"): "and is a comma",
+    re.compile(r"\bor\b|\|"): "or is a pool, as in room(R,(hall;study)), or a rule for each",
+    re.compile(r"\bif\b|<-|:=|: -"): "if is :-, as in near(R) :- adjacent(R,Q)",
+    re.compile(r"=>"): "at least is >=",
     re.compile(r"=<"): "at most is <= in .lp files",
     re.compile(r"\d\.\d"): "numbers are whole in .lp files: lengths belong in .pl files",
     re.compile(r"(?<![\w#])[A-Z]\w*\("): "predicates begin in lower case, variables in upper case",

@@ -249,7 +249,8 @@ opening_wrong(Types, Openings, Wrong) :-
     Head = opening_size(A,B,L,Wall),
     format(string(Above), "~~w >= ~3g (a door)", [Width]), format(string(Below), "~~w =< ~3g (as these rooms share at most)", [Long]),
     Given = [(Wall >= Width)-said(Above,[4]),(Wall =< Long)-said(Below,[4]),(L =< Wall)-said("~w =< Wall",[3])],
-    judged(opening_found(Head, Width-Long, Found), Found, Given-Head, Report),
+    copy_term(Head, Tried),  % What is posted about it is Given, where it is to be explained.
+    judged(opening_found(Tried, Width-Long, Found), Found, Given-Head, Report),
     (   Report = wrong(_,_,_,_)
     ->  Wrong = Report
     ;   \+ \+ ( grammar:Head, {Wall = Long, L >= Width, L =< Wall} )

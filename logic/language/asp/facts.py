@@ -15,6 +15,7 @@ from logic.language.asp.causes import Mistake
 from logic.language.asp.statements import error_at
 from logic.language.asp.vocabulary import Use, Words, alternatives
 from logic.layout.program import Program
+from logic.spelling import closest
 
 MOST_NAMED = 3
 """Of how many names each has an error of its own, where one thing is wrong with all."""
@@ -97,10 +98,16 @@ class Facts:
         of_values: dict[tuple[Any, ...], Mistake] = {}  # One statement may state many facts.
         absent: dict[tuple[str, str], Mistake] = {}
         said = [(stated(each.arguments[0]), each.arguments[1].string) for each in probe.atoms("wrong", 2)]
+        spare: set[str] = set()
         with_values = {fact for fact, why in said if not PREDICATE.search(why)}
-        for fact, why in said:
+        for fact, why in sorted(said, key=lambda each: each[1].startswith("it has no furniture")):
             names = [str(each) for each in fact.arguments]
             error = self.at(fact, f"{fact}: {why}")
+            if "type/1" in why and self._is_included(error):
+                spare |= {*names} - types  # The grammar may leave out a type that an included file furnishes.
+                continue
+            if why.startswith("it has no furniture") and (meant := closest(names[0], spare)):
+                error = self.at(fact, f"{fact}: {why}. Did you mean {meant}, as included?")
             if not PREDICATE.search(why):
                 place = (error.file, error.line, error.column, why)
                 of_values.setdefault(place, Mistake(error, frozenset(names) & strange))
@@ -119,6 +126,9 @@ class Facts:
             why = f"{facts[1]}: {facts[0]} is stated too{place}: keep one of them"
             values.append(Mistake(self.at(facts[1], why)))
         return values, _renamed(absent)
+
+    def _is_included(self, error: GrammarError) -> bool:
+        return bool(error.line) and self._grammar.directory not in Path(str(error.file)).parents
 
     def misnamed(self, probe: Program) -> Iterator[Mistake]:
         """Types and pieces whose names are no plain words."""

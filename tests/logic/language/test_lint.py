@@ -245,3 +245,50 @@ def test_the_lint_command_prints_each_finding_on_a_line(
     assert json.loads(said(str(folder), "--json")[1])["answer"]["findings"][0]["line"] == 7
     assert said("family")[0] == 0
     assert said("nowhere")[0] == 5
+
+
+def test_rule_files_by_other_names_are_warnings_and_notes_are_not(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "family", folder)
+    rule = ":- room(R,hall), side(R,north).\n"
+    texts = {
+        "more.LP": rule,
+        "rules.txt": rule,
+        "sizes.pl.txt": "",
+        "notes.txt": "Halls: none.",
+        "old.bak": rule,
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    found = {Path(each.file).name: each.text for each in findings(find(folder))}
+    assert {name: text.partition("Rename it ")[2] for name, text in found.items()} == {
+        "more.LP": "more.lp",
+        "rules.txt": "rules.lp, or rules.pl for lengths",
+        "sizes.pl.txt": "sizes.pl",
+    }
+    for file in folder.glob("*.lp"):
+        file.unlink()
+    with pytest.raises(GrammarError, match=r"no \.lp file: rename more\.LP"):
+        find(folder)
+
+
+def test_a_grammar_may_leave_out_types_that_the_files_it_includes_furnish(tmp_path: Path) -> None:
+    rules = '#include "home/furniture.lp".\n#include "home/arrangement.lp".\ntopology(ring).\n'
+    rules += "type(hall;living;kitchen;bedroom;bathroom).\ncentral(hall).\nopens(outside,hall).\n"
+    rules += "opens(hall,(living;kitchen;bedroom;bathroom)).\n"
+    sizes = "".join(f":- include('home/{name}.pl').\n" for name in ("sizes", "furniture", "lengths"))
+    (tmp_path / "rooms.lp").write_text(rules)
+    (tmp_path / "sizes.pl").write_text(sizes)
+    assert findings(find(tmp_path)) == []
+    (tmp_path / "rooms.lp").write_text(rules + "type(studdy).\nopens(hall,studdy).\n")
+    [found] = findings(find(tmp_path))
+    assert found.text == (
+        "type(studdy): it has no furniture: see may/4, empty/1. Did you mean study, as included?"
+    )
+    opening = "opening(hall,living).\nopening_size(hall,living,L,_) :- { L >= 4.5 }.\n".splitlines(True)
+    (tmp_path / "rooms.lp").write_text(rules + opening[0])
+    (tmp_path / "sizes.pl").write_text(sizes + opening[1])
+    [found] = findings(find(tmp_path))
+    assert found.text.endswith(
+        "L >= 4.5, Wall =< 4 (as these rooms share at most) and L =< Wall exclude each other"
+    )

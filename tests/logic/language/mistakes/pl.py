@@ -373,7 +373,7 @@ door_width(0.762).          % the paper's 2.5 feet
     bathroom(
         "a room in centimetres",
         new="room_size(bathroom, W, D) :- { W >= 240, W =< 370, D >= 240, D =< 370 }.",
-        says="bathroom: 240 m. Lengths are in metres: 320 cm are 3.2",
+        says="bathroom: 240 m. Lengths are in metres: 240 cm are 2.4",
         severity="warning",
     ),
     bed(

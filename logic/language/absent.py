@@ -1,0 +1,74 @@
+"""Types of room that no house of a grammar has, and grammars that have no house, with the rules to blame."""
+
+from collections.abc import Iterator, Sequence
+
+from logic.errors import GrammarError, Reason
+from logic.language.loaded import LoadedGrammar
+from logic.layout.conditional import Source
+from logic.layout.conflicts import minimal
+from logic.layout.relaxed import Relaxed, Statement, TooMany
+from logic.layout.terms import granted, parts, requirements
+
+MAX_CONFLICTS = 2_000
+"""Number of conflicts that clingo may meet in a search: where they do not suffice, nothing is reported."""
+
+MAX_BLAMED = 3
+"""Number of rules that a warning lists."""
+
+
+def absent(loaded: LoadedGrammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
+    """Yield a warning for each type that no house of these numbers of rooms has, or one for no house at all.
+
+    Lengths have no part in it, and houses of units are passed over.
+    """
+    if loaded.depths:
+        return
+    source, types, any_house = Source(loaded.grammar.asp), dict.fromkeys(map(str, loaded.types)), False
+    last: dict[str, tuple[Relaxed, list[Statement]]] = {}
+    for rooms in sizes:
+        asked = requirements("among", dict.fromkeys(types, (1, None)))
+        relaxed = Relaxed(source, {"rooms": rooms}, [("house", []), *parts(asked)])
+        if not _possible(relaxed, relaxed.statements):
+            if not any_house:
+                last[""] = relaxed, []
+            continue
+        any_house = True
+        for atom in asked:
+            type_ = atom.arguments[0].name
+            choice = relaxed.choice(Reason(""), [granted(atom)])
+            if _possible(relaxed, [*relaxed.statements, choice]):
+                del types[type_]
+            else:
+                last[type_] = relaxed, [choice]
+        if not types:
+            return
+    if not any_house:
+        yield _warning(*last[""], f"no house of up to {max(sizes)} rooms")
+        return
+    for type_ in types:
+        yield _warning(*last[type_], f"no house of up to {max(sizes)} rooms has a room of the type {type_}")
+
+
+def _possible(relaxed: Relaxed, some: Sequence[Statement]) -> bool:
+    """Return True if there is a layout, or it is not soon known that there is none."""
+    try:
+        return relaxed.model(some, conflicts=MAX_CONFLICTS) is not None
+    except TooMany:
+        return True
+
+
+def _warning(relaxed: Relaxed, choices: Sequence[Statement], what: str) -> GrammarError:
+    """Return a warning at the last of the rules that leave no layout with these choices, with the others."""
+
+    def core(some: Sequence[Statement]) -> list[Statement]:
+        found = relaxed.core([*some, *choices])
+        return [each for each in some if each in found]
+
+    blamed = minimal(relaxed.statements, lambda some: _possible(relaxed, [*some, *choices]), core)
+    reasons = sorted((each.reason for each in blamed), key=lambda each: (":-" in each.text, each.line or 0))
+    *others, last = reasons or [Reason("what the core requires")]
+    beside = [str(each) for each in others[:MAX_BLAMED]] + ["..."] * (len(others) > MAX_BLAMED)
+    by = f" with {', '.join(beside)}" if beside else ""
+    rule = f"this rule{by}: {last.text}"
+    verb = "keeps" if not choices else "by"
+    return GrammarError(f"{what} {verb} {rule}", last.file, last.line, last.column)
