@@ -215,11 +215,7 @@ class Config:
 
     def _require_varied(self) -> None:
         """Raise ``ValueError`` for what cannot differ so from episode to episode."""
-        object.__setattr__(self, "varied", tuple(tuple(each) for each in self.varied))
-        for each in self.varied:
-            if len(each) != 3:
-                raise ValueError(f'varied: {each}: give a name and two numbers, as ("noise", 0.0, 0.05)')
-            name, low, high = each
+        for name, low, high in self.varied:
             if name not in VARIABLE:
                 raise ValueError(f"varied: {unknown('field', name, VARIABLE)}")
             most = 1.0 if name in SHARES else float("inf")

@@ -330,7 +330,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
 
     def step_torch(
         self, actions: "torch.Tensor"
-    ) -> tuple[Any, "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, "torch.Tensor"]]:
+    ) -> tuple[Any, "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, Any]]:
         """``step`` with tensors and without copies: the batched path.
 
         ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,

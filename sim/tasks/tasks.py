@@ -333,16 +333,17 @@ def stated_task(targets: Targets) -> Any:
     record = {"task": name}
     for each in fields(targets) if is_dataclass(targets) else ():
         value = getattr(targets, each.name)
-        if each.name != "terms" or value != PLAIN:
+        if each.name != "terms" or value != each.default:
             record[each.name] = _stated_terms(value)
     return record
 
 
 def _stated_terms(value: Any) -> Any:
     """Return an argument of a task as JSON keeps it; ``read_terms`` reads terms."""
-    if isinstance(value, Terms) and type(value) is not Terms:
-        return {"class": class_name(type(value))} | stated(value)
-    return stated(value)
+    if not isinstance(value, Terms):
+        return stated(value)
+    kind = type(value)
+    return {"class": next((name for name in TERMS if TERMS[name] is kind), class_name(kind))} | stated(value)
 
 
 def suited(targets: Targets, houses: Sequence[House]) -> list[House]:

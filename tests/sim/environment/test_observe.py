@@ -2,7 +2,7 @@
 
 from copy import deepcopy
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -216,8 +216,8 @@ def test_parts_are_in_the_order_of_observe_everywhere():
     many = gymnasium.make_vec(name, 2, **arguments)
     sync = gymnasium.make_vec(name, 2, vectorization_mode="sync", **arguments)
     observations = [envs.reset(seed=1)[0] for envs in (many, sync, gymnasium.make(name, **arguments))]
-    for parts in (many.single_observation_space.spaces, many.observation_space.spaces, *observations):
-        assert tuple(parts) == config.observe
+    for parts in (many.single_observation_space, many.observation_space, *observations):
+        assert tuple(cast(Any, parts)) == config.observe
     rows = HouseVectorEnv(HOUSES, 2, preset=replace(config, flat=True)).reset(seed=1)[0]
     np.testing.assert_array_equal(FlattenObservation(many).reset(seed=1)[0], rows)
 

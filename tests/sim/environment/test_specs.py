@@ -21,7 +21,8 @@ from sim import DEFAULT, Collect, Config, HouseEnv, HouseVectorEnv, Points, Reac
 from sim.config import PRESETS
 from sim.drive import Drive
 from sim.fields import stated
-from sim.tasks.tasks import stated_task, task
+from sim.tasks.remembering import Battery
+from sim.tasks.tasks import TARGETS, stated_task, task
 from sim.tasks.terms import PLAIN, Terms
 from tests import sample_houses
 
@@ -59,6 +60,8 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "points": {"targets": Points(cast(Any, np.array([[1.0, 1.0]])), start=(0.6, 0.6, 0.0))},
     "terms": {"targets": Reach("bedroom", terms=OwnTerms(worth=np.float64(3.0)))},
     "terms in a dictionary": {"targets": {"task": "all", "terms": OwnTerms(steps=30)}},
+    "named terms": {"targets": Collect(terms=Battery(capacity=300, step=-0.1))},
+    "named task": {"targets": {"task": "visit", "terms": {"step": -0.1}}},
     "own task": {"targets": OwnTask(share=0.25, terms=OwnTerms())},
 }  # fmt: skip
 
@@ -143,18 +146,17 @@ def test_a_task_that_no_name_states_stays_itself() -> None:
     other.share = 2  # pyright: ignore[reportAttributeAccessIssue]
     assert stated_task(other) is other  # pyright: ignore[reportArgumentType]
     assert stated_task("habit") == "habit"
-    assert task(stated_task(Reach("hall"))) == Reach("hall")
+    for named in (*TARGETS.values(), Reach("hall")):
+        assert task(json.loads(json.dumps(stated_task(named)))) == named
 
 
-VALUES = {
-    each.name: getattr(Config(kinds=("bed",), drive=Drive(commands=((0.1, 0.2),))), each.name)
-    for each in fields(Config)
-}
+FULL = Config(kinds=("bed",), drive=Drive(commands=((0.1, 0.2),)), varied=(("noise", 0.0, 0.1),))
+VALUES = {each.name: getattr(FULL, each.name) for each in fields(Config)}
 
 
 def as_arrays(value: Any) -> Any:
     """Return a value as NumPy has it."""
-    if isinstance(value, Drive | str):
+    if isinstance(value, Drive | str) or value == FULL.varied:
         return value
     array = np.array(value)
     return array if array.ndim else array[()]

@@ -71,7 +71,7 @@ def test_a_body_makes_shares_of_what_it_is_told_and_of_its_acceleration():
         ([("nose", 0, 1)], "did you mean noise"),
         ([("noise", 0.2, 0.1)], "noise from 0.2 to 0.1"),
         ([("slip", 0.0, 1.5)], "at most 1"),
-        ([("noise", 0.0)], "a name and two numbers"),
+        ([("noise", 0.0)], "must have 3 values"),
         ([("noise", 0, 1), ("noise", 0, 2)], "each field once"),
         ([("noise", 0, float("nan"))], "noise from 0 to nan"),
     ],
