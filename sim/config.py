@@ -40,10 +40,10 @@ RAYS = "rays"
 EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, "speed": 2}
 """What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
 
-VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration"
+VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration", "width"
 """What may differ from episode to episode: see ``Config.varied``."""
 
-SHARES = "dropout", "slip", "speed", "acceleration"
+SHARES = "dropout", "slip", "speed", "acceleration", "width"
 """Those of them that are at most 1."""
 
 MEMORY = "memory"
@@ -153,8 +153,9 @@ class Config:
 
     varied: tuple[tuple[str, float, float], ...] = ()
     """What differs from episode to episode, as ("noise", 0.0, 0.05): in each ``noise``, ``dropout``, ``slip``
-    or ``drift`` is some number from the first to the second, all alike, in place of the field's; in the
-    backend ``free`` also ``speed`` and ``acceleration``, shares of what a body is told and can."""
+    or ``drift`` is some number from the first to the second, all alike, in place of the field's; ``width`` a
+    share of the body's width, whose eye stays in its middle; and in the backend ``free`` ``speed`` and
+    ``acceleration``, shares of what a body is told and can."""
 
     target: float = 15 * PIXEL
     """Side of the square target, metres."""
@@ -223,15 +224,16 @@ class Config:
                 raise ValueError(f"varied: {name} from {low} to {high}: from 0, and at most {most:g}")
         if len({name for name, *_ in self.varied}) < len(self.varied):
             raise ValueError("varied: each field once")
+        if self.varies("width") and (self.closed_doors or self.knows_distance or self.collision != "swept"):
+            raise ValueError("varied: no width with closed doors, distances or the collision 'original'")
 
     def most(self, name: str) -> float:
         """The greatest value of a field that may differ from episode to episode."""
         return next((high for each, _, high in self.varied if each == name), getattr(self, name, 1.0))
 
-    @property
-    def varies_drive(self) -> bool:
-        """Whether bodies drive otherwise from episode to episode."""
-        return any(name in ("speed", "acceleration") for name, *_ in self.varied)
+    def varies(self, *names: str) -> bool:
+        """Whether one of these fields differs from episode to episode."""
+        return any(name in names for name, *_ in self.varied)
 
     def require_lattice(self, who: str) -> None:
         """Raise ``ValueError`` where bodies move freely, which is not for who counts steps on a lattice."""

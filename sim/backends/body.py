@@ -75,16 +75,20 @@ class Body:
     @ti.func
     def overlaps(self, origin, cell, target, half: ti.template()):
         """Whether the body overlaps a square about ``target`` (i32); touching is not overlapping."""
-        near = self.half(cell) + ti.static(half - SKIN)
+        return self.overlaps_with(origin, cell, target, half, 1.0)
+
+    @ti.func
+    def overlaps_with(self, origin, cell, target, half: ti.template(), width):
+        """``overlaps`` of a body of a share of its width."""
+        near = width * self.half(cell) + ti.static(half - SKIN)
         return ti.cast(ti.abs(self.centre(origin, cell) - target).max() < near, ti.i32)
 
     @ti.func
-    def meets(self, box, origin, cell, new_origin, new):
-        """Whether a box is in the way of the body from a cell to a new one (i32)."""
+    def meets(self, box, origin, cell, new_origin, new, width):
+        """Whether a box is in the way of the body, of a share of its width, from a cell to another (i32)."""
         half = self.half(new)
-        return slides_into(
-            box, self.centre(origin, cell) + (half - self.half(cell)), self.centre(new_origin, new), half
-        )
+        begin = self.centre(origin, cell) + (half - self.half(cell))
+        return slides_into(box, begin, self.centre(new_origin, new), width * half)
 
     @ti.func
     def ahead(self, cell):

@@ -31,12 +31,13 @@ class OtherTargets:
         others[at], others[at + 1] = centre[0], centre[1]
 
     @ti.func
-    def met(self, others: ti.template(), e, origin, cell):
-        """The first that the body overlaps, -1 for none."""
+    def met(self, others: ti.template(), e, origin, cell, width):
+        """The first that the body, of a share of its width, overlaps; -1 for none."""
         found = -1
         for k in ti.static(range(self.number)):
-            if found < 0:  # noqa: SIM102 - ``and`` computes both sides
-                if self.body.overlaps(origin, cell, self.centre(others, e, k), ti.static(self.half)):
+            if found < 0:
+                there = self.centre(others, e, k)
+                if self.body.overlaps_with(origin, cell, there, ti.static(self.half), width):
                     found = k
         return found
 

@@ -96,8 +96,10 @@ def read_arguments(
     if not config.drives and config.drive != Drive():
         raise ValueError(f"preset has a drive, which backend {backend!r} does not use: take the backend free")
     require_observed(config, make)
-    if config.varies_drive and not config.drives:
+    if config.varies("speed", "acceleration") and not config.drives:
         raise ValueError("varied: bodies of this backend do not drive: speed and acceleration are of free")
+    if config.varies("width") and not (hasattr(make, "move_with") or hasattr(make, "drive_with")):
+        raise ValueError("varied: bodies of this backend have one width: continuous and free have others")
     if config.drives and terms_of(wanted).asks_distance:
         raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")
     return Arguments(config, make, bank, rotation, wanted, device)

@@ -190,7 +190,14 @@ class Episodes(Observing):
             bumped = 0
             if blocked:
                 bumped = self.surroundings.bumped(
-                    world.surroundings, state.house, state.origin, state.cell, origin, cell, door
+                    world.surroundings,
+                    state.house,
+                    state.origin,
+                    state.cell,
+                    origin,
+                    cell,
+                    door,
+                    self.varying.value(state, "width"),
                 )
         terminated = 0
         if ti.static(self.config.ends_on_collision):
@@ -198,9 +205,12 @@ class Episodes(Observing):
         elif blocked and ti.static(not self.config.drives):
             cell = state.cell
         state.origin, state.cell = origin, cell
-        picked = self.overlaps(state.origin, cell, state.target)
+        picked, width = self.overlaps(state.origin, cell, state.target), self.varying.value(state, "width")
+        if ti.static(self.config.varies("width")):
+            half = ti.static(self.config.target / 2)
+            picked = self.body.overlaps_with(state.origin, cell, state.target, half, width)
         if ti.static(self.at_once > 1):
-            other = self.others.met(world.others, e, state.origin, cell)
+            other = self.others.met(world.others, e, state.origin, cell, width)
             if not picked and other >= 0:
                 picked, target = 1, self.others.centre(world.others, e, other)
                 self.others.put(world.others, e, other, state.target)
@@ -297,9 +307,10 @@ class Episodes(Observing):
         closed door is, -1 for none. Nothing is changed.
         """
         origin, cell, blocked, door = state.origin, state.cell, 0, -1
-        if ti.static(self.config.drives and self.config.varies_drive):
+        if ti.static(self.config.drives and self.config.varies("speed", "acceleration", "width")):
             shares = ti.Vector([
                 self.varying.value(state, "speed"), self.varying.value(state, "acceleration"),
+                self.varying.value(state, "width"),
             ])  # fmt: skip
             origin, cell, blocked = self.backend.drive_with(
                 world.numbers, world.indices, state.house, state.origin, state.cell, action, shares
@@ -307,6 +318,11 @@ class Episodes(Observing):
         elif ti.static(self.config.drives):
             origin, cell, blocked = self.backend.drive(
                 world.numbers, world.indices, state.house, state.origin, state.cell, action
+            )
+        elif ti.static(self.config.varies("width")):
+            width = self.varying.value(state, "width")
+            cell, blocked = self.backend.move_with(
+                world.numbers, world.indices, state.house, state.origin, state.cell, action, width
             )
         else:
             cell, blocked = self.backend.move(

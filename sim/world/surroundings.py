@@ -99,12 +99,12 @@ class Surroundings:
         return ti.min(place[0] - box[0], box[2] - place[0], place[1] - box[1], box[3] - place[1])
 
     @ti.func
-    def bumped(self, table: ti.template(), house, origin, cell, new_origin, new, door):
+    def bumped(self, table: ti.template(), house, origin, cell, new_origin, new, door, width):
         """What is in the way of a body from a cell to a new one; ``door``: a closed one, -1 for none."""
         header, found = house * HEADER, ti.static(WALL)
         at = table[header + 3]
         for k in range(table[header + 4]):
             if found == ti.static(WALL):  # noqa: SIM102 - ``and`` computes both sides
-                if self.body.meets(self.box(table, at + ROW * k), origin, cell, new_origin, new):
+                if self.body.meets(self.box(table, at + ROW * k), origin, cell, new_origin, new, width):
                     found = table[at + ROW * k + 4]
         return ti.select(door >= 0, ti.static(DOOR), found)

@@ -95,6 +95,8 @@ class World:
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
             raise ValueError("the distance to the target is not had where doors are closed: ask sim.Oracle")
+        if knows and self.config.varies("width"):
+            raise ValueError("the distance to the target is not had where the body's width differs")
         if self.at_once > 1 and (knows or self.config.latency):
             raise ValueError("of several targets at once no distance is had, and none is seen late")
         self._make_arrays()

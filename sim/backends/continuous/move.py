@@ -33,30 +33,35 @@ class Motion:
     @ti.func
     def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
         """See ``Backend.stands``."""
-        return 1 - self.blocked(numbers, indices, house, origin, cell, cell)
+        return 1 - self.blocked(numbers, indices, house, origin, cell, cell, 1.0)
 
     @ti.func
     def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
         """See ``Backend.move``."""
+        return self.move_with(numbers, indices, house, origin, cell, action, 1.0)
+
+    @ti.func
+    def move_with(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action, width):
+        """``move`` of a body of a share of its width."""
         new, blocked = cell, 0
         if action == FORWARD:
             new = self.body.ahead(cell)
-            blocked = self.blocked(numbers, indices, house, origin, cell, new)
+            blocked = self.blocked(numbers, indices, house, origin, cell, new, width)
         else:
             new = self.body.turned(cell, action)
             # A square that is the same at all headings turns in place.
             if ti.static(self.config.body[0] != self.config.body[1]):
-                blocked = self.blocked(numbers, indices, house, origin, new, new)
+                blocked = self.blocked(numbers, indices, house, origin, new, new, width)
         return new, blocked
 
     @ti.func
-    def blocked(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, new):
+    def blocked(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, new, width):
         """Whether something is in the way from a cell to a new one (i32)."""
         result = 0
         if ti.static(self.config.collision == "swept"):
             # The body keeps its north-west corner as it turns, so it may grow at both ends of its way.
-            half = self.body.half(new)
-            p = self.body.centre(origin, cell) + (half - self.body.half(cell))
+            half = width * self.body.half(new)
+            p = self.body.centre(origin, cell) + (self.body.half(new) - self.body.half(cell))
             q = self.body.centre(origin, new)
             block, first_box = cell_of(numbers, indices, house, p), indices[house * HEADER + FIRST_BOX]
             for k in range(end_of(indices, block, 1)):

@@ -160,14 +160,22 @@ class Disc:
     @ti.func
     def overlaps(self, origin, cell, target, half: ti.template()):
         """Whether the disc overlaps a square about ``target`` (i32); touching is not overlapping."""
-        away = ti.max(ti.abs(origin - target) - half, 0.0)
-        near = away[0] * away[0] + away[1] * away[1]
-        return ti.cast(near < ti.static((self.radius - SKIN) ** 2), ti.i32)
+        return self.overlaps_with(origin, cell, target, half, 1.0)
 
     @ti.func
-    def meets(self, box, origin, cell, new_origin, new):
-        """Whether the disc touches a box (west, north, east, south) after a step (i32)."""
+    def overlaps_with(self, origin, cell, target, half: ti.template(), width):
+        """``overlaps`` of a disc of a share of its width."""
+        away = ti.max(ti.abs(origin - target) - half, 0.0)
+        near = away[0] * away[0] + away[1] * away[1]
+        return ti.cast(near < width * width * ti.static((self.radius - SKIN) ** 2), ti.i32)
+
+    @ti.func
+    def meets(self, box, origin, cell, new_origin, new, width):
+        """Whether the disc, of a share of its width, touches a box (west, north, east, south) after a step
+        (i32).
+        """
         low, high = ti.Vector([box[0], box[1]]), ti.Vector([box[2], box[3]])
         away = ti.max(low - new_origin, new_origin - high, 0.0)
         near = away[0] * away[0] + away[1] * away[1]
-        return ti.cast(near < ti.static((self.radius + TOUCH) ** 2), ti.i32)
+        reach = width * ti.static(self.radius) + ti.static(TOUCH)
+        return ti.cast(near < reach * reach, ti.i32)

@@ -1,6 +1,5 @@
 """When a disc that goes straight on touches a solid: a rectangle at any angle, or a segment."""
 
-from sim.backends.body import SKIN
 from sim.runtime import ti
 
 NEVER = 2.0
@@ -28,19 +27,19 @@ def gap(solid, place):
 
 
 @ti.func
-def touches(solid, place, way, radius: ti.template()):
+def touches(solid, place, way, radius, inner, outer):
     """The share of a ``way`` (x, y) from a place after which a disc touches a solid, ``NEVER`` for none; the
     direction from there to the disc, a unit vector; and how far the disc is already in, metres.
 
     A solid counts where the disc would come into it by more than the skin; it is stopped by half of that. So
     what a body slides along is not in its way, however its place is rounded, nor where two walls meet.
+    ``inner`` and ``outer`` are the radius less the skin, and less half of it.
     """
     share, normal, depth = NEVER, ti.Vector([0.0, 0.0]), 0.0
     away = gap(solid, place)
     near, length = away.dot(away), way.dot(way)
     reach = radius + ti.sqrt(length)
     if near < reach * reach:
-        inner, outer = ti.static(radius - SKIN), ti.static(radius - SKIN / 2)
         half = ti.Vector([solid[4], solid[5]])
         own, along = into(solid, place - ti.Vector([solid[0], solid[1]])), into(solid, way)
         if near < outer * outer:

@@ -67,7 +67,7 @@ class Motion:
         place = self.body.position(origin, cell)
         way = self.body.position(origin, new) - place
         block = cell_of(numbers, indices, house, place)
-        share, _, _ = self.first(numbers, indices, house, block, place, way)
+        share, _, _ = self.first(numbers, indices, house, block, place, way, 1.0)
         return new, ti.cast(share <= 1.0, ti.i32)
 
     @ti.func
@@ -77,12 +77,19 @@ class Motion:
         return ti.Vector([numbers[at + part] for part in range(ROW)])
 
     @ti.func
-    def first(self, numbers: ti.template(), indices: ti.template(), house, block, place, way):
+    def first(self, numbers: ti.template(), indices: ti.template(), house, block, place, way, width):
         """The first touch of a disc on its way, of all solids of a cell's list: see ``touches``."""
         share, normal, depth = NEVER, ti.Vector([0.0, 0.0]), 0.0
         for k in range(end_of(indices, block, 1)):
             solid = self.solid(numbers, indices, house, listed(indices, block, k))
-            at, leaned, inside = touches(solid, place, way, self.body.radius)
+            at, leaned, inside = touches(
+                solid,
+                place,
+                way,
+                width * ti.static(self.body.radius),
+                width * ti.static(self.body.radius - SKIN),
+                width * ti.static(self.body.radius - SKIN / 2),
+            )
             if (at < share) | ((at == share) & (at < ti.static(NEVER)) & (inside > depth)):
                 share, normal, depth = at, leaned, inside
         return share, normal, depth
@@ -94,12 +101,12 @@ class Motion:
 
         It goes along the chord of its arc. What it is slowed down by takes its speed, too.
         """
-        return self.drive_with(numbers, indices, house, origin, cell, action, ti.Vector([1.0, 1.0]))
+        return self.drive_with(numbers, indices, house, origin, cell, action, ti.Vector([1.0, 1.0, 1.0]))
 
     @ti.func
     def drive_with(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action, shares):
         """``drive`` of a body that makes these ``shares`` of the speeds that it is told, and of the greatest
-        change of them.
+        change of them, and has such a share of its width.
         """
         wanted, speeds = shares[0] * self.body.ordered(action), self.body.speeds(cell)
         limits = ti.Vector([ti.static(self.changes[k]) for k in ti.static(range(len(self.changes)))])
@@ -117,7 +124,7 @@ class Motion:
             direction = ti.Vector(
                 [cosine * speeds[0] - sine * speeds[1], -(sine * speeds[0] + cosine * speeds[1])]
             )
-        moved = self.slide(numbers, indices, house, origin, length * direction)
+        moved = self.slide(numbers, indices, house, origin, length * direction, shares[2])
         off = moved - length * direction
         blocked = ti.cast(off.dot(off) > ti.static(SKIN**2), ti.i32)
         if blocked:
@@ -134,13 +141,13 @@ class Motion:
         return origin + moved, self.body.moving(speeds, wrapped(heading + 2.0 * half)), blocked
 
     @ti.func
-    def slide(self, numbers: ti.template(), indices: ti.template(), house, origin, way):
+    def slide(self, numbers: ti.template(), indices: ti.template(), house, origin, way, width):
         """How far a body comes that would go some way (x, y), metres."""
         block = cell_of(numbers, indices, house, origin)
         moved, left, last, turn = ti.Vector([0.0, 0.0]), way, ti.Vector([0.0, 0.0]), 0
         while turn < ti.static(CONTACTS):
             turn += 1
-            share, normal, depth = self.first(numbers, indices, house, block, origin + moved, left)
+            share, normal, depth = self.first(numbers, indices, house, block, origin + moved, left, width)
             if share > 1.0:
                 moved += left
                 turn = CONTACTS

@@ -11,6 +11,7 @@ from sim.drive import COMMANDS, Drive
 from tests import sample_houses
 
 HOUSES = sample_houses.RANDOM[:2]
+DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
 COUNT, STEPS = 24, 40
 FIELDS = {"noise": 0.05, "dropout": 0.1, "slip": 0.2, "drift": 0.1}
 
@@ -65,6 +66,34 @@ def test_a_body_makes_shares_of_what_it_is_told_and_of_its_acceleration():
     np.testing.assert_array_equal(shares, played(replace(base, drive=slow), backend="free"))
 
 
+@pytest.mark.parametrize("backend", ["continuous", "free"])
+def test_a_body_of_a_share_of_its_width_moves_as_one_that_is_so_wide(backend):
+    """But for where it starts and where targets lie; a disc's skin has its share of the width, too."""
+    narrow = tuple(0.5 * side for side in DEFAULT.body)
+    eye = tuple(0.5 * side for side in narrow)
+    drive = Drive(commands=COMMANDS)
+    plan = np.random.default_rng(4).choice(3, p=[0.1, 0.1, 0.8], size=(120, COUNT))
+    made = [
+        HouseVectorEnv(HOUSES, COUNT, preset=preset, targets="all", backend=backend)
+        for preset in (
+            replace(DEFAULT, drive=drive, varied=(("width", 0.5, 0.5),)),
+            replace(DEFAULT, drive=drive, body=narrow, eye=eye),
+        )
+    ]
+    _, info = made[0].reset(seed=1)
+    made[1].reset(seed=1, options={name: info[name] for name in ("house", "pose", "target")})
+    on, bumps, differing = np.ones(COUNT, bool), 0, np.zeros(COUNT)
+    for actions in plan:
+        (_, reward, *_, info), (_, other, *_, same) = (envs.step(actions) for envs in made)
+        np.testing.assert_allclose(info["pose"][on], same["pose"][on], atol=2e-3 * (backend == "free") + 1e-5)
+        np.testing.assert_array_equal(reward[on], other[on])
+        bumps, differing = bumps + info["blocked"][on].sum(), differing + (info["blocked"] ^ same["blocked"])
+        on &= reward == 0  # the next target lies elsewhere
+    assert bumps > COUNT
+    assert differing[on].sum() <= 0.02 * bumps * (backend == "free")
+    assert 0 < on.sum() < COUNT
+
+
 @pytest.mark.parametrize(
     ("varied", "message"),
     [
@@ -74,11 +103,24 @@ def test_a_body_makes_shares_of_what_it_is_told_and_of_its_acceleration():
         ([("noise", 0.0)], "must have 3 values"),
         ([("noise", 0, 1), ("noise", 0, 2)], "each field once"),
         ([("noise", 0, float("nan"))], "noise from 0 to nan"),
+        ([("width", 0.5, 1.5)], "at most 1"),
     ],
 )
 def test_wrong_ranges_are_refused(varied, message):
     with pytest.raises(ValueError, match=message):
         Config(varied=varied)
+
+
+def test_a_width_that_differs_is_refused_where_another_is_counted_on():
+    varied = (("width", 0.5, 1.0),)
+    with pytest.raises(ValueError, match="no width with closed doors"):
+        Config(varied=varied, closed_doors=4)
+    with pytest.raises(ValueError, match="bodies of this backend have one width"):
+        HouseVectorEnv([DRAWN], preset=Config(varied=varied), backend="grid")
+    with pytest.raises(ValueError, match="is not had where the body's width differs"):
+        HouseVectorEnv(
+            HOUSES, preset=Config(varied=varied), targets={"task": "all", "terms": {"progress": 1}}
+        )
 
 
 def test_only_a_body_that_drives_has_a_speed():
