@@ -232,8 +232,8 @@ PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
 """Files of the tasks of the paper's house, by name: see the README beside them."""
 
 TASKS = {
-    "collect": Collect, "habit": Habit, "object": Object, "order": Order, "points": Points, "reach": Reach,
-    "roam": Roam, "rooms": Rooms,
+    "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach, "rooms": Rooms,
+    "order": Order, "roam": Roam,
 }  # fmt: skip
 """Tasks that take arguments."""
 
