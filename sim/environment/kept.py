@@ -67,11 +67,14 @@ def _require_guide(
 ) -> None:
     """Raise ``ValueError`` for options of next episodes that ``set_next`` would not take."""
     house, given = wholes[:, 0], ~np.isnan(reals[:, 0])
+    cells, place = wholes[given, 1:], reals[given, :2]
+    if config.drives:  # at rest
+        turned = np.isfinite(np.ascontiguousarray(cells[:, 2]).view(np.float32)) & ~cells[:, :2].any(axis=1)
+    else:
+        place, turned = place + config.step * cells[:, :2], cells[:, 2] // len(HEADINGS) == 0
     known = (house >= given + SAMPLE) & (house < len(geometries))
-    if not known.all() or np.isinf(reals).any() or not _inside(house[given], reals[given, :2], geometries):
+    if not known.all() or np.isinf(reals).any() or not _inside(house[given], place, geometries):
         raise ValueError("a state of other houses: a next episode begins in none of these")
-    heading = np.ascontiguousarray(wholes[given, 3])
-    turned = np.isfinite(heading.view(np.float32)) if config.drives else heading // len(HEADINGS) == 0
     if not turned.all():
         raise ValueError("a state of no house: a next episode begins without a heading")
 
