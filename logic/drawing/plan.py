@@ -146,8 +146,14 @@ def _map_shapes(
     shapes += [Part(area.name, tuple(floor(frame.box(area), style.fill(area.type), inks))) for area in areas]
     shapes += _furniture(house, frame, style, numbers)
     for kind, ink in ((UNKNOWN, inks.faint), (OCCUPIED, inks.wall)):
-        shapes += [Block(frame.place(box), ink) for box in grid.blocks(kind)]
+        if blocks := grid.blocks(kind):
+            shapes.append(Region(tuple(_corners(frame.place(box)) for box in blocks), ink))
     return [*shapes, *_free_walls(house, frame, inks)]
+
+
+def _corners(box: Box) -> tuple[Point, ...]:
+    left, top, right, bottom = box
+    return (left, top), (right, top), (right, bottom), (left, bottom)
 
 
 def _free_walls(house: House, frame: Frame, inks: Inks) -> Iterator[Line]:

@@ -168,6 +168,16 @@ def test_walls_are_one_path_that_is_the_union_of_all_their_boxes(house: House) -
     )
 
 
+def test_what_is_occupied_in_a_map_is_one_path_too() -> None:
+    cells = np.zeros((6, 8), int)
+    cells[2, 1:7] = cells[1:5, 3] = 1
+    house = House.from_grid(cells == 1, 0.5)
+    drawing = plan(house, 300)
+    (walls,) = (each for each in regions(drawing.shapes) if each.fill == INKS.wall)
+    area = sum(shapely.Polygon(ring).area for ring in walls.rings)
+    assert area == pytest.approx((cells == 1).sum() * (0.5 * metre(drawing, house)) ** 2)
+
+
 def regions(shapes: Iterable[Shape]) -> list[Region]:
     return [shape for shape in shapes if isinstance(shape, Region)]
 
