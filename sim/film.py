@@ -15,9 +15,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from logic import House
 from logic.drawing.canvas import DENSITY, Drawing, png
+from logic.drawing.frame import Frame, drawn_extent
 from logic.drawing.labels import background
 from logic.drawing.palettes import Inks
-from logic.drawing.plan import Frame, drawn_extent
 from logic.house.files import write_whole
 from logic.spelling import numbered
 from sim.config import Config

@@ -9,8 +9,8 @@ from agent.recording.trace import AROUND, Trace, load
 from agent.report.page import Section
 from logic import House
 from logic.drawing.canvas import Drawing, svg
+from logic.drawing.frame import Frame, extent
 from logic.drawing.labels import background
-from logic.drawing.plan import Frame, extent
 from logic.house.looks import looks_of
 from logic.spelling import markup, numbered
 from sim.tasks.words import in_words

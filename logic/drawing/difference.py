@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from logic.drawing.canvas import Drawing, Line, Point, Shape, Text, svg, text_width
 from logic.drawing.door_leaves import door_leaves
 from logic.drawing.draw import FOOT, MARGIN, TITLE, WIDTH
+from logic.drawing.frame import Frame, drawn_extent, grown
 from logic.drawing.labels import legend, room_names, title
 from logic.drawing.palettes import Fill, Style, style
-from logic.drawing.plan import Frame, drawn_extent, grown, house_shapes
+from logic.drawing.plan import house_shapes
 from logic.house.boxes import Box
 from logic.house.diff import Change, changes
 from logic.house.house import House

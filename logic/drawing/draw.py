@@ -12,6 +12,8 @@ from PIL.PngImagePlugin import PngInfo
 from logic.drawing import palettes
 from logic.drawing.canvas import DENSITY, Drawing, Point, Shape, Text, png, svg
 from logic.drawing.door_leaves import door_leaves
+from logic.drawing.frame import Frame, drawn_extent
+from logic.drawing.furniture import unlabelled
 from logic.drawing.labels import (
     SWATCH,
     abbreviations,
@@ -25,7 +27,7 @@ from logic.drawing.labels import (
 )
 from logic.drawing.measures import DIMENSION, NORTH, dimensions, north_arrow
 from logic.drawing.palettes import Style, style
-from logic.drawing.plan import Frame, drawn_extent, house_shapes, unlabelled
+from logic.drawing.plan import house_shapes
 from logic.house.files import write_whole
 from logic.house.house import House
 from logic.house.replacing import DRAWN_BY

@@ -11,8 +11,10 @@ import numpy as np
 
 from logic.drawing.canvas import Block, Box, Line, Shape, Text, text_width
 from logic.drawing.door_leaves import Leaf
+from logic.drawing.frame import Frame
+from logic.drawing.furniture import has_mark
 from logic.drawing.palettes import Fill, Style, style
-from logic.drawing.plan import Frame, floor, has_mark, house_shapes
+from logic.drawing.plan import floor, house_shapes
 from logic.house.house import House
 from logic.house.looks import spaced
 from logic.house.parts import ORIGINAL, Room

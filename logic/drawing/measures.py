@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 from logic.drawing.canvas import Block, Box, Line, Point, Shape, Text, text_width
+from logic.drawing.frame import Frame, drawn_extent, extent
 from logic.drawing.palettes import Inks
-from logic.drawing.plan import Frame, drawn_extent, extent
 from logic.house.house import House
 
 DIMENSION = 26.0

@@ -5,10 +5,10 @@ import re
 
 from logic.drawing.canvas import Drawing
 from logic.drawing.draw import MILLIMETRE, Page, least_scale, plan
+from logic.drawing.frame import drawn_extent
 from logic.drawing.labels import title
 from logic.drawing.measures import BLOCK, title_block
 from logic.drawing.palettes import Style
-from logic.drawing.plan import drawn_extent
 from logic.errors import RequestError
 from logic.house.house import House
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from PIL import Image
 
-from logic.drawing.plan import drawn_extent, extent
+from logic.drawing.frame import drawn_extent, extent
 from logic.exports.floor import outline
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.files import write_whole

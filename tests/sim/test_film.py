@@ -8,8 +8,8 @@ import pytest
 from msgspec import structs
 from PIL import Image, ImageColor, ImageSequence
 
+from logic.drawing.frame import drawn_extent
 from logic.drawing.palettes import Inks
-from logic.drawing.plan import drawn_extent
 from logic.house.looks import DEFAULT as LOOKS
 from logic.house.promises import Thickness
 from sim import DEFAULT, HouseVectorEnv

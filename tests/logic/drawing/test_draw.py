@@ -36,22 +36,11 @@ from logic.drawing.canvas import (
 )
 from logic.drawing.door_leaves import Leaf, door_leaves
 from logic.drawing.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
+from logic.drawing.frame import BEYOND, INNER, OUTER, Frame, drawn_extent, extent, grown
+from logic.drawing.furniture import piece_shapes
 from logic.drawing.labels import LEAST, abbreviations
 from logic.drawing.palettes import Inks, style
-from logic.drawing.plan import (
-    BEYOND,
-    INNER,
-    OUTER,
-    Frame,
-    boxes_of,
-    drawn_extent,
-    extent,
-    grown,
-    house_shapes,
-    opening,
-    piece_shapes,
-    wall_boxes,
-)
+from logic.drawing.plan import boxes_of, house_shapes, opening, wall_boxes
 from logic.house.boxes import distance, excess, overlap
 from logic.house.looks import DEFAULT as LOOKS
 from logic.house.part_names import doors_by_name, target_in, windows_by_name

@@ -10,9 +10,9 @@ import shapely
 from msgspec import UNSET, ValidationError, structs
 
 from logic import PlanWarning, RequestError, Unsatisfiable, check
+from logic.drawing.frame import Frame
 from logic.drawing.labels import room_names
 from logic.drawing.palettes import style
-from logic.drawing.plan import Frame
 from logic.exports.geojson import to_geojson
 from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, find

@@ -1,4 +1,4 @@
-/** Plans as SVG, as `vitruvius watch` draws them: logic/drawing/draw.py and plan.py, of houses that are no maps.
+/** Plans as SVG, as `vitruvius watch` draws them: logic/drawing/draw.py, plan.py and furniture.py, of houses that are no maps.
  *
  * Each part is a group with data-part, named as `explain --why` names it.
  */

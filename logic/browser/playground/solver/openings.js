@@ -1,5 +1,5 @@
 /** Walls without a thickness as boxes, doors and windows as deep as their walls, and the leaves of doors; metres. As
- * logic/house/walls.py, logic/drawing/plan.py and logic/drawing/door_leaves.py.
+ * logic/house/walls.py, logic/drawing/plan.py and frame.py, and logic/drawing/door_leaves.py.
  */
 
 export const OUTER = 0.2, INNER = 0.1;
