@@ -88,7 +88,7 @@ TRY_COMMANDS = {"benchmarks.reliability.kills", "benchmarks.reliability.readers"
 OF_LOGIC = {"House", "generate", "load"}
 """What the simulator takes of ``logic`` by its public name."""
 
-DRAWN = {"canvas", "labels", "palettes", "frame"}
+DRAWN = {"canvas", "frame", "labels", "palettes"}
 """What it draws episodes with."""
 
 

@@ -54,6 +54,11 @@ def is_taken(text: str) -> bool:
     return not any(waiting)
 
 
+def test_each_entry_of_the_changelog_is_an_item_of_a_list() -> None:
+    lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
+    assert [line for line in lines if line and not line.startswith(("# ", "## ", "- ", "  "))] == []
+
+
 ELSEWHERE = {
     "demo",
     "test",
