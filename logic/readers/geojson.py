@@ -9,6 +9,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Any, NamedTuple
 
+import numpy as np
 import shapely
 from shapely import Geometry, LineString, Point
 from shapely.geometry import shape
@@ -53,6 +54,9 @@ ROOM_KINDS, OTHER_KINDS = ("room", "area"), ("piece", "wall")
 
 LEVELS = ("storey", "level", "level_id", "floor", "story")
 """Properties that may say the storey of a feature."""
+
+METRES_TO_DEGREE = 1e5
+"""Metres to a degree, roughly."""
 
 ATOM = re.compile(r"[a-z]\w*", re.ASCII)
 """A word of a grammar."""
@@ -100,7 +104,7 @@ def read_geojson(
         whole = str(each.properties.get("part_of") or "")
         spaces += [Space(name, words, part, literal, whole) for part in _polygons(each, name)]
     shapes = [_geometry(each) for each in others]
-    flat, notes = _flat([each.shape for each in spaces], unit)
+    flat, notes, noise = _flat([each.shape for each in spaces], unit)
     spaces = [each._replace(shape=flat(each.shape)) for each in spaces]
     openings = [(each.what, _in_wall(flat(some), spaces)) for each, some in zip(others, shapes, strict=True)]
     doors = [
@@ -114,7 +118,7 @@ def read_geojson(
     if unknown:
         some = ", ".join(sorted(unknown)[:8])
         notes.append(f"words of no known type, so these rooms may have any: {some}")
-    return Sketch(FORMAT, spaces, doors, windows, north_up=True), notes
+    return Sketch(FORMAT, spaces, doors, windows, north_up=True, noise=noise), notes
 
 
 def _feature(feature: Any, number: int, passed: Counter[str]) -> Feature | None:
@@ -251,8 +255,9 @@ def _geometry(opening: Feature) -> Geometry:
         raise RequestError(f"plan: features[{opening.number}]: its geometry is none") from None
 
 
-def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, list[str]]:
-    """Return what makes metres of a geometry, and what is to be said of it.
+def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, list[str], float]:
+    """Return what makes metres of a geometry, what is to be said of it, and by how many metres corners are
+    rounded.
 
     Raises ``RequestError`` for rooms whose sizes are no rooms' in metres, with the unit that they look like.
     """
@@ -265,9 +270,8 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
     if middle < SMALLEST and on_earth and unit is None:
         project = plane(shapes)
         lon, lat = shapely.union_all(shapes).centroid.coords[0]
-        return (lambda some: shapely.transform(some, project)), [
-            f"degrees of longitude and latitude, made metres around {lon:.5f}, {lat:.5f}"
-        ]
+        said = f"degrees of longitude and latitude, made metres around {lon:.5f}, {lat:.5f}"
+        return (lambda some: shapely.transform(some, project)), [said], _rounding(shapes)
     if middle < SMALLEST:
         size = f"half of the rooms' sides are shorter than {middle:.2g} {unit or 'm'}"
         raise RequestError(f"plan: {size}: these are no rooms in metres: say --plan-unit")
@@ -282,8 +286,17 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
             f"plan: {like} ({size}): say --plan-unit{metres} how many metres one is, as in --plan-unit 0.02"
         )
     if factor == 1:
-        return (lambda some: some), []
-    return (lambda some: shapely.transform(some, lambda points: points * factor)), []
+        return (lambda some: some), [], 0.0
+    return (lambda some: shapely.transform(some, lambda points: points * factor)), [], 0.0
+
+
+def _rounding(shapes: Sequence[shapely.Polygon]) -> float:
+    """Return the metres of the last decimal that degrees have: of six, as many programs write them, 0.1 m."""
+    corners = shapely.get_coordinates(shapes)
+    decimals = next(
+        (d for d in range(6, 9) if np.allclose(corners, np.round(corners, d), rtol=0, atol=1e-11)), 9
+    )
+    return round(METRES_TO_DEGREE * 10.0**-decimals, 2)
 
 
 def _in_wall(opening: Geometry, spaces: Sequence[Space]) -> Geometry:

@@ -68,7 +68,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
 
     Raises ``RequestError`` for what no house can hold: where, and what would do.
     """
-    noise = max(snap, 0.01)
+    noise = max(snap, sketch.noise, 0.01)
     notes = [f"{sketch.guessed}: if it is not, say --plan-unit"] if sketch.guessed and not unit else []
     kinds = [kind_of(space, types) for space in sketch.spaces]
     spaces = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind != NO_ROOM]

@@ -61,6 +61,8 @@ class Sketch(NamedTuple):
     """Why the unit is a guess, where it is one."""
     has_walls: bool = False
     """Whether walls are as thick as they are drawn, so that rooms that touch are open to each other."""
+    noise: float = 0.0
+    """Metres by which corners may be beside their places, as the file rounds them."""
 
 
 def numbers(value: Any, least: int) -> list[float] | None:

@@ -25,10 +25,10 @@ LEAST_WALL = 0.04
 
 
 class Plan(NamedTuple):
-    """Rooms, doors and windows of GeoJSON, and True if they were made regular."""
+    """Rooms, doors and windows of GeoJSON; by how many metres these may be off: 0 where they are as drawn."""
 
     drawn: Regular
-    is_made_regular: bool
+    noise: float
 
 
 def from_geojson(
@@ -53,7 +53,8 @@ def from_geojson(
     else:
         found = _tiles(sketch, snap, types)
     made = found or regular(sketch, None, snap, types)
-    return Plan(made._replace(notes=[*notes, *made.notes]), found is None)
+    noise = 0.0 if found else max(snap, sketch.noise, 0.01)
+    return Plan(made._replace(notes=[*notes, *made.notes]), noise)
 
 
 def _tiles(

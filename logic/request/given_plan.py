@@ -110,8 +110,8 @@ def _plan(
             drawn = regular(found, unit, snap, types)
             drawn = drawn._replace(notes=[*said, *drawn.notes])
         else:
-            drawn, is_made_regular = from_geojson(found, unit, snap, storey, types)
-            noise, hint = (noise, hint) if is_made_regular else (0.0, HINT)
+            drawn, noise = from_geojson(found, unit, snap, storey, types)
+            hint = hint if noise else HINT
         rooms, notes = drawn.rooms, drawn.notes
     _require_rooms(rooms)
     on_lines = snapped(rooms, doors, windows, snap)
