@@ -111,7 +111,8 @@ def _of_storey(spaces: list[Any], floors: list[float], named: str | None) -> lis
     for some in storeys:
         above = [whole for place in some for whole in wholes[place] if whole.is_a("IfcBuildingStorey")]
         names.append(Counter(name for whole in above for name in _named(whole)[:1]).most_common(1))
-    return sorted(storeys[chosen([some[0][0] if some else "" for some in names], named)])
+    labels, heights = [some[0][0] if some else "" for some in names], [floors[some[0]] for some in storeys]
+    return sorted(storeys[chosen(labels, named, heights)])
 
 
 def _wholes(space: Any) -> Iterator[Any]:

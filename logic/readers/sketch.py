@@ -1,5 +1,6 @@
 """What readers make of a file of another program: rooms as polygons, doors and windows, of one storey."""
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from functools import wraps
@@ -22,6 +23,10 @@ for both sides."""
 
 SIDES_PER_QUERY = 256
 """Sides in one query of the spatial index."""
+
+
+METRES, NEAR = re.compile(r"[-+]?\d{1,6}(?:\.\d{1,6})?\s?m?"), 0.5
+"""A height as a user gives it; metres within which it is that of a floor."""
 
 
 class Space(NamedTuple):
@@ -111,9 +116,10 @@ def _polygons(shape: Geometry) -> Iterator[Polygon]:
             yield from _polygons(part)
 
 
-def chosen(names: Sequence[str], storey: str | None) -> int:
+def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = ()) -> int:
     """Return which of the storeys with rooms is read, by their names: the one that the user names, or the
-    only one. Numbers tell those of one name, and without one, apart.
+    only one. Numbers tell those of one name, and without one, apart. The user may give a height, where those
+    of ``floors`` are known, metres.
 
     Raises ``RequestError`` for a name that no storey has, and without a name where there are several.
     """
@@ -130,6 +136,9 @@ def chosen(names: Sequence[str], storey: str | None) -> int:
             f"{quoted(storeys[0])}"
         )
     same = [place for place, each in enumerate(storeys) if each.casefold() == storey.strip().casefold()]
+    if not same and floors and METRES.fullmatch(storey.strip()):
+        height = float(storey.strip().removesuffix("m"))
+        same = [place for place, floor in enumerate(floors) if abs(floor - height) < NEAR]
     if not same:
         raise RequestError(f"plan: {unknown('storey', storey, storeys)}")
     return same[0]

@@ -26,6 +26,7 @@ from logic.opener import reason
 from logic.readers.features import features, from_text, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline, without_bevels
 from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
+from logic.readers.units import plane
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
@@ -40,8 +41,8 @@ BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS = 64, 4, 1 << 21
 SAME = 1e-3
 """Metres within which lines are one: files are written to a millimetre."""
 
-SMALLEST, THICKEST = 1.0, 10.0
-"""Metres: what is smaller in all is in other units; walls are not so thick."""
+SMALLEST, THICKEST, LARGEST_DEGREES = 1.0, 10.0, 0.02
+"""Metres: what is smaller is in other units; walls are not so thick. Degrees: plans are not so large."""
 
 
 def read_world(content: bytes, path: Path) -> House | None:
@@ -75,8 +76,8 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
     deep = inner_wall(thick) / 2 if thick else 0.0
     if len(all_features := features(record)) > MAX_CORNERS:
         raise ValueError(f"it has {len(all_features):,} features: at most {MAX_CORNERS:,} are read")
-    for number, feature in enumerate(all_features):
-        shape, properties = _shape(feature, f"features[{number}]")
+    shapes = [_shape(feature, f"features[{number}]") for number, feature in enumerate(all_features)]
+    for number, (shape, properties) in enumerate(_in_metres(shapes)):
         kind, dimensions = properties.get("kind"), shapely.get_dimensions(shape)
         if kind in ("window", "area") or dimensions < 1:
             continue
@@ -97,6 +98,17 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
         else:
             (solids if kind in ("wall", "piece") else floor).append(shape)
     return _house(floor, solids, walls, doors, entrances)
+
+
+def _in_metres(shapes: list[tuple[Any, Mapping[str, Any]]]) -> list[tuple[Any, Mapping[str, Any]]]:
+    """Return shapes, with their properties, in metres: those that are in degrees are projected."""
+    west, north, east, south = shapely.total_bounds([shape for shape, _ in shapes]).tolist()
+    if not (max(east - west, south - north) < LARGEST_DEGREES and abs(west) <= 180 and abs(north) < 89):
+        return shapes
+    project = plane([shapely.box(west, north, east, south)])
+    said = f"plan: degrees of longitude and latitude, made metres around {west:.5f}, {-south:.5f}"
+    warnings.warn(said, PlanWarning, stacklevel=6)
+    return [(shapely.transform(shape, project), properties) for shape, properties in shapes]
 
 
 def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
@@ -182,7 +194,7 @@ def _outside(inside: Any, x: float, y: float) -> OccupancyGrid:
     west, north, east, south = inside.bounds
     if max(east - west, south - north) < SMALLEST:
         raise ValueError(
-            f"it is {east - west:.2g} by {south - north:.2g} m: project it to metres first, as in a GIS"
+            f"it is {east - west:.2g} by {south - north:.2g} m: write it in metres, or in degrees"
         )
     columns, rows = ceil((east - west) / CELL), ceil((south - north) / CELL)
     if columns * rows > MOST_CELLS:

@@ -110,7 +110,8 @@ def test_storeys_are_told_apart_by_their_floors_whatever_their_names(
         building.whole("IfcBuildingStorey", building.rooms(rooms, floor), Name=name)
     with pytest.raises(RequestError, match=rf"2 storeys with rooms \({listed}\)"):
         building.rooms_of()
-    assert building.rooms_of(listed.split(", ")[1]) == UPPER
+    for storey in (listed.split(", ")[1], "2.8", "3 m"):
+        assert building.rooms_of(storey) == UPPER
 
 
 def test_spaces_of_one_floor_are_one_storey_whatever_they_are_parts_of() -> None:

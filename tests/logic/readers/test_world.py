@@ -19,6 +19,7 @@ from logic.exports.geojson import to_geojson
 from logic.house.parts import MOST_WALLS
 from logic.readers.world import CELL, _free
 from sim import DEFAULT, HouseVectorEnv
+from tests.logic.readers.test_geojson import on_earth
 from tests.plans import flat
 from tests.thick import faces, thickened
 from vitruvius.info.kinds import Houses
@@ -50,6 +51,15 @@ def world(folder: Path, *features: dict[str, Any], **more: Any) -> House:
 
 def lines(house: House) -> Any:
     return shapely.union_all([LineString([(w.x1, w.y1), (w.x2, w.y2)]) for w in house.free_walls])
+
+
+@pytest.mark.filterwarnings("ignore::logic.PlanWarning")
+def test_a_plan_in_degrees_is_the_same_in_metres(tmp_path: Path) -> None:
+    parts = [feature(Polygon(BENT)), feature(LineString(BENT[:2]), thickness=0.2)]
+    plain = world(tmp_path, *parts)
+    degrees = world(tmp_path, *on_earth({"features": parts}, -70.7, -33.4)["features"])
+    assert lines(degrees).hausdorff_distance(lines(plain)) < 2e-3
+    assert {wall.thickness for wall in degrees.free_walls} == {wall.thickness for wall in plain.free_walls}
 
 
 def centred(shape: Any) -> Any:
@@ -250,7 +260,10 @@ def test_doors_that_are_shut_are_counted(tmp_path: Path) -> None:
     ("features", "said"),
     [
         ([feature(shapely.Point(0, 0))], "it has no polygon that is floor"),
-        ([feature(shapely.box(0, 0, 1e-4, 1e-4))], "it is 0.0001 by 0.0001 m: project it to metres first"),
+        (
+            [feature(shapely.box(0, 0, 1e-6, 1e-6))],
+            "it is 0.11 by 0.11 m: write it in metres, or in degrees",
+        ),
         (
             [feature(shapely.box(0, 0, 1e4, 1e4))],
             "in cells of 0.1 m it has 100,000 by 100,000 cells: at most",
