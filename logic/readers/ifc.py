@@ -52,7 +52,7 @@ def _member(content: bytes) -> tuple[ZipFile, str] | None:
 
 def _unpacked(content: bytes) -> bytes:
     """Return the IFC of an archive. Raises ``RequestError`` where it is damaged, or in XML."""
-    found = _member(content)
+    found = _member(content) if content.startswith(ZIP) else None
     if found is None:
         return content
     archive, name = found

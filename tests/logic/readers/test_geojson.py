@@ -240,6 +240,14 @@ def test_lines_polygons_and_points_are_doors_where_a_word_says_so(
     assert len(plan.rooms) == len(BOXES)
 
 
+@pytest.mark.parametrize("properties", [{"name": "Outline"}, {"type": "building"}, {"category": "Möbel"}])
+def test_an_outline_or_a_piece_is_no_room_and_is_said_to_be_passed_over(properties: dict[str, Any]) -> None:
+    around = feature(shapely.box(0, 0, 9, 7.5), **properties)
+    with pytest.warns(PlanWarning, match="passed over beside the rooms: 1 Polygon"):
+        plan = read_plan(collection(around, *geojson(BOXES)["features"]))
+    assert [room.name for room in plan.rooms] == list(BOXES)
+
+
 def test_a_sequence_of_features_is_the_same_plan(tmp_path: Path) -> None:
     features = geojson(BOXES)["features"]
     plan = read_plan(collection(*features))
