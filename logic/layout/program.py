@@ -66,6 +66,11 @@ order of its search, at random by a ``--seed``, and only begins with the sampled
 program first takes as long as the search that it shortens.
 """
 
+SOON = 1000
+"""After so many conflicts of a search that takes sampled picks, one of clasp's own finds out if there is any
+layout. Where there is none, it ends up to a hundred times sooner.
+"""
+
 BOUNDS = (500, 1000, 2000)
 """Most conflicts of clingo in each search of a bounded program, which begins with other picks."""
 
@@ -130,7 +135,8 @@ class Program:
         self._search = ExitStack()
         self._handle: clingo.SolveHandle | None = None
         self._assumed, self._excluding, self._sampled = list[int](), False, 0
-        self._bounds = BOUNDS if bounded else (None,)
+        self._sampling = seed is None
+        self._bounds = BOUNDS if bounded else (SOON if self._sampling else None,)
 
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
@@ -192,20 +198,22 @@ class Program:
         """Sample a layout with all assumed atoms, without any of the others, and outside the nogoods.
 
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
-        arguments give the same layout. A ``bounded`` program raises ``TooMany`` past
-        ``BOUNDS``.
+        arguments give the same layout. A ``bounded`` program raises ``TooMany`` past ``BOUNDS``.
         """
         holds, excluded = self._literals(assumed, without), [self._excluded(nogood) for nogood in nogoods]
         for bound in self._bounds:
-            model = self._model(holds, *self._order(rng), excluded, bound)
-            if model is not None:
+            order = self._order(rng)
+            model = self._model(holds, *order, excluded, bound)
+            if self._is_undecided and self._sampling:
+                model = self._model(holds, *order, excluded) if self._has_model(holds, excluded) else None
+            if not self._is_undecided:
                 break
-            exhausted = self._handle is None or bool(self._handle.get().exhausted)
             self.end_search()
-            if exhausted:
-                return None
         else:
             raise TooMany
+        if model is None:
+            self.end_search()
+            return None
         layout = sorted(model.symbols(shown=True))
         if self.models is not None:
             self.models.append((layout, list(model.symbols(atoms=True))))
@@ -231,15 +239,15 @@ class Program:
         order: list[int],
         then: list[int],
         excluded: list[list[int]],
-        bound: int | None,
+        bound: int | None = None,
     ) -> clingo.Model | None:
-        """The first model by the picks in this order.
+        """The first model by the picks in this order; None too past a bound of conflicts (``_is_undecided``).
 
         To begin a search costs clasp nearly as much as to find a model. So one search goes on for many
         layouts, as long as these assume the same and have no nogoods.
         """
         self._sampled += 1
-        if bound or excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
+        if excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
             self.end_search()
         self._assumed, self._excluding = assumed, bool(excluded)
         self._brancher.branch(order, then, excluded)
@@ -255,6 +263,19 @@ class Program:
         self._sampled = self._sampled % (LAYOUTS + 1)
         self._handle = self._search.enter_context(self._control.solve(assumptions=assumed, yield_=True))
         return self._handle.model()
+
+    @property
+    def _is_undecided(self) -> bool:
+        """Return True if the search that samples has ended at its bound."""
+        if self._handle is None or self._handle.model() is not None:
+            return False
+        return not self._handle.get().exhausted
+
+    def _has_model(self, assumed: list[int], excluded: list[list[int]]) -> bool:
+        """Return True if there is a model, by a search in clasp's own order."""
+        self.end_search()
+        self._brancher.branch(nogoods=excluded)
+        return bool(self._control.solve(assumptions=assumed).satisfiable)
 
     def end_search(self) -> None:
         """End the search that samples, if there is one: the program can be solved in another way."""

@@ -111,7 +111,10 @@ class Prover:
     ) -> tuple[bool, int | None]:
         """Whether another number of rooms would end the conflict, and one that does for everything."""
         named = False
-        for rooms in _others(request, far=not self._of.grammar.shares_walls):
+        first, then = _others(request, far=not self._of.grammar.shares_walls)
+        for rooms in (*first, *then):
+            if rooms in then and not named:  # These take longer, and hardly ever end what the first do not.
+                break
             other = replace(request, rooms=rooms)
             relaxed, statements = self._of.house(other, unfurnishable)
             some = [each for each in statements if each.reason in conflict]
@@ -168,18 +171,24 @@ def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] |
         return None
 
 
-def _others(request: Request, far: bool) -> list[int]:
-    """Other numbers of rooms, the nearest first: near this one and near the sum of types.
+def _others(request: Request, far: bool) -> tuple[list[int], list[int]]:
+    """Other numbers of rooms, near this one and near the sum of types: those to try first, and the rest; the
+    nearest first.
 
-    With ``far``, powers of two as well: the rules of walls that rooms share are too many for a large house.
+    With ``far``, all are first, with powers of two: the rules of walls that rooms share are too many for a
+    large house.
     """
     wanted = sum(least for least, _ in request.types.values())
     near = NEAR if far else NEXT
-    some = {*range(1, near), *(2**n for n in range(8) if far)}
-    for number in (request.rooms, wanted):
-        some.update(range(number - near, number + near + 1))
-    numbers = sorted(some & set(range(1, MOST_ROOMS + 1)) - {request.rooms})
-    return sorted(numbers, key=lambda number: abs(number - request.rooms))
+    few = {*range(1, near), *(2**n for n in range(8) if far)}
+    some = {*few, *(n for number in (request.rooms, wanted) for n in range(number - near, number + near + 1))}
+    first = some if far or wanted > request.rooms else {*few, request.rooms - 1, request.rooms + 1}
+
+    def nearest(numbers: Iterable[int]) -> list[int]:
+        known = set(numbers) & set(range(1, MOST_ROOMS + 1)) - {request.rooms}
+        return sorted(known, key=lambda number: abs(number - request.rooms))
+
+    return nearest(first), nearest(some - first)
 
 
 def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
