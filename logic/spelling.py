@@ -56,6 +56,11 @@ def numbered(number: int, noun: str) -> str:
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
+def article(noun: str) -> str:
+    """Return a noun with its article, as in ``a bedroom``, ``an openspace``, ``a utility``."""
+    return f"{'an' if re.match('[aeio]|u(?!ni|ti|s)', noun, re.IGNORECASE) else 'a'} {noun}"
+
+
 def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """A function whose ``TypeError`` for a wrong keyword names the right one: that of ``meant``, if it
     has one, else the most similar.

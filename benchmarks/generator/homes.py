@@ -112,8 +112,9 @@ class Homes:
     houses: int = 200
     """Houses of each number of rooms."""
 
-    larger: int = 40
-    """Clinics and buildings of flats of each number of rooms, for time against rooms; 0 for none."""
+    larger: int | None = None
+    """Clinics and buildings of flats of each number of rooms, for time against rooms; by default 40 where the
+    grammar is ``home``, and none where it is another."""
 
     out: Path = Path("runs/bench")
     """Folder for report.html, homes.md, its picture homes.png, and what they are made of."""
@@ -131,8 +132,9 @@ class Homes:
         builder = Builder(find(self.grammar))
         sizes = [self.measured(builder, rooms) for rooms in self.rooms]
         houses = [house for size in sizes for house in size.houses]
-        larger = [row for grammar in LARGER if self.larger for row in larger_rows(grammar, self.larger)]
-        command = f"./run bench homes --grammar {self.grammar} --houses {self.houses} --larger {self.larger}"
+        count = self.larger if self.larger is not None else 40 * (self.grammar == Homes.grammar)
+        larger = [row for grammar in LARGER if count for row in larger_rows(grammar, count)]
+        command = f"./run bench homes --grammar {self.grammar} --houses {self.houses} --larger {count}"
         page = PAGE.format(
             command=command,
             machine=machine(),

@@ -17,7 +17,7 @@ from logic.house.boxes import TOLERANCE, Box, is_on_wall, overlap
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect, Room, Window
 from logic.house.promises import PASSAGE, Promises
-from logic.spelling import numbered
+from logic.spelling import article, numbered
 
 T = TypeVar("T", bound=Rect)
 
@@ -275,7 +275,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
                 piece.type in promises.hides
                 and overlap(_before(window, house.half_wall), piece.box) > TOLERANCE
             ):
-                yield Fault(f"{name} is behind a {piece.type}", (room.name,))
+                yield Fault(f"{name} is behind {article(piece.type)}", (room.name,))
     lit = {window.room for window in house.windows}
     outside = {room.name for room in house.rooms if room.type in promises.outdoor}
     by_doors = {name for door in house.doors if outside & {*door.between} for name in door.between}

@@ -10,6 +10,9 @@ from logic.house.house import House
 GRID_M = 1e-4
 """Metres to which corners are rounded, so that walls that meet have the same corners."""
 
+PARAPET_M = 0.05
+"""Metres: thickness of the parapet of an outdoor room, whose walls have no thickness of their own."""
+
 Ring = tuple[tuple[float, float], ...]
 """Corners of a closed line, metres."""
 
@@ -18,15 +21,23 @@ def wall_rings(house: House, beyond: float, inner: Iterable[Box] = ()) -> list[R
     """Return the borders of all walls: an area is wall if an odd number of them lies around it.
 
     ``beyond``: metres by which outer walls reach over the tiles; ``inner``: boxes of walls whose middles lie
-    on the edges of rooms.
+    on the edges of rooms. Around outdoor rooms the outer walls are parapets.
     """
-    grown = _union(
-        (west - beyond, north - beyond, east + beyond, south + beyond)
-        for west, north, east, south in (tile.box for tile in house.tiles)
-    )
+    tiles = [(tile.box, tile.type in house.outdoor) for tile in house.tiles]
+    indoors = _union(_grown(box, beyond) for box, is_outdoor in tiles if not is_outdoor)
+    grown = _union(_grown(box, beyond) for box, _ in tiles)
     rooms = _union(room.box for room in house.rooms)
     walls = shapely.union(shapely.difference(grown, rooms, grid_size=GRID_M), _union(inner), grid_size=GRID_M)
+    if outdoors := [room.box for room in house.rooms if room.type in house.outdoor]:
+        parapets = _union(_grown(box, max(PARAPET_M, house.half_wall)) for box in outdoors)
+        low = shapely.difference(parapets, rooms, grid_size=GRID_M)
+        walls = shapely.union(shapely.intersection(walls, indoors, grid_size=GRID_M), low, grid_size=GRID_M)
     return [*_rings(shapely.orient_polygons(walls.simplify(0)))]
+
+
+def _grown(box: Box, by: float) -> Box:
+    west, north, east, south = box
+    return west - by, north - by, east + by, south + by
 
 
 def _union(boxes: Iterable[Box]) -> shapely.Geometry:

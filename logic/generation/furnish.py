@@ -24,7 +24,7 @@ from logic.placement.placer import Placer
 from logic.placement.plan import Pieces
 from logic.placement.prolog import Term
 from logic.request.request import Request
-from logic.spelling import numbered
+from logic.spelling import article, numbered
 
 WALLS = {
     "front": ("front_left", "front_right"),
@@ -58,7 +58,7 @@ class GivenRoom:
     def __str__(self) -> str:
         """Its type, size and doors."""
         size = f"{self.rect.width:.2f} by {self.rect.height:.2f} m"
-        return f"a {self.type} of {size} with {numbered(len(self.doors), 'door')}"
+        return f"{article(self.type)} of {size} with {numbered(len(self.doors), 'door')}"
 
 
 class Unfurnishable(Exception):

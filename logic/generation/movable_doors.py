@@ -20,6 +20,7 @@ from logic.layout.terms import granted
 from logic.placement.placer import Placer
 from logic.placement.prolog import Term
 from logic.request.request import Request
+from logic.spelling import article
 
 MOST_LAYOUTS = 500
 """Layouts of one room that are refuted one by one; past it, nothing is known of the room."""
@@ -151,4 +152,4 @@ class Refuted:
 
     def __str__(self) -> str:
         """As a statement."""
-        return f"{self.name} cannot have the furniture that a {self.room.room.type} needs"
+        return f"{self.name} cannot have the furniture that {article(self.room.room.type)} needs"

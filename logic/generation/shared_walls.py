@@ -27,6 +27,7 @@ from logic.layout.terms import granted, room_requirements, to_furnish
 from logic.placement.placer import Infeasible
 from logic.placement.plan import Pieces, Plan, UnitRange
 from logic.request.request import Request
+from logic.spelling import article
 
 MOST_TRIES = 200
 """How often a house may have a room that cannot be furnished at its size, though it might at others."""
@@ -90,7 +91,9 @@ class SharedWallsMaker(Maker):
                 last = f"{plan.name(proof.place)}, {proof}"
                 self._placer.account.unfurnished(proof.room.type, proof.decided)
                 # At this size and with these doors; or with one door at any size, and then nowhere.
-                self._placer.account.at(PROOF, f"whether a {proof.room.type} can be furnished at any size")
+                self._placer.account.at(
+                    PROOF, f"whether {article(proof.room.type)} can be furnished at any size"
+                )
                 most = math.inf if proof.decided else MOST_REFUTED
                 with suppress(TooMany):
                     if not self.feasibility.is_furnishable(request, proof.room.type, most):

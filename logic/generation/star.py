@@ -26,6 +26,7 @@ from logic.placement.placer import Infeasible, Misfit
 from logic.placement.plan import StarPlan
 from logic.placement.prolog import Term
 from logic.request.request import Request
+from logic.spelling import article
 
 MOST_MISFITS = 200
 """How often sampled rooms may not fit together, though others might."""
@@ -115,12 +116,14 @@ class StarMaker(Maker):
                 continue
             type_ = rooms[number].type.name
             program, assumed = self._programs.furniture_for(type_, request, rng=rng)
-            self._placer.account.at(FURNITURE, f"the furniture of a {type_} (clingo)")
+            self._placer.account.at(FURNITURE, f"the furniture of {article(type_)} (clingo)")
             try:
                 furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
             except TooMany:
                 ease = EASE[FURNITURE]
-                raise LimitReached(f"no furniture of a {type_} is soon found: to ease it, {ease}") from None
+                raise LimitReached(
+                    f"no furniture of {article(type_)} is soon found: to ease it, {ease}"
+                ) from None
             if furniture is None:
                 nogoods.unfurnishable.add(type_)
                 return None

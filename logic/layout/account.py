@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from logic.errors import Reason
+from logic.spelling import article
 
 if TYPE_CHECKING:
     from clingo import Symbol
@@ -85,7 +86,9 @@ class Account:
         if self._rooms:
             said.append(f"{self._rooms:,} layouts of furniture were refuted.")
         for what, counted in (("fitted in", self._unfurnished), ("was soon found for", self._undecided)):
-            types = ", ".join(f"a {type_} {number:,} times" for type_, number in counted.most_common(MOST))
+            types = ", ".join(
+                f"{article(str(type_))} {number:,} times" for type_, number in counted.most_common(MOST)
+            )
             if types:
                 said.append(f"No furniture {what} {types}.")
         lines = [f"  {number:,} times: {reason}" for reason, number in self._by.most_common(MOST)]

@@ -22,6 +22,7 @@ from logic.layout.terms import (
     shared_requirements,
 )
 from logic.request.request import Request
+from logic.spelling import article
 
 GIVEN = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room/room.lp`` for rooms of given sizes."""
@@ -131,7 +132,7 @@ class Programs:
         key, own = (type_, stage, facts, arguments), rng if type_ in self._crowded else None
         known = self._of_house if own or key in self._of_house else self._of_all
         if key not in known:
-            self._account.at(GROUNDING, f"grounding the rules for the furniture of a {type_} (clingo)")
+            self._account.at(GROUNDING, f"grounding the rules for the furniture of {article(type_)} (clingo)")
             known[key] = Program(
                 self._grammar.asp,
                 {"this_room": type_, **(GIVEN if stage == "plan" else {})},

@@ -23,6 +23,7 @@ from logic.layout.terms import (
 )
 from logic.proofs.least import AnyOf, least, least_of_brief, least_of_plan
 from logic.request.request import MOST_ROOMS, Request
+from logic.spelling import article
 
 NEAR = 8
 """How far from a number of rooms others are tried."""
@@ -148,7 +149,7 @@ class Prover:
         """Why no room of this type can be furnished."""
         question, statements = self._of.furniture(request, type_)
         if question.possible(statements):
-            raise VitruviusError(f"a {type_} was proved infeasible that can be furnished")
+            raise VitruviusError(f"{article(type_)} was proved infeasible that can be furnished")
         return [each.reason for each in least(question, statements)]
 
     def _rooms(self, request: Request, refuted: Sequence[Refuted]) -> list[Reason]:

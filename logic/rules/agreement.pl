@@ -226,7 +226,7 @@ whole_wrong(Units, Types, Openings, Wrong) :-
     ;   Units == true
     ->  clash(Said, "the area of a room with its parts is not stated in houses of units: state room_area/3 of each", [], Wrong)
     ;   \+ memberchk(part(_,Type), Openings)
-    ->  clash(Said, "no room is a part of a ~w: say which is, with part/2 in a .lp file, or state room_area/3", [Type], Wrong)
+    ->  clash(Said, "no room is a part of a room of type ~w: say which is, with part/2 in a .lp file, or state room_area/3", [Type], Wrong)
     ;   Report = _-M, type_ranges(Type, ranges(_,_,Low-_)), square_metres(Low, Alone), M < Alone - 1.0e-9,
         ( grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
         clash(Said, "~w m2 at most, and ~w allows ~w m2 at least, without a part", [metres(M),clause(Clause),metres(Alone)], Wrong) ).

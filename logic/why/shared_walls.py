@@ -18,6 +18,7 @@ from logic.house.parts import OUTSIDE, Door, Provenance, Window
 from logic.placement.bounds import open_lengths, opening_lengths, wall_bounds
 from logic.placement.given_plan import inner_span
 from logic.request.own_plan import OwnPlan, Wall
+from logic.spelling import article
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
 from logic.why.support import Support
@@ -76,7 +77,7 @@ class PlanWitness(Witness):
     def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
         """Why a room has its type, and walls on these lines."""
         rect, number, support = self._house.rooms[room], Number(room), self._support
-        about = f"a {rect.type}, {rect.width:.3f} by {rect.height:.3f} m ({self._origin})"
+        about = f"{article(rect.type)}, {rect.width:.3f} by {rect.height:.3f} m ({self._origin})"
         if self._request.plan:
             about += "; the plan says where it is"
         atoms = [each for name in ("room", "runs", "edge") for each in self._atoms(name, number)]
@@ -199,7 +200,7 @@ class PlanWitness(Witness):
         return dataclasses.replace(wall, start=start, end=end)
 
     def _named(self, name: str) -> str:
-        return f"{name}, a {self._house.room(name).type}"
+        return f"{name}, {article(self._house.room(name).type)}"
 
     def _atoms(self, name: str, room: Symbol) -> list[Symbol]:
         """The atoms of this name in the layout whose first argument is the room."""

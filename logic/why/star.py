@@ -14,6 +14,7 @@ from logic.house.parts import Provenance
 from logic.placement.bounds import main_bounds
 from logic.placement.layout import Layout, RoomLayout
 from logic.request.fixed_rooms import fixed_rooms
+from logic.spelling import article
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
 from logic.why.support import Support
@@ -49,7 +50,7 @@ class StarWitness(Witness):
         """Why a room has its type and side, or its door its place; any part of a fixed room."""
         number, support = Number(layout.number), self._support
         type_, side = Function("room", [number, layout.type]), Function("side", [number, layout.side])
-        about = f"a {layout.type} on the {layout.side} side of the main room"
+        about = f"{article(str(layout.type))} on the {layout.side} side of the main room"
         if part is not None:
             about = f"in R{layout.number}, {about}"
         if layout.fixed:
@@ -116,9 +117,8 @@ class StarWitness(Witness):
         gaps = self._reasons([("clause", "length(room_gap)"), ("clause", "length(door_clearance)")])
         largest = max(rooms, key=lambda room: room.width * room.depth).room
         file, line = found["law"]
-        words = (
-            f"at least as large as any room (here a {largest.type} of {largest.area:.1f} m2), at most twice "
-        )
+        here = article(largest.type)
+        words = f"at least as large as any room (here {here} of {largest.area:.1f} m2), at most twice "
         law = Reason(f"{words}as long as wide and as the least area that fits", file, line, 1)
         taken = sum(room.width * room.depth for room in rooms)
         rest = (

@@ -25,6 +25,7 @@ from logic.placement.layout import RoomLayout
 from logic.placement.placer import located
 from logic.proofs.answer import unsatisfiable
 from logic.request.request import Request
+from logic.spelling import article
 from logic.why.alternatives import Search, Tried
 from logic.why.answer import Alternative, Bound, Choice, Length, Why
 from logic.why.support import Support
@@ -120,7 +121,8 @@ class Witness(ABC):
         else:
             own = [each for each in room.furniture if each.arguments[:2] == piece and each.name != "with"]
             atoms, subject = [atom, *(each for each in own if each != atom)], piece
-        about = f"a {type_} in {self._house.counted[room.number].name}, a {room.type} ({self._origin})"
+        where = f"{self._house.counted[room.number].name}, {article(str(room.type))}"
+        about = f"{article(str(type_))} in {where} ({self._origin})"
         why, own = Why(target, about, support.trees(atoms)), support.variables(subject)
         yield from self._answer(why, support, own, lambda: self._lengths(room, atom), search, until)
 

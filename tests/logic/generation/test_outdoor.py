@@ -1,14 +1,17 @@
 """Rooms that are outside, by `outdoor`: they light others, have no window, and no part in the area."""
 
 import shutil
+from functools import reduce
 from pathlib import Path
 
 import gymnasium as gym
 import pytest
+import shapely
 from msgspec import structs
 
 from logic import RequestError, Unsatisfiable, check, generate
 from logic.drawing.draw import plan_svg
+from logic.drawing.wall_union import wall_rings
 from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, find
 from logic.house.house import House
@@ -229,3 +232,17 @@ def test_that_a_house_with_a_balcony_is_too_small_says_nothing_of_one_without(tm
         house = house_or_proof(builder, Request(3), seed, 0, INFERENCES)
         assert check(house) == []
         assert "balcony" not in {room.type for room in house.rooms}
+
+
+def test_around_a_patio_a_parapet_is_drawn_in_the_place_of_the_outer_wall(tmp_path: Path) -> None:
+    thick = "wall_thickness(inner, 0.15).  wall_thickness(outer, 0.5).\n"
+    for name, sizes in (("lines", PATIO_SIZES), ("masonry", PATIO_SIZES + thick)):
+        house = Builder(find(grammar(tmp_path / name, sizes=sizes))).house(Request(3), 0, 0, INFERENCES)
+        [patio] = [room for room in house.rooms if room.type == "patio"]
+        others = [shapely.box(*room.box) for room in house.rooms if room is not patio]
+        indoors = shapely.union_all(others).buffer(0.5, join_style="mitre")
+        outside = shapely.difference(shapely.box(*patio.box).buffer(0.4), indoors)
+        walls = reduce(shapely.symmetric_difference, map(shapely.Polygon, wall_rings(house, 0.4)))
+        low = shapely.intersection(walls, outside)
+        assert low.area > 0
+        assert low.within(shapely.box(*patio.box).buffer(0.08, join_style="mitre"))

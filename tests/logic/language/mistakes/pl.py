@@ -623,7 +623,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "the area of a room with parts that has none",
         "whole_area(living, 20.0, 30.0).",
-        "whole_area(living, 20.0, 30.0): no room is a part of a living: say which is, with part/2",
+        "whole_area(living, 20.0, 30.0): no room is a part of a room of type living: say which",
     ),
     window(
         "a window without size",
