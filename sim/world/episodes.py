@@ -62,10 +62,24 @@ class PlainArrays(NamedTuple):
     wholes: Wholes
 
 
+class RememberingArrays(NamedTuple):
+    """The same, and what terms keep and see."""
+
+    numbers: Floats
+    indices: Ints
+    places: Ints
+    doorways: Floats
+    pushes: Bytes
+    reals: Reals
+    wholes: Wholes
+    memory: Floats
+    last_memory: Floats
+    surroundings: Ints
+    rooms: Ints
+
+
 class WorldArrays(NamedTuple):
-    """The same, and what there is of distances, of what is observed beside rays, and of what terms keep and
-    see.
-    """
+    """All that a step may read and write."""
 
     numbers: Floats
     indices: Ints

@@ -17,6 +17,7 @@ from sim.world.episodes import (
     Episodes,
     PlainArrays,
     Reals,
+    RememberingArrays,
     States,
     Wholes,
     WorldArrays,
@@ -76,8 +77,9 @@ def kernels(
     backend = _backend(program, make, config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes, at_once)
     # To set an argument takes time at each launch.
-    more = episodes.knows_distance or config.extras or config.latency or terms.memory or terms.surveys
-    Arrays = WorldArrays if more or guided or at_once > 1 else PlainArrays
+    more = episodes.knows_distance or config.extras or config.latency or guided or at_once > 1
+    few = RememberingArrays if terms.memory or terms.surveys else PlainArrays
+    Arrays = WorldArrays if more else few
     rays, all_rays = config.rays, not by_ray
     Given = ti.i64 if config.drives else ti.i32
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
