@@ -77,7 +77,7 @@ class Strokes:
 
 
 @dataclass(frozen=True)
-class Region:
+class Rings:
     """An area with borders along both axes, filled where an odd number of closed ``rings`` lies around."""
 
     rings: tuple[tuple[Point, ...], ...]
@@ -109,7 +109,7 @@ class Part:
     shapes: tuple["Shape", ...]
 
 
-Plain = Block | Oval | Line | Curve | Strokes | Region | Text
+Plain = Block | Oval | Line | Curve | Strokes | Rings | Text
 Shape = Plain | Part
 
 
@@ -188,8 +188,8 @@ def _element(shape: Shape) -> str:
         case Line(points, stroke, width, dash):
             broken = f' stroke-dasharray="{dash:.1f}"' if dash else ""
             return f'<polyline points="{_listed(points)}" {_paint("", stroke, width)}{broken}/>'
-        case Curve() | Strokes() | Region():
-            filled = isinstance(shape, Region)
+        case Curve() | Strokes() | Rings():
+            filled = isinstance(shape, Rings)
             paint = (
                 f'fill="{shape.fill}" fill-rule="evenodd"'
                 if filled
@@ -204,9 +204,9 @@ def _element(shape: Shape) -> str:
             return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{markup(text)}</text>"
 
 
-def _path(shape: Curve | Strokes | Region) -> str:
+def _path(shape: Curve | Strokes | Rings) -> str:
     """The data of an SVG path."""
-    if isinstance(shape, Region):
+    if isinstance(shape, Rings):
         return "".join(f"M{_listed(ring)}Z" for ring in shape.rings)
     if isinstance(shape, Strokes):
         return "".join(f"M{_listed(ends)}" for ends in shape.ends)
@@ -243,7 +243,7 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Plain, scale: int) -> None:
         case Strokes(ends, stroke, width):
             for (x0, y0), (x1, y1) in ends:
                 pen.line((x0 * scale, y0 * scale, x1 * scale, y1 * scale), stroke, length(width))
-        case Region(rings, fill):
+        case Rings(rings, fill):
             for box in boxes_of_rings(rings):
                 pen.rectangle(_around(box, 0.0, scale), fill)
         case Text((x, y), text, size, fill, turned=True):

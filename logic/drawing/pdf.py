@@ -21,7 +21,7 @@ from logic.drawing.canvas import (
     Oval,
     Plain,
     Point,
-    Region,
+    Rings,
     Strokes,
     flat,
 )
@@ -59,7 +59,7 @@ def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
             LineCollection(ends, colors=shape.stroke, linewidths=POINT * shape.width, **common)
         )
         return
-    if isinstance(shape, Region):
+    if isinstance(shape, Rings):
         rings = [[(a + x, b + y) for a, b in (*ring, ring[0])] for ring in shape.rings]
         codes = [[Path.MOVETO, *[Path.LINETO] * (len(ring) - 2), Path.CLOSEPOLY] for ring in rings]
         path = Path([*chain(*rings)], [*chain(*codes)])

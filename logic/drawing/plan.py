@@ -12,7 +12,7 @@ from logic.drawing.canvas import (
     Line,
     Part,
     Point,
-    Region,
+    Rings,
     Shape,
     Strokes,
 )
@@ -61,7 +61,7 @@ def house_shapes(
     shapes += furniture_parts(house, frame, style, numbers)
     inner = () if house.wall_thickness else wall_boxes(house)
     rings = wall_rings(house, beyond / frame.scale, inner)
-    shapes.append(Region(tuple(tuple(frame.at(*point) for point in ring) for ring in rings), inks.wall))
+    shapes.append(Rings(tuple(tuple(frame.at(*point) for point in ring) for ring in rings), inks.wall))
     shapes += _free_walls(house, frame, inks)
     left, tiles = iter(leaves), boxes_of(house)
     for name, door in doors_by_name(house).items():
@@ -91,7 +91,7 @@ def _map_shapes(
     shapes += furniture_parts(house, frame, style, numbers)
     for kind, ink in ((UNKNOWN, inks.faint), (OCCUPIED, inks.wall)):
         if blocks := grid.blocks(kind):
-            shapes.append(Region(tuple(_corners(frame.place(box)) for box in blocks), ink))
+            shapes.append(Rings(tuple(_corners(frame.place(box)) for box in blocks), ink))
     return [*shapes, *_free_walls(house, frame, inks)]
 
 

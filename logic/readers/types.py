@@ -39,7 +39,7 @@ class Least(msgspec.Struct, frozen=True):
     width: float
 
 
-class Table(msgspec.Struct):
+class WordTable(msgspec.Struct):
     """Words for each type of room, or for several of them, as in ``living+kitchen``.
 
     ``open``: types that may be uses of one room, and the least size of each. ``entered``: the
@@ -141,9 +141,9 @@ def element(word: str) -> str:
 
 
 @cache
-def table() -> Table:
+def table() -> WordTable:
     """Return the table of words."""
-    return msgspec.json.decode(Path(__file__).with_name("types.json").read_bytes(), type=Table)
+    return msgspec.json.decode(Path(__file__).with_name("types.json").read_bytes(), type=WordTable)
 
 
 @cache

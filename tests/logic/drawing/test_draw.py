@@ -27,7 +27,7 @@ from logic.drawing.canvas import (
     Line,
     Oval,
     Part,
-    Region,
+    Rings,
     Shape,
     Text,
     flat,
@@ -167,8 +167,8 @@ def test_what_is_occupied_in_a_map_is_one_path_too() -> None:
     assert area == pytest.approx((cells == 1).sum() * (0.5 * metre(drawing, house)) ** 2)
 
 
-def regions(shapes: Iterable[Shape]) -> list[Region]:
-    return [shape for shape in shapes if isinstance(shape, Region)]
+def regions(shapes: Iterable[Shape]) -> list[Rings]:
+    return [shape for shape in shapes if isinstance(shape, Rings)]
 
 
 @pytest.mark.parametrize("house", [PLANS["flat"], THICK])

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from logic import House, RequestError, Room, save
-from logic.drawing.canvas import Block, Part, Region, Text
+from logic.drawing.canvas import Block, Part, Rings, Text
 from logic.drawing.draw import MILLIMETRE
 from logic.drawing.pages import BORDER, SIZES, page, scale_of
 from logic.drawing.palettes import style
@@ -32,7 +32,7 @@ def test_rooms_have_the_millimetres_of_the_scale_and_the_plan_keeps_clear_of_the
         assert (floor.box[3] - floor.box[1]) * MILLIMETRE == pytest.approx(1000 * room.height / ratio)
     said = {each.text for each in block.shapes if isinstance(each, Text)}
     assert {"House", "Scale", f"1:{ratio} on {size}", "N"} <= said
-    [walls] = [shape for shape in drawing.shapes if isinstance(shape, Region)]
+    [walls] = [shape for shape in drawing.shapes if isinstance(shape, Rings)]
     border = BORDER / MILLIMETRE
     for x, y in (point for ring in walls.rings for point in ring):
         assert border <= x + left <= width - border
