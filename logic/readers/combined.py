@@ -1,17 +1,20 @@
 """A room of several uses, such as ``Wohnen/Essen/Kochen``, as a room for each, open to each other."""
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import pairwise, repeat
 from math import atan2, degrees
 from typing import Any, NamedTuple
 
 import shapely
-from shapely import Geometry, LineString, Polygon, affinity
+from shapely import LineString, Polygon, affinity
 
 from logic.readers.sketch import Passage, Sketch, Space
 from logic.readers.types import TOGETHER, Least, least_sizes, uses
 from logic.readers.units import metres_to
 from logic.shapes.lines import MOST_WALL
+
+MAX_CORNERS = 8
+"""Number of corners of a room that it may be cut at, for each axis."""
 
 
 class Cut(NamedTuple):
@@ -39,8 +42,9 @@ def divided(sketch: Sketch, unit: str | None = None) -> tuple[Sketch, list[str]]
         own = _fitting([use for use in least_sizes() if use in each and use not in had], space, metres)
         while (cut := _best(space, own, sketch, metres)) is None and len(own) > 1:
             own = own[:-1]
+        had |= {*own}
         if cut is None:
-            spaces.append(space._replace(words=(own or each)[:1]))
+            spaces.append(space._replace(words=tuple((own or each)[:1])))
             continue
         names = [_name(space.name, use) for use in own]
         spaces += [
@@ -97,52 +101,79 @@ def _cuts(room: Polygon, least: Sequence[Least], metres: float) -> Iterator[Cut]
     """Yield the ways to cut a room along its walls: off for the first use, then across for the others."""
     (x, y), (to_x, to_y) = max(pairwise(room.exterior.coords), key=lambda side: LineString(side).length)
     turn = degrees(atan2(to_y - y, to_x - x)) % 90
-    upright = affinity.rotate(room, -turn, origin=(0, 0))
-    for axis, is_first in ((0, True), (0, False), (1, True), (1, False)):
-        first, rest, line = _halves(upright, axis, is_first, least[0], least[1:], metres)
-        ways = [([first, rest], [line])]
-        if len(least) > 2:
-            ways = []
-            for turned in (True, False):
-                one, other, across = _halves(rest, 1 - axis, turned, least[1], least[2:], metres)
-                sides = [line.intersection(each.buffer(0.01 / metres)) for each in (one, other)]
-                ways.append(([first, one, other], [*sides, across]))
-        for parts, lines in ways:
-            if all(_is_wide(part, metres, each) for part, each in zip(parts, least, strict=True)) and all(
-                isinstance(each, LineString) for each in lines
-            ):
-                back = [affinity.rotate(each, turn, origin=(0, 0)) for each in (*parts, *lines)]
-                yield Cut(back[: len(parts)], back[len(parts) :])
+    upright, near = affinity.rotate(room, -turn, origin=(0, 0)), 0.01 / metres
+    for axis in (0, 1):
+        for first, rest, line in _halves(upright, axis, least[0], least[1:], metres):
+            ways = [([first, rest], [line])]
+            if len(least) > 2:
+                ways = [
+                    (
+                        [first, one, other],
+                        [*(line.intersection(each.buffer(near)) for each in (one, other)), across],
+                    )
+                    for one, other, across in _halves(rest, 1 - axis, least[1], least[2:], metres)
+                ]
+            for parts, lines in ways:
+                fit = map(_fits, parts, least, repeat(metres))
+                if all(fit) and all(isinstance(each, LineString) for each in lines):
+                    back = [affinity.rotate(each, turn, origin=(0, 0)) for each in (*parts, *lines)]
+                    yield Cut(back[: len(parts)], back[len(parts) :])
 
 
 def _halves(
-    room: Any, axis: int, is_first: bool, least: Least, others: Sequence[Least], metres: float
-) -> tuple[Any, Any, Any]:
-    """Return the part of a room for a use, the rest for others, and the line between them, on a centimetre.
+    room: Any, axis: int, least: Least, others: Sequence[Least], metres: float
+) -> Iterator[tuple[Any, Any, Any]]:
+    """Yield the part of a room for a use, the rest for others, and the line between them, on either side.
 
-    They have their shares of the floor, but are as wide as the uses need.
+    They have their shares of the floor, to a centimetre, but are as wide as the uses need; or the line runs
+    through a corner of the room.
     """
-    west, south, east, north = shapely.bounds(room)
-    low, high = (west, east) if axis == 0 else (south, north)
+    low, high = shapely.bounds(room).tolist()[axis::2]
+    corners = shapely.get_coordinates(shapely.simplify(room, 0.1 / metres))[:, axis].tolist()
+    inner = sorted({each for each in corners if low < each < high})[:MAX_CORNERS]
+    for is_first in (True, False):
+        for place in (_share(room, axis, is_first, least, others, metres), *inner):
+            one, other, line = _parted(room, axis, place)
+            yield (one, other, line) if is_first else (other, one, line)
 
-    def below(place: float) -> Polygon:
-        return shapely.box(west, south, place, north) if axis == 0 else shapely.box(west, south, east, place)
 
+def _share(
+    room: Any, axis: int, is_first: bool, least: Least, others: Sequence[Least], metres: float
+) -> float:
+    """Return where a line leaves each use its share of the floor of a room, and the width that it needs."""
+    low, high = shapely.bounds(room).tolist()[axis::2]
     share = least.floor / (least.floor + sum(each.floor for each in others))
     wanted, ends = room.area * (share if is_first else 1 - share), [low, high]
-    for _ in range(40):
+    for _ in range(20):
         middle = sum(ends) / 2
-        ends[room.intersection(below(middle)).area > wanted] = middle
+        ends[room.intersection(_below(room, axis, middle)).area > wanted] = middle
     wide, wide_other = least.width / metres, max(each.width for each in others) / metres
     margins = (wide, wide_other) if is_first else (wide_other, wide)
     place = max(low + margins[0], min(sum(ends) / 2, high - margins[1]))
-    place = low + round((place - low) * metres, 2) / metres
-    one, other = room.intersection(below(place)), room.difference(below(place))
-    across = LineString([(place, south), (place, north)] if axis == 0 else [(west, place), (east, place)])
-    first, rest = (one, other) if is_first else (other, one)
-    return first, rest, across.intersection(room)
+    return low + round((place - low) * metres, 2) / metres
 
 
-def _is_wide(part: Geometry, metres: float, least: Least) -> bool:
+def _parted(room: Any, axis: int, place: float) -> tuple[Any, Any, Any]:
+    """Return the parts of a room at lesser and at greater places, and the line between them."""
+    west, south, east, north = shapely.bounds(room).tolist()
+    below = _below(room, axis, place)
+    line = LineString([(place, south), (place, north)] if axis == 0 else [(west, place), (east, place)])
+    one, other = room.intersection(below), room.difference(below)
+    near = 1e-6 * (east - west + north - south)
+    return (
+        one,
+        other,
+        shapely.line_merge(line.intersection(one.buffer(near)).intersection(other.buffer(near))),
+    )
+
+
+def _below(room: Any, axis: int, place: float) -> Polygon:
+    west, south, east, north = shapely.bounds(room).tolist()
+    return shapely.box(west, south, place, north) if axis == 0 else shapely.box(west, south, east, place)
+
+
+def _fits(part: Any, least: Least, metres: float) -> bool:
+    """Return True if a part has the floor and the width that a use needs."""
     half = (least.width / 2 - 0.01) / metres
-    return isinstance(part, Polygon) and not part.buffer(-half, join_style="mitre").is_empty
+    is_whole = isinstance(part, Polygon) and part.area * metres**2 > least.floor - 0.1
+    return is_whole and not part.buffer(-half, join_style="mitre").is_empty
