@@ -78,10 +78,13 @@ class Reason(msgspec.Struct, frozen=True):
     file: str | None = None
     line: int | None = None
     column: int | None = None
+    typical: bool = False
+    """True of a rule that gives way to what the user states of the rooms."""
 
     def __str__(self) -> str:
         """As in ``rooms.lp:8:1: :- rooms >= 3, basic(T), not room(_,T).``."""
-        return f"{self.file}:{self.line}:{self.column}: {self.text}" if self.file else self.text
+        kind = " (typical)" if self.typical else ""
+        return f"{self.file}:{self.line}:{self.column}: {self.text}{kind}" if self.file else self.text
 
 
 class Finding(msgspec.Struct, frozen=True):

@@ -13,7 +13,7 @@ from errno import EFBIG
 from pathlib import Path
 
 from logic.copies import Stated, original, stated_by, statements
-from logic.errors import GrammarError
+from logic.errors import GrammarError, Reason
 from logic.includes import Reading, name_in
 from logic.opener import content_of
 from logic.spelling import printable, unknown
@@ -42,6 +42,12 @@ ACCESS, OWN = SHARED_WALLS / "access.lp", SHARED_WALLS / "own.lp"
 
 DISSECTION, BRIEF = TOPOLOGIES / "dissection.lp", RULES / "brief" / "brief.lp"
 """What a house by a brief has in the place of its grammar's topology."""
+
+Places = frozenset[tuple[str, int, int]]
+"""File, line and column at which rules begin."""
+
+TYPICAL = "typical"
+"""The ``#program`` of rules of a house's rooms that give way to what the user states of these."""
 
 COMMENT = re.compile(r"%\*.*?(?:\*%|\Z)|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
@@ -79,11 +85,18 @@ class Grammar:
     prolog: tuple[Path, ...]
     """The ``.pl`` files, likewise."""
     hash: str
+    gave_way: tuple[Reason, ...] = ()
+    """The typical rules that are left out, since they contradict what the user states of the rooms."""
 
     @property
     def asp(self) -> tuple[Path, ...]:
         """All that clingo reads beside the core."""
         return self.topology + self.own
+
+    @property
+    def left_out(self) -> Places:
+        """The places of the typical rules that are left out."""
+        return frozenset((str(each.file), each.line or 1, each.column or 1) for each in self.gave_way)
 
     @property
     def shares_walls(self) -> bool:
@@ -93,6 +106,10 @@ class Grammar:
     def name_of(self, file: Path) -> str:
         """One of its files in short: see ``name_in``."""
         return name_in(file, self.directory, SHIPPED.resolve())
+
+    def cited(self, rule: Reason) -> str:
+        """One of its rules with its place, as a house file names it: without the folders of this machine."""
+        return f"{self.name_of(Path(str(rule.file)))}:{rule.line}:{rule.column}: {rule.text}"
 
     def for_brief(self) -> "Grammar":
         """The same rules with the topology of a brief: see ``logic.generation.brief``."""

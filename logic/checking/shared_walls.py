@@ -106,7 +106,7 @@ def _floor(house: House) -> Any:
 def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
     rooms = {room.name: room for room in house.tiles}
-    tiles, openings = _Rects(rooms.values()), _Rects(house.doors)
+    tiles, openings, gardens = _Rects(rooms.values()), _Rects(house.doors), {*house.garden_doors}
     for door in house.doors:
         name, names = _between(house, door), _joined(door)
         joined = [rooms[each] for each in names]
@@ -120,8 +120,10 @@ def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
             yield from _not_outer(house, tiles, door, joined[0], f"{name}:")
         elif not _is_shared(door, *joined):
             yield Fault(f"{name}: is not on a wall that they share", names)
-        if promises.opens and not (
-            other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
+        if (
+            promises.opens
+            and door not in gardens
+            and not (other in promises.opens.get(one, ()) or one in promises.opens.get(other, ()))
         ):
             yield Fault(f"{name}: {one} and {other} do not open into each other", names)
         if (promises.openings or promises.parts) and door.opening and not promises.are_open(one, other):
@@ -279,6 +281,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
     lit = {window.room for window in house.windows}
     outside = {room.name for room in house.rooms if room.type in promises.outdoor}
     by_doors = {name for door in house.doors if outside & {*door.between} for name in door.between}
+    by_doors |= {name for door in house.garden_doors for name in door.between}
     for room in house.rooms:
         if room.type in promises.lit and room.name not in lit | by_doors | outside:
             yield Fault(f"{named(room)}: has no window", (room.name,))

@@ -1,5 +1,7 @@
 """From a request to a house: the two stages, and what goes between them."""
 
+from collections.abc import Iterable
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -8,7 +10,7 @@ import clingo
 import msgspec
 import numpy as np
 
-from logic.errors import LimitReached, OutOfInferences, RequestError
+from logic.errors import LimitReached, OutOfInferences, Reason, RequestError
 from logic.generation.brief import BriefMaker
 from logic.generation.exact_areas import ExactAreasMaker
 from logic.generation.feasibility import Feasibility
@@ -49,6 +51,9 @@ class Builder:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
         self.account = self.placer.account
+        self._gave_way: dict[tuple[Reason, ...], Builder] = {}
+        self.at_work = self
+        """The builder that answers: this one, or one without some typical rules."""
         if cell and self.loaded.depths:
             raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
         shared = UnitsMaker if self.loaded.depths else SharedWallsMaker
@@ -61,6 +66,22 @@ class Builder:
             "clingo": clingo.__version__,
             "swi-prolog": self.placer.version(),
         }
+
+    def giving_way(self, rules: Iterable[Reason]) -> "Builder":
+        """Return the builder of the same grammar without these typical rules, which is now at work."""
+        left_out = tuple(sorted({*self.grammar.gave_way, *rules}, key=str))
+        if left_out not in self._gave_way:
+            grammar = replace(self.grammar, gave_way=left_out)
+            self._gave_way[left_out] = Builder(grammar, self.loaded.placer.cell)
+        self.at_work = self._gave_way[left_out]
+        self.at_work.begin()
+        return self.at_work
+
+    def begin(self) -> None:
+        """Begin another answer, with the grammar's lengths."""
+        self.at_work = self
+        self.placer.load()
+        self.account.begin()
 
     def house(
         self, request: Request, seed: int, index: int, inferences: int, thorough: bool = False
@@ -148,7 +169,9 @@ class Builder:
         if key not in self._promises:
             pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture, pieces)
-            self._promises[key] = promised(program, *found, self.grammar.shares_walls)
+            self._promises[key] = promised(
+                program, *found, self.grammar.shares_walls, stated=request.given is not None
+            )
         stated = self._promises[key]
         if request.plan and any(door.opening for door in request.plan.doors):
             stated = with_openings(stated, request.plan)
@@ -164,4 +187,5 @@ class Builder:
             index=index,
             versions=self.versions,
             promises=self.promises(request),
+            gave_way=tuple(map(self.grammar.cited, self.grammar.gave_way)),
         )

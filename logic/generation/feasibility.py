@@ -17,7 +17,7 @@ from logic.generation.movable_doors import Refuted
 from logic.generation.question import Question
 from logic.grammar import Grammar
 from logic.layout.conditional import Source
-from logic.layout.program import Conflict
+from logic.layout.program import HOUSE, Conflict
 from logic.layout.programs import GIVEN
 from logic.layout.relaxed import Relaxed, Statement
 from logic.layout.terms import (
@@ -31,7 +31,7 @@ from logic.layout.terms import (
     to_furnish,
 )
 from logic.placement.layout import Layout, RoomLayout
-from logic.placement.placer import Infeasible, Placer, located
+from logic.placement.placer import Infeasible, Placer
 from logic.request.fixed_rooms import FixedRoom
 from logic.request.request import Range, Request, as_option
 
@@ -68,7 +68,7 @@ class Feasibility:
         self.thorough = thorough
         self.grammar, self.placer, self.facts = grammar, placer, facts
         self._lengths = lengths
-        self.source = Source(grammar.asp)
+        self.source = Source(grammar.asp, grammar.left_out)
         self._placed = placed
         self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
 
@@ -83,7 +83,7 @@ class Feasibility:
         relaxed = Relaxed(
             self.source,
             {"rooms": request.rooms},
-            [("house", []), *parts(required)],
+            [*HOUSE, *parts(required)],
             self._stated(self.facts),
             laws=laws,
         )
@@ -166,7 +166,7 @@ class Feasibility:
         """Facts with the clauses that they come from, and where these stand; not those that nobody states."""
         known = list(facts)
         origins = self.placer.origins({clause for _, clauses in known for clause in clauses})
-        places = {clause: located(*place) for clause, place in origins.items()}
+        places = {clause: self.placer.reason(*place) for clause, place in origins.items()}
         return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
     def of_rooms(self, relaxed: Relaxed, request: Request) -> Question:

@@ -209,7 +209,9 @@ class GivenPlanMaker(SharedWallsMaker):
         ]
         plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed), wall_thickness=thick)
         # What the plan has stays in its place.
-        kept = {frozenset(door.between): door for door in self.plan.doors}
+        outer = self._outer_doors(layout)
+        kept = {frozenset(door.between): door for door in self.plan.doors if not door.is_entrance}
+        kept |= {frozenset(door.between): door for door in outer[:1]}
         opened = [{each.number for each in atom.arguments} for atom in layout if atom.name == "open_to"]
         plan.doors = [
             PlanDoor(
@@ -217,10 +219,23 @@ class GivenPlanMaker(SharedWallsMaker):
             )
             for door in plan.doors
         ]
+        numbers = {room.name: room.number for room in rooms}
+        for door in outer[1:]:
+            (name,) = {*door.between} - {OUTSIDE}
+            plan.doors.append(PlanDoor(*sides(door), (numbers[name], OUTSIDE)))
         if self.plan.windows:
-            numbers = {room.name: room.number for room in rooms}
             plan.windows = [PlanWindow(*sides(window), numbers[window.room]) for window in self.plan.windows]
         return plan
+
+    def _outer_doors(self, layout: list[Symbol]) -> list[Door]:
+        """Return the doors of the plan that lead outside, first the entrance: the widest in its side."""
+        at = next(
+            ((str(a.arguments[1]), a.arguments[0].number) for a in layout if a.name == "entrance"), None
+        )
+        outer = [(door, wall) for door in self.plan.doors if (wall := self.plan.wall_of(door))]
+        outer = [(door, wall) for door, wall in outer if wall.behind is None]
+        outer.sort(key=lambda each: ((each[1].side, each[1].room) != at, -each[0].length))
+        return [door for door, _ in outer]
 
 
 def _meetings(plan: OwnPlan) -> HouseFacts:

@@ -14,16 +14,21 @@ from logic.request.own_plan import OwnPlan
 
 
 def promised(
-    program: Program, extremes: Mapping[str, Any], metres: Mapping[str, Any], shares_walls: bool
+    program: Program,
+    extremes: Mapping[str, Any],
+    metres: Mapping[str, Any],
+    shares_walls: bool,
+    stated: bool = False,
 ) -> Promises:
-    """The promises of the houses of a program, by its facts.
+    """The promises of the houses of a program, by its facts; ``stated``: a brief or a plan may state their
+    doors.
 
     ``extremes`` are those of sizes, on the houses' grid, see ``Placer.lengths``; ``metres`` are lengths and
     areas as they are written, see ``Placer.metres``.
     """
     lengths = dict(metres["lengths"])
     opens = _pairs(program, "opens") if shares_walls else {}
-    for one, other in _atoms(program, "loops", 2):
+    for one, other in [*_atoms(program, "loops", 2), *(_atoms(program, "may_lead", 2) if stated else ())]:
         opens.setdefault(one, []).append(other)
     oblong = _required(program, "oblong")
     companions = [*_atoms(program, "beside", 4), *_atoms(program, "around", 4)]

@@ -98,6 +98,11 @@ class House(msgspec.Struct, frozen=True):
         return self.room(name)
 
     @property
+    def garden_doors(self) -> tuple[Door, ...]:
+        """The doors that lead outside but for the first, the entrance."""
+        return tuple(door for door in self.doors if door.is_entrance)[1:]
+
+    @property
     def secondary(self) -> tuple[Room, ...]:
         """All rooms but the hub."""
         return tuple(room for room in self.rooms if room.name != self.hub)

@@ -226,3 +226,5 @@ class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown
     versions: dict[str, str]
     promises: Promises | None = None
     """What houses of the grammar keep, by plain geometry: ``vitruvius check`` judges by it."""
+    gave_way: tuple[str, ...] = ()
+    """Typical rules of the grammar that gave way to what the request states of the rooms."""

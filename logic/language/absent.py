@@ -6,6 +6,7 @@ from logic.errors import GrammarError, Reason
 from logic.language.loaded import LoadedGrammar
 from logic.layout.conditional import Source
 from logic.layout.conflicts import minimal
+from logic.layout.program import HOUSE
 from logic.layout.relaxed import Relaxed, Statement, TooMany
 from logic.layout.terms import granted, parts, requirements
 
@@ -27,7 +28,7 @@ def absent(loaded: LoadedGrammar, sizes: Sequence[int]) -> Iterator[GrammarError
     last: dict[str, tuple[Relaxed, list[Statement]]] = {}
     for rooms in sizes:
         asked = requirements("among", dict.fromkeys(types, (1, None)))
-        relaxed = Relaxed(source, {"rooms": rooms}, [("house", []), *parts(asked)])
+        relaxed = Relaxed(source, {"rooms": rooms}, [*HOUSE, *parts(asked)])
         if not _possible(relaxed, relaxed.statements):
             if not any_house:
                 last[""] = relaxed, []

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,10 @@ from logic.language.loaded import LoadedGrammar
 from logic.language.unread import unread
 from logic.layout.account import GROUNDING
 from logic.layout.conditional import Source
-from logic.layout.program import Part
+from logic.layout.program import HOUSE, Part
 from logic.layout.programs import GIVEN
 from logic.layout.relaxed import Relaxed
+from logic.placement.lengths import typical_lengths
 
 SIZES = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms for which a rule is looked for to bind, in this order."""
@@ -48,7 +50,17 @@ def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     """For which ``generate`` refuses a grammar, and ``draw`` its looks."""
     looks = grammar.directory / NAME
     wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
-    return _findings("error", [*loaded.errors, *wrong], grammar)
+    return _findings("error", [*(loaded.errors or _beside_typical(grammar, loaded)), *wrong], grammar)
+
+
+def _beside_typical(grammar: Grammar, loaded: LoadedGrammar) -> list[GrammarError]:
+    """What is wrong with the lengths that stand behind typical ones."""
+    typical = typical_lengths(loaded.placer, loaded.furniture).values()
+    if not typical:
+        return []
+    found = LoadedGrammar(replace(grammar, gave_way=tuple(typical)), loaded.placer.cell, remarks=False)
+    loaded.placer.load()
+    return found.errors
 
 
 def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
@@ -119,7 +131,8 @@ def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason
 
     def houses(some: Iterable[int], stage: str, most: int) -> list[Ground]:
         numbers = (number for number in dict.fromkeys(some) if 0 < number <= most)
-        return [({"rooms": number}, [(stage, [])]) for number in numbers]
+        parts: list[Part] = [(UNITS, [])] if stage == UNITS else [*HOUSE]
+        return [({"rooms": number}, parts) for number in numbers]
 
     usual = [
         houses([rooms or 0, *(BUILDINGS if stage == UNITS else SIZES)], stage, most) for stage, most in stages

@@ -23,7 +23,7 @@ from logic.language.metres import impossible, unlikely
 from logic.language.prolog_problems import problem, unknown
 from logic.layout.conditional import Source
 from logic.layout.ground import Endless
-from logic.layout.program import Program
+from logic.layout.program import HOUSE, Part, Program
 from logic.layout.programs import Programs, crowded
 from logic.layout.relaxed import Relaxed
 from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
@@ -118,8 +118,8 @@ class LoadedGrammar:
             strange += misspelt_names(self.rules.words, (name for _, name, *_ in sized))
         meant, others = _by_meaning(strange)
         try:
-            probe = self._probe({"rooms": 1}, "house")
-            self._probe({}, "room")
+            probe = self._probe({"rooms": 1}, HOUSE)
+            self._probe({}, [("room", [])])
         except GrammarError as error:
             lines = {(str(each.error.file), each.error.line) for each in strange}
             own = [] if (str(error.file), error.line) in lines else [Mistake(error)]
@@ -189,7 +189,7 @@ class LoadedGrammar:
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]]
     ) -> Iterator[Mistake]:
         """What is wrong with the lengths of what there is."""
-        whole = self._probe({"rooms": 1}, "units") if probe.atoms("units", 2) else probe
+        whole = self._probe({"rooms": 1}, [("units", [])]) if probe.atoms("units", 2) else probe
         limits = [symbol.arguments[0].number for symbol in whole.atoms("most_rooms", 1)]
         if whole is not probe:
             yield from map(Mistake, self._units(probe.atoms("units", 2)[0], bool(limits)))
@@ -243,11 +243,11 @@ class LoadedGrammar:
         yield from unlikely(self.extremes, self.placer.origins)
         yield from capitalised(self.rules.words)
 
-    def _probe(self, constants: dict[str, Any], stage: str) -> Program:
-        """A stage without furniture: a rule that has very many instances in it is refused."""
-        rules = (constants, [(stage, [])])
+    def _probe(self, constants: dict[str, Any], stages: Sequence[Part]) -> Program:
+        """Stages without furniture: a rule that has very many instances in them is refused."""
+        rules = (constants, stages)
         try:
-            return Program(self.grammar.asp, *rules, most=MOST_INSTANCES)
+            return Program(self.grammar.asp, *rules, most=MOST_INSTANCES, left_out=self.grammar.left_out)
         except Endless:
             endless = Relaxed(Source(self.grammar.asp), *rules, most=MOST_INSTANCES).largest().reason
         why = (

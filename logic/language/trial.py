@@ -25,7 +25,7 @@ from logic.language.loaded import furniture_of
 from logic.layout.conditional import HERE
 from logic.layout.differences import STATING
 from logic.layout.messages import written
-from logic.layout.program import CORE, Part, Program
+from logic.layout.program import CORE, HOUSE, Part, Program
 from logic.layout.terms import length_facts, parts
 from logic.placement.lengths import stated_lengths
 from logic.placement.placer import Placer
@@ -44,7 +44,7 @@ def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
         for rooms in sizes or SIZES:
             yield from _grounding(grammar, {"rooms": rooms}, [("house", [])])
         placer = Placer(grammar)
-        pieces = {} if placer.problems else furniture_of(Program(grammar.asp, {"rooms": 1}, [("house", [])]))
+        pieces = {} if placer.problems else furniture_of(Program(grammar.asp, {"rooms": 1}, HOUSE))
         for type_, each in pieces.items():
             for names in [[], *([piece] for piece in each)]:
                 yield _clause(placer, type_, *names)

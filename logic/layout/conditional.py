@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from clingo import Function, Number, Symbol, SymbolType, ast
 
 from logic.errors import Reason
-from logic.grammar import RULES
+from logic.grammar import RULES, TYPICAL, Places
 from logic.layout.messages import written
 from logic.layout.program import CORE
 from logic.layout.reading import parse
@@ -38,9 +38,9 @@ FAR = 1_000_000
 class Source:
     """Rule files, which are parsed once for all the programs that are made of them."""
 
-    def __init__(self, files: Sequence[Path]) -> None:
-        """Know the files: the core's own are read beside them."""
-        self.files = tuple(files)
+    def __init__(self, files: Sequence[Path], left_out: Places = frozenset()) -> None:
+        """Know the files, without some of their typical rules: the core's own are read beside them."""
+        self.files, self._left_out = tuple(files), left_out
         self._read: dict[tuple[Any, ...], Conditional] = {}
 
     def conditional(self, files: Sequence[Path], laws: bool) -> "Conditional":
@@ -50,7 +50,7 @@ class Source:
         """
         key = tuple(files), laws
         if key not in self._read:
-            self._read[key] = _conditional((CORE, *files) if laws else files, laws)
+            self._read[key] = _conditional((CORE, *files) if laws else files, laws, self._left_out)
         return self._read[key]
 
 
@@ -63,17 +63,21 @@ class Conditional(NamedTuple):
     first: dict[str, Reason]
 
 
-def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
+def _conditional(files: Sequence[Path], laws: bool, left_out: Places) -> Conditional:
     """See ``Source.conditional``."""
     found = Conditional([ast.Program(HERE, "base", [])], [], {})
-    kinds = left_out_facts()
+    kinds, program = left_out_facts(), ""
 
     def take(statement: ast.AST) -> None:
-        begin = statement.location.begin
+        nonlocal program
+        if statement.ast_type == ast.ASTType.Program:
+            program = statement.name
+        begin: Any = statement.location.begin
         own = RULES not in Path(begin.filename).parents
         if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
             condition = stated(len(found.reasons))
-            found.reasons.append(Reason(written(statement), begin.filename, begin.line, begin.column))
+            place = begin.filename, begin.line, begin.column
+            found.reasons.append(Reason(written(statement), *place, typical=program == TYPICAL))
             if (signature := _signature(statement.head)) in kinds:
                 for name in (signature[0], _beginning(statement.head)):
                     found.first.setdefault(name, found.reasons[-1])
@@ -83,7 +87,7 @@ def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
         found.rules.append(statement)
 
     for file in files:
-        parse([file], take)
+        parse([file], take, left_out=left_out)
     return found
 
 

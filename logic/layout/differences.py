@@ -14,7 +14,7 @@ from weakref import finalize
 from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
-from logic.grammar import ADJACENT, BRIEF, GUARD, RULES
+from logic.grammar import ADJACENT, BRIEF, GUARD, RULES, Places
 from logic.layout.reading import load, parse
 
 DIFFERENCES, ROOM = RULES / "shared_walls" / "differences.lp", "room"
@@ -39,11 +39,13 @@ class Differences:
         files: Sequence[Path],
         parts: Iterable[tuple[str, Sequence[Symbol]]],
         remark: Callable[[str], None],
+        left_out: Places = frozenset(),
     ) -> None:
         """Register it, for a program of which these parts are to be ground. ``remark`` gets what clingo
-        remarks while it reads. ``files`` are those to be read then: furniture has no differences.
+        remarks while it reads. ``files`` are those to be read then, without the typical rules that are
+        ``left_out``: furniture has no differences.
         """
-        self._control, self._remark = control, remark
+        self._control, self._remark, self._left_out = control, remark, left_out
         furniture = any(name == ROOM for name, _ in parts)
         self.files = [file for file in files if not (furniture and _of_topology(file))]
         self._theory = None
@@ -61,7 +63,7 @@ class Differences:
     def load(self) -> None:
         """Load the files."""
         if self._theory is None:
-            load(self._control, self.files, lambda _, text: self._remark(text))
+            load(self._control, self.files, lambda _, text: self._remark(text), self._left_out)
             return
         shared = tuple(file for file in self.files if RULES in file.parents)
         with ProgramBuilder(self._control) as builder:
@@ -71,6 +73,7 @@ class Differences:
                 [file for file in self.files if file not in shared],
                 lambda statement: self.add(statement, builder),
                 lambda _, text: self._remark(text),
+                self._left_out,
             )
 
     def add(self, statement: AST, builder: ProgramBuilder) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from clingo import Function, Symbol
 
 from logic.errors import GrammarError
-from logic.grammar import RULES
+from logic.grammar import RULES, TYPICAL, Places
 from logic.layout.branching import Brancher
 from logic.layout.differences import Differences
 from logic.layout.ground import Instances, Literals
@@ -28,6 +28,9 @@ from logic.layout.messages import clingo_error
 
 Part = tuple[str, Sequence[Symbol]]
 """A ``#program`` part of the rules and its arguments."""
+
+HOUSE: tuple[Part, ...] = (("house", ()), (TYPICAL, ()))
+"""The parts that are a house's rooms."""
 
 Nogood = Mapping[Symbol, bool]
 """Atoms that do not all hold, or fail, as stated together in one layout."""
@@ -98,14 +101,17 @@ class Program:
         most: int | None = None,
         seed: int | None = None,
         bounded: bool = False,
+        left_out: Places = frozenset(),
     ) -> None:
-        """Ground these parts of the core and the grammar's files, with these constants.
+        """Ground these parts of the core and the grammar's files, with these constants, without the typical
+        rules at some places.
 
         With a ``seed`` the program is for one house (``FREE``), and may be ``bounded`` (``BOUNDS``). A layout
         is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the way.
         Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
+        self.left_out = left_out
         self.remarks = remarks = list[str]()
         search = LASTING if seed is None else (*FREE, f"--seed={seed}")
         self._control = clingo.Control(
@@ -116,7 +122,9 @@ class Program:
         )
         if most:
             self._control.register_observer(Instances(most))
-        self._differences = Differences(self._control, (CORE, *self.files), self.parts, self.remarks.append)
+        self._differences = Differences(
+            self._control, (CORE, *self.files), self.parts, self.remarks.append, left_out
+        )
         try:
             self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])

@@ -12,7 +12,7 @@ from logic.errors import GrammarError
 from logic.grammar import Grammar
 from logic.layout.account import GROUNDING, LAYOUT, Account
 from logic.layout.messages import placed_error
-from logic.layout.program import EVERY, Program
+from logic.layout.program import EVERY, HOUSE, Program
 from logic.layout.terms import (
     Lengths,
     granted,
@@ -73,15 +73,17 @@ class Programs:
         return Program(
             self._grammar.asp,
             {"rooms": rooms},
-            [("house", []), *parts(self._walls), *parts(required)],
+            [*HOUSE, *parts(self._walls), *parts(required)],
             arguments=arguments,
+            left_out=self._grammar.left_out,
         )
 
     def house(self, request: Request, seed: int) -> Program:
         """The program of one house's rooms, which searches at random by a seed: see ``program.FREE``."""
         self._account.at(GROUNDING, f"grounding the rules for {request.rooms} rooms (clingo)")
-        stages = [("house", []), *parts(self._walls), *parts(room_requirements(request))]
-        return Program(self._grammar.asp, {"rooms": request.rooms}, stages, seed=seed)
+        stages = [*HOUSE, *parts(self._walls), *parts(room_requirements(request))]
+        constants, left_out = {"rooms": request.rooms}, self._grammar.left_out
+        return Program(self._grammar.asp, constants, stages, seed=seed, left_out=left_out)
 
     @cache  # noqa: B019
     def units(

@@ -18,7 +18,7 @@ from clingo.ast import (
     parse_string,
 )
 
-from logic.grammar import RULES
+from logic.grammar import RULES, TYPICAL, Places
 from logic.includes import below, height
 
 Logger = Callable[[MessageCode, str], None]
@@ -27,8 +27,16 @@ MESSAGES = 1000
 """How many remarks are passed on."""
 
 
-def parse(files: Sequence[Path], take: Callable[[AST], None], logger: Logger = lambda *_: None) -> None:
-    """Give all statements of these files, in order; raises ``RuntimeError`` as ``parse_files`` does."""
+def parse(
+    files: Sequence[Path],
+    take: Callable[[AST], None],
+    logger: Logger = lambda *_: None,
+    left_out: Places = frozenset(),
+) -> None:
+    """Give all statements of these files, in order, but the typical rules at these places; raises
+    ``RuntimeError`` as ``parse_files`` does.
+    """
+    take = _without(left_out, take) if left_out else take
     for includes, some in groupby(files, _includes):
         if not includes:
             parse_files([str(file) for file in some], take, logger=logger, message_limit=MESSAGES)
@@ -37,14 +45,31 @@ def parse(files: Sequence[Path], take: Callable[[AST], None], logger: Logger = l
             _parse(file, take, logger)
 
 
-def load(control: Control, files: Sequence[Path], logger: Logger) -> None:
-    """Load these files."""
+def load(control: Control, files: Sequence[Path], logger: Logger, left_out: Places = frozenset()) -> None:
+    """Load these files without the typical rules at these places."""
+    changed = {file for file, *_ in left_out}
     for file in files:
-        if not _includes(file):
+        if not (_includes(file) or str(file) in changed):
             control.load(str(file))
             continue
         with ProgramBuilder(control) as builder:
-            _parse(file, builder.add, logger)
+            _parse(file, _without(left_out, builder.add), logger)
+
+
+def _without(left_out: Places, take: Callable[[AST], None]) -> Callable[[AST], None]:
+    """Take what is not left out."""
+    program = ""
+
+    def taken(statement: AST) -> None:
+        nonlocal program
+        if statement.ast_type == ASTType.Program:
+            program = statement.name
+        begin = statement.location.begin
+        is_rule = statement.ast_type == ASTType.Rule and program == TYPICAL
+        if not (is_rule and (begin.filename, begin.line, begin.column) in left_out):
+            take(statement)
+
+    return taken
 
 
 def _includes(file: Path) -> bool:

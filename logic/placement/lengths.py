@@ -5,7 +5,7 @@ from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.errors import GrammarError
+from logic.errors import GrammarError, Reason
 from logic.grammar import LENGTHS
 from logic.placement.placer import Placer
 from logic.placement.prolog import Term
@@ -68,6 +68,15 @@ def metres(placer: Placer, types: Iterable[str], pieces: Iterable[str] = ()) -> 
 def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
     """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
     return [tuple(row) for row in placer.ask("grammar_sized")]
+
+
+def typical_lengths(placer: Placer, types: Iterable[str]) -> dict[Symbol, Reason]:
+    """Return the typical clauses of sizes and areas, by their names as in ``Conflict``."""
+    of_types = ("size", "room_area", "whole_area", "window_size")
+    clauses = [Function(name, [Function(each)]) for name in of_types for each in sorted(types)]
+    clauses += [Function(name) for name in ("house_size", "house_area", "unit_depth")]
+    found = {clause: placer.reason(*place) for clause, place in placer.origins(clauses).items()}
+    return {clause: reason for clause, reason in found.items() if reason.typical}
 
 
 def wall_lengths(placer: Placer, types: Iterable[str], openings: Iterable[Term]) -> list[Any]:

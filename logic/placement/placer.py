@@ -6,11 +6,12 @@ One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import msgspec
 import numpy as np
 from clingo import Symbol, parse_term
+from msgspec.structs import replace
 
 from logic.errors import GrammarError, OutOfInferences, Reason
 from logic.grammar import RULES, Grammar
@@ -57,18 +58,30 @@ class Misfit(Exception):
 class Placer:
     """The Prolog engine of this process with one grammar's lengths."""
 
+    _loaded: "ClassVar[Placer | None]" = None
+    """The one whose lengths the engine has."""
+
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
         """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
 
         ``problems`` holds what is wrong with them, as ``[file, line, column, text, name]``: the ``name`` of a
         predicate that is not known, or empty.
         """
-        self._directory = grammar.directory
+        self._grammar, self.cell = grammar, cell
         self.account = Account(self._located)
         prolog.load(RULES / "core.pl")
-        files = [_below_its_includes(file) for file in grammar.prolog]
         self.kind_of_walls = "shared" if grammar.shares_walls else "apart"
-        self.problems: list[list[Any]] = self.ask("grammar_problems", files, self.kind_of_walls, cell)
+        self.problems: list[list[Any]] = []
+        self.load()
+
+    def load(self) -> None:
+        """Load the grammar's ``.pl`` files, in the place of those of another grammar."""
+        if Placer._loaded is not self:
+            files = [_below_its_includes(file) for file in self._grammar.prolog]
+            left_out = [Term("-", file, line) for file, line, _ in self._grammar.left_out]
+            self.problems = self.ask("grammar_problems", files, left_out, self.kind_of_walls, self.cell)
+            self._typical = {(file, line) for file, line in self.ask("grammar_typical")}
+            Placer._loaded = self
 
     def place(
         self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
@@ -225,6 +238,10 @@ class Placer:
         reasons = self.ask("room_conflict", type_, furniture, without)
         return None if reasons is None else _conflict(reasons)
 
+    def reason(self, file: str, line: int) -> Reason:
+        """The clause at a line, and whether it is typical."""
+        return replace(located(file, line), typical=(file, line) in self._typical)
+
     def version(self) -> str:
         """SWI-Prolog's version, as in 9.0.4."""
         number = self.ask("solver_version")
@@ -235,7 +252,7 @@ class Placer:
         try:
             return prolog.ask(predicate, *arguments)
         except prolog.PrologError as error:
-            raise GrammarError(f"a clause raises an error: {error}", self._directory) from None
+            raise GrammarError(f"a clause raises an error: {error}", self._grammar.directory) from None
 
 
 def located(file: str, line: int) -> Reason:

@@ -4,6 +4,7 @@ from logic.errors import LimitReached, OutOfInferences, Unsatisfiable
 from logic.generation.builder import Builder
 from logic.generation.evidence import NoLayout, NoUnits
 from logic.house.house import House
+from logic.proofs.giving_way import giving_way, unlike_stated_sizes
 from logic.proofs.proof import Prover
 from logic.proofs.units import no_house
 from logic.request.request import Request
@@ -12,20 +13,26 @@ from logic.request.request import Request
 def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
     """Return the house of ``Builder.house``. Raises ``Unsatisfiable`` where it finds no layout.
 
+    Typical rules that contradict what the request states of the rooms give way to it.
     A proof that rests on the areas of rooms covers only a part of the sizes that these areas allow. In that
     case all sizes are searched.
     """
-    try:
-        return builder.house(request, seed, index, inferences)
-    except NoLayout as found:
-        proof = unsatisfiable(found)
-    rests_on_areas = any(reason.text.startswith("room_area(") for reason in proof.reasons)
-    if not (rests_on_areas and builder.decides_areas(request)):
-        raise proof
-    try:
-        return builder.house(request, seed, index, inferences, thorough=True)
-    except NoLayout as found:
-        raise unsatisfiable(found) from None
+    builder.begin()
+    if request.given and (rules := unlike_stated_sizes(builder, request)):
+        builder = builder.giving_way(rules)
+    thorough = False
+    while True:
+        try:
+            return builder.house(request, seed, index, inferences, thorough)
+        except NoLayout as found:
+            if rules := giving_way(found):
+                builder, thorough = builder.giving_way(rules), False
+                continue
+            proof = unsatisfiable(found)
+        rests_on_areas = any(reason.text.startswith("room_area(") for reason in proof.reasons)
+        if thorough or not (rests_on_areas and builder.decides_areas(request)):
+            raise proof
+        thorough = True
 
 
 def unsatisfiable(found: NoLayout) -> Unsatisfiable:

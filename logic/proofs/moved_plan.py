@@ -15,8 +15,10 @@ from logic.house.parts import OUTSIDE, Door, Window
 from logic.house.promises import Thickness
 from logic.language.loaded import LoadedGrammar
 from logic.placement.given_plan import inner_span
+from logic.placement.lengths import typical_lengths
 from logic.placement.prolog import Term
 from logic.proofs.answer import unsatisfiable
+from logic.proofs.giving_way import giving_way
 from logic.request.own_plan import OwnPlan, Wall
 from logic.request.request import Request
 
@@ -60,14 +62,20 @@ class LoosePlanMaker(GivenPlanMaker):
 
 
 def moved_plan(builder: Builder, request: Request, seed: int) -> OwnPlan | None:
-    """See ``LoosePlanMaker.moved``; raises ``Unsatisfiable`` for what no lengths can mend."""
+    """See ``LoosePlanMaker.moved``; raises ``Unsatisfiable`` for what no lengths can mend. Typical rules give
+    way, all of the lengths among them.
+    """
     builder.maker_of(request)  # refuses what is no plan of this grammar
     assert request.plan
-    maker = LoosePlanMaker(builder.grammar, builder.loaded, request.plan)
-    try:
-        return maker.moved(request, np.random.default_rng(seed))
-    except NoLayout as found:
-        raise unsatisfiable(found) from None
+    rules = [*typical_lengths(builder.placer, builder.loaded.furniture).values()]
+    while True:
+        builder = builder.giving_way(rules) if rules else builder
+        maker = LoosePlanMaker(builder.grammar, builder.loaded, request.plan)
+        try:
+            return maker.moved(request, np.random.default_rng(seed))
+        except NoLayout as found:
+            if not (rules := giving_way(found)):
+                raise unsatisfiable(found) from None
 
 
 def _lines(plan: OwnPlan) -> tuple[list[float], list[float]]:

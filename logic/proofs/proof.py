@@ -1,7 +1,7 @@
 """The proof that there is no house, in the user's own words: the conflict, where it stands, what would do."""
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from clingo import Symbol
@@ -48,20 +48,9 @@ class Prover:
         self._of.placer.account.at(
             PROOF, f"why there is no house with {request}: that there is none is proved"
         )
-        relaxed, statements = self._of.house(request, found.unfurnishable)
-        refuted: dict[Reason, list[Refuted]] = defaultdict(list)
-        for each in found.refuted:
-            refuted[Reason(str(each))].append(each)
-        for reason, rooms_ in refuted.items():
-            nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
-            statements.append(relaxed.proved(reason, nogoods))
-        # The user's plan or brief says more than rules from which the same follows: it is left out last.
-        if request.given:
-            statements.sort(key=lambda each: each.reason.file is not None)
-        fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
-        for order in found.orders:
-            relaxed.exclude(Conflict({**order, **fixed}, ()))
-        question = self._of.of_rooms(relaxed, request)
+        question, statements, refuted = asked(found)
+        if request.states_rooms:  # Typical rules have given way.
+            statements = [each for each in statements if not each.reason.typical]
         if question.possible(statements):
             if request.brief or self._of.thorough:  # with fewer lines, a search may decide less
                 raise LimitReached(
@@ -162,6 +151,27 @@ class Prover:
         if question.possible(statements):
             raise VitruviusError(f"{refuted[0].name} was proved infeasible, and can be furnished")
         return [statement.reason for statement in least(question, statements)]
+
+
+def asked(found: NoLayout) -> tuple[Question, list[Statement], Mapping[Reason, Sequence[Refuted]]]:
+    """What can be asked of a request's rooms with this evidence, all statements, and the rooms of a plan that
+    have no furniture, by those of the statements that say so.
+    """
+    request, feasibility = found.request, found.feasibility
+    relaxed, statements = feasibility.house(request, found.unfurnishable)
+    refuted: dict[Reason, list[Refuted]] = defaultdict(list)
+    for each in found.refuted:
+        refuted[Reason(str(each))].append(each)
+    for reason, rooms_ in refuted.items():
+        nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
+        statements.append(relaxed.proved(reason, nogoods))
+    # The user's plan or brief says more than rules from which the same follows: it is left out last.
+    if request.given:
+        statements.sort(key=lambda each: each.reason.file is not None)
+    fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
+    for order in found.orders:
+        relaxed.exclude(Conflict({**order, **fixed}, ()))
+    return feasibility.of_rooms(relaxed, request), statements, refuted
 
 
 def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] | None:

@@ -300,7 +300,7 @@ def _misplaced(plan: OwnPlan) -> Iterator[str]:
             yield f"a door is of {min(unknown)}, and there is no such room"
         elif plan.wall_of(door) is None:
             yield f"the door between {one} and {other} is in no wall that they share"
-        if frozenset(door.between) in joined:
+        if frozenset(door.between) in joined and not door.is_entrance:
             yield f"there are two doors between {one} and {other}: keep one of them"
         joined.add(frozenset(door.between))
     for window in plan.windows:

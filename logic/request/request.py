@@ -78,6 +78,11 @@ class Request:
     """What is wanted of each room by its name."""
 
     @property
+    def states_rooms(self) -> bool:
+        """Whether it says what the rooms are, and so which typical rules give way."""
+        return bool(self.types or self.given)
+
+    @property
     def given(self) -> Brief | OwnPlan | None:
         """What it says of each room by its name, if anything."""
         return self.brief or self.plan

@@ -1,4 +1,4 @@
-:- module(core, [grammar_problems/4, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
+:- module(core, [grammar_problems/4, grammar_problems/5, grammar_typical/1, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
                  room_conflict/4, room_system/3, room_pieces/4, room_lengths/7,
                  main_lengths/4, layout_area_conflict/5, solver_version/1]).
 
@@ -90,12 +90,27 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 %   such cells (m) if not 0.0. The last lies at the top of the grammar's folder. Walls are shared or apart, as the grammar's topology has them.
 %   Of a grammar loaded before nothing is left.
 
-grammar_problems(Files, Walls, Cell, Json) :-
+grammar_problems(Files, Walls, Cell, Json) :- grammar_problems(Files, [], Walls, Cell, Json).
+
+%!  grammar_problems(+Files, +LeftOut, +Walls, +Cell, -Json) is det.
+%
+%   The same without typical clauses that are LeftOut: see load_grammar/3.
+
+grammar_problems(Files, LeftOut, Walls, Cell, Json) :-
     nb_setval(grammar_walls, Walls),
     nb_setval(grammar_files, Files),
-    load_grammar(Files, Problems),
+    load_grammar(Files, LeftOut, Problems),
     set_cell(Cell),
     findall([F,L,C,T,N], member(problem(F,L,C,T,N), Problems), List),
+    as_json(List, Json).
+
+%!  grammar_typical(-Json) is det.
+%
+%   Json lists [File,Line] of the clauses that give way to what is stated of rooms.
+
+grammar_typical(Json) :-
+    typical_places(Places),
+    findall([File,Line], member(File-Line, Places), List),
     as_json(List, Json).
 
 %!  grammar_lengths(+Furniture, +Names, -Json) is det.

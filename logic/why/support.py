@@ -55,7 +55,11 @@ class Support:
             builder.add(ast.Program(HERE, "base", []))
             for atom in holds:
                 builder.add(ast.Rule(HERE, ast.Literal(HERE, ast.Sign.NoSign, _fact(atom)), []))
-            parse([CORE, *program.files], lambda statement: self._add(statement, builder))
+            parse(
+                [CORE, *program.files],
+                lambda statement: self._add(statement, builder),
+                left_out=program.left_out,
+            )
         control.ground([("base", []), *program.parts, ("pick", [])])
         self._instances: dict[Symbol, list[_Instance]] = {atom: [] for atom in holds}
         for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):

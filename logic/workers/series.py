@@ -105,6 +105,7 @@ class HouseSeries:
         _warned.add(self.grammar.hash)
         number = min(workers, len(indices))
         team: list[Solver] = []
+        said = set[str]()
         reusable = False
         try:
             for _ in range(number):
@@ -139,6 +140,7 @@ class HouseSeries:
                         worker.loaded()
                     worker.ask(self._question(seed, indices[turn + len(team)]), self.seconds)
                 if isinstance(made, House):
+                    self._say_what_gave_way(made, said)
                     reusable = True
                     yield made
                     reusable = False
@@ -152,6 +154,18 @@ class HouseSeries:
                     _idle.add(key, worker)
                 else:
                     worker.end()
+
+    def _say_what_gave_way(self, house: House, said: set[str]) -> None:
+        """Warn of each typical rule that gave way to the request, once."""
+        assert house.provenance
+        for rule in house.provenance.gave_way:
+            if rule not in said:
+                stated = next(
+                    (each for each in ("brief", "plan") if self.request.get(each)), "counts of types"
+                )
+                text = f"{self.grammar.name}: a typical rule gives way to the {stated}: {rule}"
+                warnings.warn(text, GrammarWarning, stacklevel=3)
+            said.add(rule)
 
 
 def _warn(worker: Solver, rooms: int) -> None:

@@ -5,10 +5,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from logic.checking.check import violations
 from logic.errors import HouseFileError, RequestError
 from logic.grammar import find, shipped
 from logic.house.house import House
+from logic.house.parts import Provenance
 from logic.house.promises import PROMISES, Promises, read_promises
 from logic.opener import content_of, from_json
 from logic.spelling import unknown
@@ -51,10 +54,20 @@ def promises_of(house: House) -> Promises:
     made = house.provenance
     if made is None:
         return PROMISES[DEFAULT] if house.main_room else Promises()
-    said = PROMISES.get(made.grammar, Promises())
+    said = _beside_what_is_stated(made, PROMISES.get(made.grammar, Promises()))
     if made.promises is None:
         return said
     return said.beside(made.promises) if made.grammar_hash == _hash_of(made.grammar) else made.promises
+
+
+def _beside_what_is_stated(made: Provenance, said: Promises) -> Promises:
+    """Return what is said of a grammar without what gives way to a brief, a plan or counts: the promises that
+    travel with the house say that.
+    """
+    ways = ("opens",) if {"brief", "plan"} & made.request.keys() else ()
+    typical = ("room_size", "room_area", "narrowest", "lit") if made.gave_way else ()
+    silent = msgspec.structs.asdict(Promises())
+    return msgspec.structs.replace(said, **{name: silent[name] for name in (*ways, *typical)})
 
 
 def standard(named: Standard) -> Callable[[House], Promises]:

@@ -136,7 +136,7 @@ class Worker:
 
     def account(self) -> Any:
         """What is done: see ``account.py``."""
-        return self._builder.account
+        return self._builder.at_work.account
 
     def seconds(self, question: Asked) -> float | None:
         """How long a question may take: to load has limits of its own."""
@@ -152,7 +152,7 @@ class Worker:
             case Open():
                 yield from self._loaded(question)
                 return
-        self._builder.account.begin()
+        self._builder.begin()
         processor = question.processor if isinstance(question, Warn) else question.seconds
         confinement.allow_seconds(processor + GRACE)
         yield from self._answers(question)
@@ -162,6 +162,7 @@ class Worker:
         from logic.language.linter import all_warnings, warnings
         from logic.proofs.answer import house_or_proof
         from logic.proofs.easing import easing
+        from logic.proofs.giving_way import without
         from logic.proofs.moved_plan import moved_plan
         from logic.request.request import Request
 
@@ -189,7 +190,8 @@ class Worker:
                     yield Eased(how)
                 yield Done()
             case Promise():
-                yield Promised(builder.promises(Request.read(question.request)))
+                wanted = Request.read(question.request)
+                yield Promised(without(builder, wanted, ()).promises(wanted))
             case Lint():
                 yield Judged(all_warnings(builder.grammar, builder.loaded))
             case Warn():
@@ -198,9 +200,15 @@ class Worker:
     def _explained(self, question: Explain) -> Iterator[Explained]:
         """Why a house is as it is, in parts as they are found."""
         from logic.house.house import House
+        from logic.proofs.giving_way import without
+        from logic.request.request import Request
         from logic.why.kinds import witness_of
 
-        witness = witness_of(self._builder, House.from_dict(question.house), question.inferences)
+        house = House.from_dict(question.house)
+        made = house.provenance
+        assert made
+        builder = without(self._builder, Request.read(made.request), made.gave_way)
+        witness = witness_of(builder, house, question.inferences)
         until = time.monotonic() + SEARCHED * question.searching
         for part in witness.parts(question.target, until):
             yield Explained(part)

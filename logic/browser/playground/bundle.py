@@ -24,6 +24,7 @@ from logic.grammar import (
     STAR,
     STATED,
     TOPOLOGIES,
+    TYPICAL,
     find,
     shipped,
 )
@@ -91,7 +92,7 @@ def bundle() -> dict[str, object]:
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
         "palette": structs.asdict(PALETTES["colour"]),
         "widths": letter_widths(),
-        "programs": STAGES,
+        "programs": (*STAGES, TYPICAL),
         "says": {
             "absent": ABSENT,
             "choice": CHOICE,

@@ -9,6 +9,7 @@ from clingo.ast import ASTType
 
 from logic.encoding import illegible, shown
 from logic.errors import GrammarError
+from logic.grammar import TYPICAL
 from logic.includes import EXAMPLES, SAYS, below
 from logic.language.asp.integers import too_large
 from logic.language.asp.statements import Statement
@@ -66,8 +67,8 @@ def audit(statements: Iterable[Statement], stages: Sequence[str] = STAGES) -> It
 
 
 def _objection(node: Any, stages: Sequence[str]) -> str:
-    if node.ast_type == ASTType.Program and (node.parameters or node.name not in {"base", *stages}):
-        meant = closest(node.name, stages)
+    if node.ast_type == ASTType.Program and (node.parameters or node.name not in {"base", TYPICAL, *stages}):
+        meant = closest(node.name, [*stages, TYPICAL])
         others = f"there are {', '.join(stages[:-1])} and {stages[-1]}, and base for "
         others += "both" if len(stages) == 2 else "all"
         hint = f"did you mean {meant}?" if meant else others

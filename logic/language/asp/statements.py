@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from clingo.ast import ASTType
 
 from logic.errors import GrammarError
+from logic.grammar import TYPICAL
 from logic.layout.messages import clingo_error
 from logic.layout.reading import parse
 
@@ -23,7 +24,7 @@ class Statement(NamedTuple):
 
 
 def read(files: Sequence[Path]) -> list[Statement]:
-    """All statements of these files and of what they include, in order.
+    """All statements of these files and of what they include, in order; typical ones are of the house.
 
     Raises ``GrammarError`` for the first syntax error.
     """
@@ -34,7 +35,7 @@ def read(files: Sequence[Path]) -> list[Statement]:
     def take(node: Any) -> None:
         nonlocal program
         if node.ast_type == ASTType.Program:
-            program = node.name
+            program = "house" if node.name == TYPICAL else node.name
         found.append(Statement(node, program))
 
     try:

@@ -1,4 +1,4 @@
-:- module(grammar_files, [load_grammar/2, state_grammar/1, drop_grammar/0, grammar_terms/1]).
+:- module(grammar_files, [load_grammar/2, load_grammar/3, typical_places/1, state_grammar/1, drop_grammar/0, grammar_terms/1]).
 
 /** <module> A grammar's .pl files, loaded
 
@@ -10,7 +10,9 @@ or several.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(library(pairs)).
 :- use_module(library(sandbox)).
+:- use_module(library(yall)).
 :- use_module(lint).
 :- use_module(written).
 
@@ -146,18 +148,61 @@ or several.
 :- grammar:use_module(library(clpr), [{}/1]).
 :- grammar:use_module(library(lists), [member/2,memberchk/2]).
 
-:- dynamic file_text/2, written/3, stated/1.
+:- dynamic file_text/2, written/3, stated/1, typical_place/1.
 
 %!  load_grammar(+Files, -Problems) is det.
 %
 %   Files are as in written.pl. Problems are those of the files' terms (lint.pl). Where there are none, these terms are
 %   the grammar, and what was loaded before is dropped.
 
-load_grammar(Files, Problems) :-
+load_grammar(Files, Problems) :- load_grammar(Files, [], Problems).
+
+%!  load_grammar(+Files, +LeftOut, -Problems) is det.
+%
+%   As load_grammar/2, without the typical clauses that are LeftOut: each is File-Line, where it begins.
+
+load_grammar(Files, LeftOut, Problems) :-
     drop_grammar,
-    written_terms(Files, Terms),
+    written_terms(Files, Written),
+    maplist(plain_term, Written, Terms, Kinds),
     term_problems(Terms, Problems),
-    ( Problems == [] -> state_grammar(Terms) ; true ).
+    ( Problems == [] -> pairs_keys_values(Pairs, Kinds, Terms), settled(Pairs, LeftOut, Settled), state_grammar(Settled) ; true ).
+
+%   plain_term(+Written, -Term, -Kind): of a limit, limit(Head) :- Body, Term is the clause Head :- Body.
+
+plain_term(term(Source,P,clause(limit(Head),Body,term_position(_,_,_,_,[At]),B,Names,Single)),
+           term(Source,P,clause(Head,Body,At,B,Names,Single)), limit) :- nonvar(Head), !.
+plain_term(Term, Term, other).
+
+%   settled(+Pairs, +LeftOut, -Terms): a clause is typical where there is a limit for the same, which stands in its place if it is LeftOut.
+%   Where the typical clauses stand is kept.
+
+settled(Pairs, LeftOut, Terms) :-
+    findall(About, ( member(limit-Term, Pairs), about(Term, About) ), Limits),
+    findall(Place, ( member(other-Term, Pairs), about(Term, About), memberchk(About, Limits), line(Term, Place) ), Typical),
+    exclude(is_left_out(LeftOut), Pairs, Kept),
+    findall(About, ( member(other-Term, Kept), about(Term, About) ), Stated),
+    exclude(is_no_limit(Stated), Kept, Settled),
+    pairs_values(Settled, Terms),
+    maplist([P]>>assertz(typical_place(P)), Typical).
+
+is_left_out(LeftOut, other-Term) :- line(Term, Place), memberchk(Place, LeftOut).
+
+is_no_limit(Stated, limit-Term) :- about(Term, About), memberchk(About, Stated).
+
+line(term(Source,Position,_), File-Line) :- Source = source(File,_), place(Source, Position, Line, _).
+
+%!  typical_places(-Places) is det.
+%
+%   Where the typical clauses of the grammar stand, each as File-Line.
+
+typical_places(Places) :- findall(Place, typical_place(Place), Places).
+
+%   about(+Term, -About): Name/Arity-Type of a clause's head, where Type is the first argument, if that is a name.
+
+about(term(_,_,clause(Head,_,_,_,_,_)), Name/Arity-Type) :-
+    functor(Head, Name, Arity),
+    ( compound(Head), arg(1, Head, First), atom(First) -> Type = First ; Type = '' ).
 
 %!  state_grammar(+Terms) is det.
 %
@@ -187,7 +232,7 @@ safe(Name/Arity) :- functor(Head, Name, Arity), safe_goal(grammar:Head).
 
 drop_grammar :-
     forall(retract(stated(Reference)), erase(Reference)),
-    retractall(file_text(_,_)), retractall(written(_,_,_)).
+    retractall(file_text(_,_)), retractall(written(_,_,_)), retractall(typical_place(_)).
 
 %!  grammar_terms(-Terms) is det.
 %

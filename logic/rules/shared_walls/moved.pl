@@ -171,11 +171,11 @@ doors_of([R-Q|Doors], Rooms, At, Least) -->
 
 overlap(A1-A2/(B1-B2), M0) --> { length_of(inner_wall, T), M is M0 + T }, [(A1+M =< A2)-[], (B1+M =< B2)-[], (A1+M =< B2)-[], (B1+M =< A2)-[]].
 
-%   The longest part of an outer side has room for its window or the entrance, as in own_plan.pl.
+%   The longest part of an outer side has room for its window, the entrance or a garden door, as in own_plan.pl.
 
 outer(Atoms, Walls, At) -->
     { length_of(door_width, Width), outer_margin(door_margin, Margin), Door is Width + 2*Margin,
-      findall(R-S-outside-Door, member(entrance(R,S), Atoms), Entrances),
+      findall(R-S-outside-Door, ( member(entrance(R,S), Atoms) ; member(garden(R,S), Atoms) ), Entrances),
       findall(R-S-Q-L, ( member(window(R,S), Atoms), memberchk(room(R,T), Atoms), window_walls(T, L, _), behind_window(Atoms, R, S, Q) ), Windows),
       append(Entrances, Windows, Openings) },
     parts(Openings, Walls, At).

@@ -172,11 +172,11 @@ def test_doors_move_to_where_a_room_can_be_furnished(home: Builder, monkeypatch:
             ("room_size(bathroom", "plan: bath is 2.40 by 1.00 m"),
         ),
         (
-            {"kitchen": (6, 1, 8.9, 3)},
+            {"kitchen": (6, 1.2, 7.6, 3)},
             {"kitchen": "kitchen"},
-            ("room_area(kitchen, 6.0, 16.0)", "plan: kitchen"),
+            ("room_area(kitchen, 3.0, 60.0)", "plan: kitchen"),
         ),
-        ({}, {"hall": "bedroom"}, ("plan: hall is of type bedroom",)),
+        ({}, {"hall": "living"}, ("plan: hall is of type living",)),
         ({}, {"bath": "living", "living": "bedroom"}, ("plan: bath is of type living", "room_size(living")),
         (
             {"bath": (6, 3, 9, 6), "store": (9, 0, 10, 6)},

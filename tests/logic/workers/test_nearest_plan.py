@@ -9,11 +9,12 @@ import pytest
 from logic import Unsatisfiable, check, generate, nearest_plan
 from logic.request.given_plan import read_plan
 from logic.request.own_plan import OwnPlan
+from tests.logic.generation.test_shared_walls import copied
 from tests.logic.request.test_given_plan import BOXES, Box, geojson
 from vitruvius.cli import main
 
-NARROW: dict[str, Box] = BOXES | {"bath": (6, 3, 7.57, 5.2)}
-"""A bath of 1.57 m, that is 1.6 m wide at least."""
+NARROW: dict[str, Box] = BOXES | {"bath": (6, 3, 7.17, 5.2)}
+"""A bath of 1.17 m, that is 1.2 m wide at least."""
 
 
 def record(boxes: dict[str, Box]) -> dict[str, Any]:
@@ -32,31 +33,32 @@ def moved(plan: OwnPlan, share: float, to: OwnPlan) -> OwnPlan:
 def test_a_room_is_as_much_wider_as_it_must_be_and_has_a_house() -> None:
     found = nearest_plan(record(NARROW), grammar="home")
     assert found.changes == ("bath 0.030 m wider",)
-    assert "plan: bath is 1.57 by 2.20 m" in str(found.proof)
+    assert "plan: bath is 1.17 by 2.20 m" in str(found.proof)
     assert check(next(generate(plan=found.plan, grammar="home"))) == []
     with pytest.raises(Unsatisfiable, match="plan: bath"):
         next(generate(plan=moved(read_plan(record(NARROW)), 0.99, found.plan), grammar="home"))
 
 
 def test_a_wall_that_moves_takes_both_of_its_rooms_and_the_door_in_it() -> None:
-    boxes = NARROW | {"bath": (6, 3, 8.4, 4.4)}  # 1.4 m deep, beside a kitchen
+    boxes = NARROW | {"bath": (6, 3, 8.4, 4.1)}  # 1.1 m deep, beside a kitchen
     found = nearest_plan(record(boxes), grammar="home")
-    assert found.changes == ("bath 0.200 m deeper",)
+    assert found.changes == ("bath 0.100 m deeper",)
     house = next(generate(plan=found.plan, grammar="home"))
     again = nearest_plan(house, grammar="home")
     assert (again.plan, again.changes, again.proof) == (read_plan(house), (), None)
 
 
-def test_an_area_too_small_is_made_up_for_exactly() -> None:
+def test_an_area_too_small_is_made_up_for_exactly(tmp_path: Path) -> None:
+    rules = copied(tmp_path, ("sizes.pl", "limit(room_area(living,     8.0, 120.0)).", ""))
     boxes = BOXES | {"living": (0.4, 0, 4, 4)}  # 14.4 m², that are 15 at least
-    found = nearest_plan(record(boxes), grammar="home")
+    found = nearest_plan(record(boxes), grammar=rules)
     rooms = {room.name: room for room in found.plan.rooms}
     assert 15 <= rooms["living"].area < 15.001
-    assert check(next(generate(plan=found.plan, grammar="home"))) == []
+    assert check(next(generate(plan=found.plan, grammar=rules))) == []
 
 
 def test_what_no_lengths_can_mend_is_proved() -> None:
-    two = geojson(BOXES, living="living", kitchen="living")
+    two = geojson(BOXES, hall="hall", living="kitchen", kitchen="kitchen", bedroom="study", bath="bathroom")
     with pytest.raises(Unsatisfiable, match="room\\(R,living\\)"):
         nearest_plan(two, grammar="home")
 

@@ -26,7 +26,7 @@ function objection(text, { says, programs }) {
   if (says.directives[directive]) return says.directives[directive];
   if (directive === "program") {
     const name = words.replace(/\.$/, "").trim();
-    const hint = meant(name, programs) || `: there are ${programs.join(" and ")}, and base for both`;
+    const hint = meant(name, programs) || `: there are ${programs.slice(0, 2).join(" and ")}, and base for both`;
     return ["base", ...programs].includes(name) ? "" : `#program ${name} is part of no layout${hint}`;
   }
   if (directive && !["const", "defined", "count", "sum", "sum+", "min", "max", "true", "false"].includes(directive))

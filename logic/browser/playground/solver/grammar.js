@@ -97,7 +97,7 @@ export class Grammar {
     const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["outdoor", 1], ["opening", 2], ["part", 2], ["most_rooms", 1]];
     // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
     const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
-    const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house"]).atoms(...signatures).map(parseTerm);
+    const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house", "typical"]).atoms(...signatures).map(parseTerm);
     const of = (name) => facts.filter((fact) => fact.name === name).map((fact) => fact.args);
     const without = this.withoutRule();
     new Program(this.clingo, [...this.asp, known], {}, ["room"]).atoms();
@@ -241,7 +241,7 @@ export class Grammar {
 
   /** The program of a request's rooms. */
   rooms(request) {
-    const parts = ["house", ...this.walls.map(([fact]) => fact), ...requirements(request)];
+    const parts = ["house", "typical", ...this.walls.map(([fact]) => fact), ...requirements(request)];
     return this.program({ rooms: request.rooms }, parts, this.differences);
   }
 

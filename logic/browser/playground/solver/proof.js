@@ -138,7 +138,7 @@ class Relaxed {
 /** The rooms of a request, without rooms of the types that cannot be furnished; and how stage 2 refutes a layout. */
 function rooms(grammar, request, unfurnishable) {
   const required = requirements(request);
-  const relaxed = new Relaxed(grammar, { rooms: request.rooms }, ["house", ...required], grammar.walls, grammar.differences);
+  const relaxed = new Relaxed(grammar, { rooms: request.rooms }, ["house", "typical", ...required], grammar.walls, grammar.differences);
   for (const [number, type] of Object.keys(request.types).sort().entries())
     relaxed.choice({ text: `${type}: ${inWords(request.types[type])}` }, [[granted(required[number]), true]]);
   for (const type of unfurnishable)

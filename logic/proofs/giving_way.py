@@ -1,0 +1,151 @@
+"""The typical rules of a grammar that give way: those that contradict what a request states of its rooms."""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import suppress
+from functools import partial
+
+from clingo import Function
+
+from logic.errors import Reason
+from logic.generation.builder import Builder
+from logic.generation.evidence import NoLayout, NoUnits
+from logic.generation.question import Question
+from logic.layout.conflicts import minimal
+from logic.layout.relaxed import Statement, TooMany
+from logic.placement.lengths import metres, typical_lengths
+from logic.proofs.proof import asked
+from logic.request.brief import bounds, tolerance_of
+from logic.request.request import Request
+
+MAX_REFUTED = 60
+"""Layouts that stage 2 refutes to find which typical lengths contradict a request; past them all give way."""
+
+MAX_CONFLICTS = 3_000
+"""Conflicts of clingo's in each search for typical rules that contradict a request."""
+
+Span = tuple[float, float]
+"""From the least to the greatest, metres or square metres."""
+
+
+def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
+    """Return the typical sizes and areas of room types of which a request states others."""
+    types = builder.loaded.extremes["rooms"]
+    areas = {name: (least, most) for name, least, most in metres(builder.placer, types)["areas"]}
+    names: dict[str, set[str]] = {"size": set(), "room_area": set()}
+    for type_, sides, area in _stated(request):
+        width, depth = types[type_][:2], types[type_][2:]
+        fits = not sides or any(_within(a, width) and _within(b, depth) for a, b in (sides, sides[::-1]))
+        if not fits or (area and not _within(area, (width[0] * depth[0], width[1] * depth[1]))):
+            names["size"].add(type_)
+        if area and type_ in areas and not _within(area, areas[type_]):
+            names["room_area"].add(type_)
+    unlike = {Function(name, [Function(each)]) for name, some in names.items() for each in some}
+    return [each for clause, each in typical_lengths(builder.placer, types).items() if clause in unlike]
+
+
+def _stated(request: Request) -> Iterator[tuple[str, tuple[Span, ...], Span | None]]:
+    """The sides and the area of each room of a stated type, as far as they are stated."""
+    for room in request.plan.rooms if request.plan else ():
+        if room.type:
+            sides = (room.width, room.width), (room.height, room.height)
+            yield room.type, sides, (room.area, room.area)
+    brief = request.brief
+    for room in brief.rooms if brief else ():
+        if brief and room.type and (room.size or room.area):
+            tolerance = tolerance_of(brief, room)
+            sides = tuple(bounds(side, tolerance) for side in room.size or ())
+            area = bounds(room.area, tolerance) if room.area else None
+            if sides and not area:
+                area = sides[0][0] * sides[1][0], sides[0][1] * sides[1][1]
+            yield room.type, sides, area
+
+
+def _within(stated: Span, typical: Sequence[float]) -> bool:
+    return typical[0] - 1e-6 <= stated[0] and stated[1] <= typical[1] + 1e-6
+
+
+def giving_way(found: NoLayout) -> list[Reason]:
+    """Return typical rules that have to go, for a request that has no house with them.
+
+    Nothing where the request states nothing of its rooms, or where the other rules refute it. Of each
+    conflict the rule goes that stands last in its file; where none is soon found, the last of the lengths; of
+    a house of units go all. A function of the request and of the evidence.
+    """
+    if not found.request.states_rooms:
+        return []
+    if isinstance(found, NoUnits):
+        rules = found.unit.source.conditional(found.unit.source.files, laws=False).reasons
+        return [each for each in rules if each.typical]
+    question, statements, _ = asked(found)
+    must = [each for each in statements if not each.reason.typical]
+    typical = [each for each in statements if each.reason.typical and _is_about(each, found.request)]
+    typical.sort(key=_place)
+    try:
+        rules = _in_conflict(
+            partial(question.relaxed.model, conflicts=MAX_CONFLICTS), question, must, typical
+        )
+        if rules == []:  # Stage 1 has a layout, so lengths are in conflict.
+            rules = _in_conflict(partial(question.layout, most=MAX_REFUTED), question, must, typical)
+    except TooMany:
+        lengths = [each for each in typical if each.clause]
+        rules = lengths[-max(1, len(lengths) // 4) :] or typical
+    return [each.reason for each in rules or ()]
+
+
+def _is_about(statement: Statement, request: Request) -> bool:
+    """Return True unless it is of the size of a type that no room of the request has."""
+    types = {room.type for room in request.given.rooms} if request.given else {""}
+    about = statement.clause.arguments if statement.clause else ()
+    return not about or "" in types or about[0].name in types
+
+
+def _place(statement: Statement) -> tuple[str, int]:
+    return str(statement.reason.file), statement.reason.line or 0
+
+
+def _in_conflict(
+    layout: Callable[[Sequence[Statement]], object | None],
+    question: Question,
+    must: Sequence[Statement],
+    typical: Sequence[Statement],
+) -> list[Statement] | None:
+    """Typical rules without which there may be a ``layout``, the last one of each conflict; None if the other
+    rules have none. Raises ``TooMany`` where it is not soon found out whether there is a conflict.
+    """
+
+    def possible(some: Sequence[Statement]) -> bool:
+        with suppress(TooMany):
+            return layout([*must, *some]) is not None
+        return True
+
+    def core(some: Sequence[Statement]) -> list[Statement]:
+        found = {id(each) for each in question.core([*must, *some])}
+        return [each for each in some if id(each) in found]
+
+    kept, left_out = list(typical), list[Statement]()
+    refuted = bool(kept) and layout([*must, *kept]) is None
+    while refuted:
+        conflict = minimal(kept, possible, core)
+        if not conflict:
+            return None
+        left_out.append(conflict[-1])
+        kept.remove(conflict[-1])
+        refuted = not possible(kept)
+    return left_out
+
+
+def without(builder: Builder, request: Request, gave_way: Collection[str]) -> Builder:
+    """Return the builder without the typical rules that gave way to a request, as a house file cites them.
+
+    Without any citation, as in a row of a set, return the one without those that counts refute.
+    """
+    if not request.states_rooms:
+        return builder
+    feasibility = builder.maker_of(request).feasibility
+    if gave_way:
+        _, statements = feasibility.house(request)
+        typical = [each.reason for each in statements if each.reason.typical]
+        rules = [each for each in typical if builder.grammar.cited(each) in gave_way]
+    else:
+        rules = [] if request.given else giving_way(NoLayout(request, feasibility))
+    return builder.giving_way(rules) if rules else builder

@@ -1,0 +1,215 @@
+"""Typical rules of a grammar give way to what a user states of the rooms; those that must be kept do not."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from logic import GrammarWarning, Unsatisfiable, check, generate
+from logic.generation.builder import Builder
+from logic.grammar import find
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door
+from logic.language.linter import findings
+from logic.proofs.answer import house_or_proof
+from logic.proofs.giving_way import without
+from logic.request.given_plan import read_plan
+from logic.request.request import Request
+from logic.why.kinds import witness_of
+from tests.logic.generation.test_shared_walls import builder, copied
+from tests.logic.request.test_given_plan import BOXES, Box, geojson
+
+INFERENCES = 10**8
+ROOMS = {"hall": "hall", "living": "living", "kitchen": "kitchen", "bath": "bathroom", "bedroom": "bedroom"}
+"""Types of the rooms of ``BOXES``."""
+
+
+@pytest.fixture(scope="module")
+def home() -> Builder:
+    return builder("home")
+
+
+def brief(doors: str, **rooms: Any) -> dict[str, Any]:
+    """Rooms, each with its type and area, or its two sides; pairs of rooms with doors between them."""
+    wanted = []
+    for name, (type_, *measures) in rooms.items():
+        size = {"size": measures} if len(measures) == 2 else {"area": measures[0]}
+        wanted.append({"name": name, "type": type_, **size})
+    first = next(iter(rooms))
+    return {"rooms": wanted, "doors": [pair.split("-") for pair in doors.split()], "entrance": first}
+
+
+def made(home: Builder, stated: dict[str, Any]) -> House:
+    return house_or_proof(
+        home, Request.read({"rooms": len(stated["rooms"]), "brief": stated}), 0, 0, INFERENCES
+    )
+
+
+ONE_BEDROOM = brief(
+    "hall-living hall-bedroom hall-bath hall-store living-kitchen",
+    hall=("hall", (4, 7)),
+    living=("living", (17, 20)),
+    kitchen=("kitchen", (6, 8)),
+    bedroom=("bedroom", (11.5, 14)),
+    bath=("bathroom", (4.4, 5.5)),
+    store=("storage", (1.5, 2.5)),
+)
+FLATS: dict[str, tuple[dict[str, Any], set[str]]] = {
+    "one bedroom of six rooms": (ONE_BEDROOM, {":- { room(R,bedroom) } < (rooms+2)/4."}),
+    "a long hall with five doors": (
+        brief(
+            "hall-living hall-kitchen hall-main hall-child hall-bath",
+            hall=("hall", (1.1, 1.4), (6, 9)),
+            living=("living", (20, 26)),
+            kitchen=("kitchen", (8, 11)),
+            main=("bedroom", (12, 16)),
+            child=("bedroom", (9, 12)),
+            bath=("bathroom", (4, 6)),
+        ),
+        {"degree(hall,1,4).", "room_area(hall, 3.2, 8.5)."},
+    ),
+    "a shared flat without a living room": (
+        brief(
+            "hall-one hall-two hall-three hall-kitchen hall-bath",
+            hall=("hall", (6, 12)),
+            one=("bedroom", (12, 16)),
+            two=("bedroom", (12, 16)),
+            three=("bedroom", (12, 16)),
+            kitchen=("kitchen", (11, 15)),
+            bath=("bathroom", (5, 7)),
+        ),
+        {"degree(hall,1,4).", ":- { room(R,living) } != 1."},
+    ),
+    "a loft of 65 m² without a hall": (
+        brief(
+            "loft-bath loft-bedroom loft-kitchen",
+            loft=("living", (55, 75)),
+            bath=("bathroom", (5, 8)),
+            bedroom=("bedroom", (14, 20)),
+            kitchen=("kitchen", (10, 15)),
+        ),
+        {"room_area(living, 15.0, 30.0)."},
+    ),
+    "an old flat whose rooms are passed on the way": (
+        brief(
+            "hall-kitchen kitchen-room room-chamber hall-bath",
+            hall=("hall", (5, 8)),
+            kitchen=("kitchen", (10, 14)),
+            room=("bedroom", (18, 20)),
+            chamber=("bedroom", (10, 14)),
+            bath=("bathroom", (4, 6)),
+        ),
+        {":- { room(R,living) } != 1."},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FLATS)
+def test_an_ordinary_flat_has_a_house_and_says_which_typical_rules_gave_way(home: Builder, name: str) -> None:
+    stated, gone = FLATS[name]
+    house = made(home, stated)
+    assert house.provenance
+    assert gone <= {rule.split(": ", 1)[1] for rule in house.provenance.gave_way}
+    assert all(
+        rule.startswith(("rooms.lp:", "sizes.pl:", "lengths.pl:")) for rule in house.provenance.gave_way
+    )
+    assert check(house) == []
+
+
+@pytest.mark.parametrize(
+    ("doors", "rooms", "says"),
+    [
+        ("hall-bath bath-bedroom", {"bath": ("bathroom", (4, 6))}, "opens(bathroom,any_type) is not stated"),
+        ("hall-bedroom", {"bedroom": ("bedroom", (3, 3.5))}, "room_area(bedroom, 5.0, 60.0)"),
+    ],
+    ids=["a bedroom behind a bathroom", "a bedroom of 3 m²"],
+)
+def test_what_must_be_kept_refutes_a_brief_by_itself(
+    home: Builder, doors: str, rooms: dict[str, Any], says: str
+) -> None:
+    others = {"hall": ("hall", (4, 6)), "living": ("living", (18, 24)), "bedroom": ("bedroom", (10, 14))}
+    stated = brief(f"{doors} hall-living", **others | rooms)
+    stated["no_doors"] = [["hall", "bedroom"], ["living", "bedroom"]] if "bath" in rooms else []
+    with pytest.raises(Unsatisfiable) as proof:
+        made(home, stated)
+    assert says in str(proof.value)
+    assert not any(reason.typical for reason in proof.value.reasons)
+
+
+def test_counts_of_types_are_stated_and_a_number_of_rooms_is_not(home: Builder) -> None:
+    house = house_or_proof(home, Request(6, {"bedroom": (1, 1)}), 0, 0, INFERENCES)
+    assert [room.type for room in house.rooms].count("bedroom") == 1
+    with pytest.raises(Unsatisfiable) as proof:
+        house_or_proof(home, Request(3), 0, 0, INFERENCES)
+    assert any(reason.typical for reason in proof.value.reasons)
+    assert " (typical)" in str(proof.value)
+
+
+def test_a_house_is_explained_by_the_rules_that_were_left(home: Builder) -> None:
+    house = made(home, ONE_BEDROOM)
+    assert house.provenance
+    request = Request.read(house.provenance.request)
+    left = without(home, request, house.provenance.gave_way)
+    assert left.grammar.gave_way
+    found = witness_of(left, house, INFERENCES).why("bedroom", until=0)
+    assert found.target == "bedroom"
+
+
+def test_generate_warns_of_each_rule_that_gave_way_once() -> None:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        list(generate(6, types={"bedroom": 1}, grammar="home", count=2))
+    assert [str(each.message).partition(": rooms.lp")[0] for each in said] == [
+        "home: a typical rule gives way to the counts of types"
+    ]
+    assert issubclass(said[0].category, GrammarWarning)
+
+
+def outer_doors(house: House) -> list[str]:
+    return [
+        name for door in house.doors if OUTSIDE in door.between for name in door.between if name != OUTSIDE
+    ]
+
+
+def plan_with(home: Builder, boxes: dict[str, Box], *outer: tuple[str, float, float, float, float]) -> House:
+    """A house in a plan with these doors that lead outside: a room, and x, y, width and height."""
+    plan = read_plan(geojson(boxes, **ROOMS))
+    doors = tuple(Door(x, y, width, height, (name, OUTSIDE)) for name, x, y, width, height in outer)
+    plan = read_plan(replace(plan, doors=doors, has_more_doors=True))
+    return house_or_proof(home, Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
+
+
+FRONT, GARDEN = ("hall", 4.5, 7.5, 0.9, 0.0), ("living", 0.0, 4.0, 0.0, 0.9)
+
+
+def test_a_second_outer_door_is_a_garden_door(home: Builder) -> None:
+    house = plan_with(home, BOXES, GARDEN, FRONT)
+    assert outer_doors(house) == ["hall", "living"]  # the entrance is the hall's
+    assert [door.box for door in house.garden_doors] == [(0.0, 4.0, 0.0, 4.9)]
+    assert check(house) == []
+
+
+def test_two_garden_doors_of_one_room_stay_where_they_are(home: Builder) -> None:
+    house = plan_with(
+        home, BOXES, FRONT, GARDEN, ("living", 0.0, 6.0, 0.0, 0.9), ("bedroom", 2.5, 0.0, 0.9, 0.0)
+    )
+    assert outer_doors(house) == ["hall", "living", "living", "bedroom"]
+    assert check(house) == []
+
+
+def test_lint_reads_both_kinds_of_rules(tmp_path: Path) -> None:
+    folder = copied(
+        tmp_path,
+        ("rooms.lp", "#program typical.", "#program typicl."),
+    )
+    assert any("did you mean typical?" in each.text for each in findings(find(folder)))
+
+
+def test_lint_judges_the_limits_behind_typical_sizes(tmp_path: Path) -> None:
+    folder = copied(
+        tmp_path, ("sizes.pl", "limit(room_area(wc,         0.9,   9.0)).", "limit(room_area(wc, 90, 99)).")
+    )
+    (found,) = [each for each in findings(find(folder)) if each.severity == "error"]
+    assert "room_area(wc" in found.text
