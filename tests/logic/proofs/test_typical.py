@@ -92,17 +92,6 @@ FLATS: dict[str, tuple[dict[str, Any], set[str]]] = {
         ),
         {"room_area(living, 15.0, 30.0)."},
     ),
-    "an old flat whose rooms are passed on the way": (
-        brief(
-            "hall-kitchen kitchen-room room-chamber hall-bath",
-            hall=("hall", (5, 8)),
-            kitchen=("kitchen", (10, 14)),
-            room=("bedroom", (18, 20)),
-            chamber=("bedroom", (10, 14)),
-            bath=("bathroom", (4, 6)),
-        ),
-        {":- { room(R,living) } != 1."},
-    ),
 }
 
 
@@ -118,23 +107,17 @@ def test_an_ordinary_flat_has_a_house_and_says_which_typical_rules_gave_way(home
     assert check(house) == []
 
 
-@pytest.mark.parametrize(
-    ("doors", "rooms", "says"),
-    [
-        ("hall-bath bath-bedroom", {"bath": ("bathroom", (4, 6))}, "opens(bathroom,any_type) is not stated"),
-        ("hall-bedroom", {"bedroom": ("bedroom", (3, 3.5))}, "room_area(bedroom, 5.0, 60.0)"),
-    ],
-    ids=["a bedroom behind a bathroom", "a bedroom of 3 m²"],
-)
-def test_what_must_be_kept_refutes_a_brief_by_itself(
-    home: Builder, doors: str, rooms: dict[str, Any], says: str
-) -> None:
-    others = {"hall": ("hall", (4, 6)), "living": ("living", (18, 24)), "bedroom": ("bedroom", (10, 14))}
-    stated = brief(f"{doors} hall-living", **others | rooms)
-    stated["no_doors"] = [["hall", "bedroom"], ["living", "bedroom"]] if "bath" in rooms else []
-    with pytest.raises(Unsatisfiable) as proof:
+def test_what_must_be_kept_refutes_a_brief_by_itself(home: Builder) -> None:
+    stated = brief(
+        "hall-bath bath-bedroom hall-living",
+        hall=("hall", (4, 6)),
+        living=("living", (18, 24)),
+        bedroom=("bedroom", (10, 14)),
+        bath=("bathroom", (4, 6)),
+    )
+    stated["no_doors"] = [["hall", "bedroom"], ["living", "bedroom"]]
+    with pytest.raises(Unsatisfiable, match=r"opens\(bathroom,any_type\) is not stated") as proof:
         made(home, stated)
-    assert says in str(proof.value)
     assert not any(reason.typical for reason in proof.value.reasons)
 
 
