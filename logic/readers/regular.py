@@ -177,12 +177,16 @@ def _words(name: str) -> str:
 def _surrounded(
     spaces: Sequence[Space], others: Sequence[Space], upright: Callable[[Any], Any]
 ) -> tuple[list[Space], list[Space]]:
-    """What is no room, such as a loggia: what has rooms all around it, and the rest of it."""
+    """What is no room, such as a loggia: what has rooms all around it or joins them, and the rest of it."""
     floor = shapely.union_all([upright(space.shape) for space in spaces])
     outlines = [Polygon(part.exterior) for part in parts_of(floor.buffer(MOST_WALL / 2, join_style="mitre"))]
-    is_inner = [shapely.union_all(outlines).covers(upright(each.shape)) for each in others]
-    both = list(zip(others, is_inner, strict=True))
-    return [each for each, inner in both if inner], [each for each, inner in both if not inner]
+    found: tuple[list[Space], list[Space]] = [], []
+    for each in others:
+        shape = upright(each.shape)
+        beside = [part for part in outlines if shapely.dwithin(part, shape, MOST_WALL / 2)]
+        is_inner = len(beside) > 1 or any(part.covers(shape) for part in beside)
+        found[not is_inner].append(each)
+    return found
 
 
 def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: str | None) -> None:

@@ -11,7 +11,7 @@ from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
 
-CHAMFER = 0.3
+CHAMFER = 0.5
 """Metres: a diagonal wall that is no longer becomes a corner."""
 
 MOST_CORNERS = 200
@@ -20,7 +20,7 @@ MOST_CORNERS = 200
 GRID = 1e-4
 """Metres: places of walls are rounded to it, so that sides stay along the axes."""
 
-LEAN, STRAIGHT = 0.03, 0.08
+LEAN, STRAIGHT = 0.05, 0.08
 """How far a wall may lean from end to end: a share of its length, beside noise, and in any case metres."""
 
 Point = tuple[float, float]
