@@ -26,6 +26,7 @@ from logic.checking.room import (
     wrong_fronts,
     wrong_sizes,
 )
+from logic.checking.rows import uneven_rows
 from logic.checking.shared_walls import (
     plan_corners,
     plan_degrees,
@@ -108,6 +109,7 @@ IN_A_ROOM = (
     Check("arrangement", OURS, wrong_arrangement),
     Check("fronts", OURS, blocked_fronts),
     Check("turning", OURS, no_turning),
+    Check("even rows", OURS, uneven_rows),
 )
 
 CHECKS = (

@@ -59,6 +59,7 @@ def promised(
         lit=_required(program, "lit"),
         outdoor=_required(program, "outdoor") if shares_walls else (),
         turning={name: float(side) for name, side in metres["turning"]},
+        even_rows=_even_rows(program),
         hides=_required(program, "hides"),
         empty=_named(_atoms(program, "empty", 1)),
         piece_size=_piece_sizes(extremes["pieces"]),
@@ -171,6 +172,17 @@ def _sizes(extremes: Iterable[float]) -> Sizes:
     """Extremes to the micrometre: what a file holds is short."""
     a, b, c, d = (round(float(each), 6) for each in extremes)
     return a, b, c, d
+
+
+def _even_rows(program: Program) -> dict[str, tuple[str, ...]]:
+    """Return the pieces of even rows, without rooms where a piece may stand at a wall as well."""
+    stands, found = _pairs(program, "stands"), {}
+    for type_ in _required(program, "even_rows"):
+        pieces = [piece for owner, piece, *_ in _atoms(program, "may", 4) if owner == type_]
+        rows = tuple(piece for piece in pieces if "middle" in stands[piece])
+        if all(stands[piece] == ["middle"] for piece in rows):
+            found[type_] = rows
+    return found
 
 
 def _at_wall(program: Program) -> tuple[str, ...]:

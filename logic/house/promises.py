@@ -100,6 +100,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Room types that are outside: they have no window and no part in ``house_area``, and light others."""
     turning: dict[str, float] = {}
     """Of each room type: how wide a square is free in it, metres."""
+    even_rows: dict[str, tuple[str, ...]] = {}
+    """Of each room type whose rows are even: the piece types that stand in them."""
     hides: tuple[str, ...] = ()
     """Piece types that do not stand before a window."""
     empty: tuple[str, ...] = ()

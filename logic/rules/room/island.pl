@@ -1,9 +1,10 @@
-:- module(island, [island/4, strips/3, narrowest_strip/1, island_constraints//3, all_seats_constraints//1, island_chains/4,
-                   island_items/2]).
+:- module(island, [island/4, strips/3, in_line/2, narrowest_strip/1, island_constraints//4, all_seats_constraints//1, island_chains/4,
+                   even_chains/3, island_items/2]).
 
 /** <module> What stands in the middle of a room: islands in one row, a passage from each other and from the core's edge
 
-Several rows are parallel, a passage apart. Each is a strip, along whose edge its islands stand.
+Several rows are parallel, a passage apart. Each is a strip, along whose edge its islands stand. Rows that are even have as
+many islands each, in line from row to row, and equal distances both ways.
 */
 
 :- use_module(library(apply)).
@@ -51,6 +52,7 @@ island_reasons(On, Layout, Front, With) -->
       findall(with(F,K,G,Hand), member(with(F,K,G,Hand), Layout), With) },
     [On,length(passage)],
     ( holds(faces(F,K,Front), Layout) -> [] ; { Front = none } ),
+    ( holds(even_row, Layout) -> [] ; [] ),
     because(With).
 
 after(Place, N, Row, Layout) --> ( holds(on(_,_,Place,N), Layout) -> [row(Row)] ; [] ).
@@ -81,17 +83,34 @@ across_row(inwards, Island, Block) :- island_xblock(Island, Block).
 
 at_edge(Start, block(Start,Depth,Bounds,_), Bounds, Depth-Why) :- Bounds = [_-Why|_].
 
+%!  in_line(?Strips, +Way) is det.
+%
+%   The islands that have the same number in their rows start at the same place.
+
+in_line([], _).
+in_line([strip(_,Islands,_)|Strips], Way) :-
+    maplist(along_row(Way), Islands, Blocks),
+    maplist(block_start, Blocks, Starts),
+    maplist(starts_along(Way, Starts), Strips).
+
+starts_along(Way, Starts, strip(_,Islands,_)) :-
+    maplist(along_row(Way), Islands, Blocks),
+    maplist(block_start, Blocks, Starts).
+
+block_start(block(Start,_,_,_), Start).
+
 %!  narrowest_strip(?Strip) is det: where the sizes are known, it is as deep as the deepest of its islands.
 
 narrowest_strip(strip(block(_,Depth,_,_),_,Depths)) :- foldl(deeper, Depths, 0, Depth).
 
 deeper(Own-_, Depth0, Depth) :- Depth is max(Depth0, Own).
 
-%!  island_constraints(+Islands, +Strips, +Row)// describes the constraints of the islands, see linear.pl.
+%!  island_constraints(+Islands, +Strips, +Row, +Even)// describes the constraints of the islands, see linear.pl.
 
-island_constraints(Islands, Strips, Row) -->
+island_constraints(Islands, Strips, Row, Even) -->
     { length_of(passage, P), island_chains(Islands, Strips, Row, Chains) },
     all_chains_constraints(Chains, P),
+    ( { Even == yes } -> all_even_constraints(Chains) ; [] ),
     within_strips(Strips),
     all_seats_constraints(Islands).
 
@@ -118,6 +137,26 @@ strip_chain(Row, strip(_,Islands,_), Chain) :- maplist(along_row(Row), Islands, 
 
 along_row(across, Island, Block)  :- island_xblock(Island, Block).
 along_row(inwards, Island, Block) :- island_yblock(Island, Block).
+
+%!  even_chains(+Even, +Chains, -Places) is det.
+%
+%   Places are the chains by which the places of the islands are sampled: where they are even, one each way, whose blocks are
+%   as long as the longest of those in line.
+
+even_chains(no, Chains, Chains).
+even_chains(yes, [], []).
+even_chains(yes, [Chain|Chains], Places) :-
+    (   maplist(single, Chains)            % one row, and each of its islands the other way
+    ->  Places = [even(Chain)|Chains]
+    ;   foldl(longest, Chains, [], Columns),
+        Places = [even(Chain),even(Columns)] ).
+
+single([_]).
+
+longest(Chain, [], Chain) :- !.
+longest(Chain, Columns0, Columns) :- maplist(longer_block, Chain, Columns0, Columns).
+
+longer_block(block(S,L1,Bounds1,Apart), block(S,L2,Bounds2,_), block(S,max(L1,L2),Bounds,Apart)) :- append(Bounds1, Bounds2, Bounds).
 
 row_chains(across, Islands, Chain, Singles) :-
     maplist(island_xblock, Islands, Chain),

@@ -1,5 +1,5 @@
 :- module(records, [make_room/2, room_type/2, room_width/2, room_depth/2, room_door/2, room_doors/2, room_open/2, room_busy/2, room_core/2, room_stretches/2,
-                    room_row/2, room_islands/2, room_strips/2, is_room/1,
+                    room_row/2, room_even/2, room_islands/2, room_strips/2, is_room/1,
                     make_link/2, link_gap/2, link_role/2, link_item/2, link_along/2, link_out/2, link_front/2, link_seat/2, link_why/2,
                     make_island/2, island_item/2, island_across/2, island_inwards/2, island_xblock/2, island_yblock/2,
                     island_seats/2, island_front/2]).
@@ -22,8 +22,9 @@ Lengths are unbound until they are solved for. Beside the records:
 :- use_module(record_access).
 
 % A room with its furniture. Its entrance starts at `door`; nothing stands in its `open` corners, atoms of stage 1; its
-% islands stand in one row, across or inwards, or in several, each in a strip.
-:- record room(type, width, depth, door, core, stretches, row, islands, strips, doors, open, busy).
+% islands stand in one row, across or inwards, or in several, each in a strip; where they are `even`, yes or no, at equal
+% distances, and in line from row to row.
+:- record room(type, width, depth, door, core, stretches, row, even, islands, strips, doors, open, busy).
 
 % A piece along a wall, or its companion. `gap` is joined-Why or apart-Why, to what is before it; `role` is piece(K) or
 % with(Type-K). It takes `along` of the wall, stands `out` from it, and its front faces out, near or far. In front of it is a

@@ -40,7 +40,7 @@ layout_room(Type, Layout, Doors, Room) :-
     layout_room_(Type, Layout, Doors, Room).
 
 layout_room_(Type, Layout, Doors, Room) :-
-    make_room([type(Type),width(W),depth(D),door(Entrance),doors(Doors),core(core(X1,X2,Y1,Y2)),stretches(Stretches),row(Row),
+    make_room([type(Type),width(W),depth(D),door(Entrance),doors(Doors),core(core(X1,X2,Y1,Y2)),stretches(Stretches),row(Row),even(Even),
                islands(Islands),strips(Strips),busy(Busy)], Room),
     door_entrance(Doors, Entrance),
     stretch_names(Doors, Names),
@@ -54,7 +54,8 @@ layout_room_(Type, Layout, Doors, Room) :-
     findall(Ons, ( member(Place-Ons, Placed), middle_place(Place) ), InRows),
     maplist(maplist(island(Layout, Room)), InRows, Rows),
     append(Rows, Islands),
-    strips(Rows, Row, Strips).
+    strips(Rows, Row, Strips),
+    ( memberchk(even_row, Layout) -> Even = yes, in_line(Strips, Row) ; Even = no ).
 
 middle_place(middle).
 middle_place(middle(_)).
@@ -91,11 +92,12 @@ at_place((Place/_)-On, Place-On).
 %!  room_constraints(+Room)// describes all constraints of a room but those of its sizes, see linear.pl.
 
 room_constraints(Room) -->
-    { room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands), room_strips(Room, Strips) },
+    { room_stretches(Room, Stretches), room_row(Room, Row), room_even(Room, Even), room_islands(Room, Islands),
+      room_strips(Room, Strips) },
     core_constraints(Room),
     all_stretches_constraints(Stretches, Room),
     fronts_constraints(Stretches),
-    island_constraints(Islands, Strips, Row).
+    island_constraints(Islands, Strips, Row, Even).
 
 all_stretches_constraints([], _) --> [].
 all_stretches_constraints([Stretch|Stretches], Room) -->
@@ -235,9 +237,11 @@ deeper_wall(right, Out, deep(F,L,B,R0), deep(F,L,B,R)) :- R is max(R0, Out).
 %   All chains of a room, to be sampled where everything else is known.
 
 room_chains(Room, Chains) :-
-    room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands), room_strips(Room, Strips),
+    room_stretches(Room, Stretches), room_row(Room, Row), room_even(Room, Even), room_islands(Room, Islands),
+    room_strips(Room, Strips),
     maplist(stretch_blocks, Stretches, OnWalls),
-    island_chains(Islands, Strips, Row, Free),
+    island_chains(Islands, Strips, Row, Chains0),
+    even_chains(Even, Chains0, Free),
     append(OnWalls, Free, Chains).
 
 stretch_blocks(stretch(_,_,Blocks), Blocks).

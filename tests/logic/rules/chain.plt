@@ -23,6 +23,13 @@ test(samples_reach_both_ends, true(( Least < 0.5, Most > 8.5 ))) :-
     findall(A-C, ( between(1, 200, Seed), starts(Seed, [A,_,C]) ), Pairs),
     findall(A, member(A-_, Pairs), As), min_list(As, Least),
     findall(C, member(_-C, Pairs), Cs), max_list(Cs, Most).
+test(evenly_it_is_as_far_from_each_start_to_the_next) :-
+    forall(between(1, 100, Seed),
+           ( three(Blocks, [A,B,C]), call(chain_sample(even(Blocks), 0.5), Seed, _),
+             abs((B-A) - (C-B)) < 1.0e-9, B-A >= 2.5 - 1.0e-6, A >= -1.0e-6, C =< 9.0 + 1.0e-6 )).
+test(evenly_the_longest_needs_its_room_at_each, fail) :-
+    Blocks = [block(_,1.0,[at_least(0.0)-[]],[]), block(_,2.0,[],[]), block(_,1.0,[at_most(4.9)-[]],[])],
+    call(chain_sample(even(Blocks), 0.5), 1, _).
 test(an_empty_chain_takes_no_random_number, State == 7) :- call(chain_sample([], 0.5), 7, State).
 test(an_empty_chain_has_no_constraint, Constraints == []) :- phrase(chain_constraints([], 0.5), Constraints).
 test(a_chain_too_long_has_no_sample, fail) :-
