@@ -149,7 +149,8 @@ def test_walls_at_an_angle_do_not_leak_far_from_the_origin() -> None:
     ring = middle + 2 * np.array(
         [[np.cos(turn + k * np.pi / 2), np.sin(turn + k * np.pi / 2)] for k in range(4)]
     )
-    walls = tuple(FreeWall(*ring[k].tolist(), *ring[(k + 1) % 4].tolist(), 0.0) for k in range(4))
+    pairs = zip(ring.tolist(), np.roll(ring, -1, axis=0).tolist(), strict=True)
+    walls = tuple(FreeWall(x, y, end_x, end_y, 0.0) for (x, y), (end_x, end_y) in pairs)
     house = House((Room(500, 500, 6, 6, "R0", "hall"),), hub="R0", topology="own", free_walls=walls)
     envs = HouseVectorEnv([house], EACH, backend="free", targets={"points": [[500.4, 500.4]]})
     rng = np.random.default_rng(3)
