@@ -426,9 +426,11 @@ class Episodes(Observing):
     @ti.func
     def following(self, world: ti.template(), e, state, k):
         """The state with the target that comes after the k-th of those that are there and to come."""
-        if ti.static(self.at_once > 1) and k < ti.static(self.at_once - 1):
-            state.target = self.others.centre(world.others, e, k)
-        else:
+        is_there = k < ti.static(self.at_once - 1)
+        if ti.static(self.at_once > 1):  # noqa: SIM102 - decided as it is compiled
+            if is_there:
+                state.target = self.others.centre(world.others, e, k)
+        if not is_there:
             state = self.sample_target(world, state, ti.static(self.apart))
         return state
 
