@@ -44,6 +44,12 @@ KINDS = {
     "terms": CallKind(Config(observe=("rays", "geodesic"), rays=8, ray_spacing=45), {
         "task": "mixed", "terms": {"progress": 0.1, "bump": -1, "targets": 2},
     }),
+    "remembering": CallKind(
+        Config(
+            observe=("rays", "memory"), rays=8, ray_spacing=15, varied=(("slip", 0, 0.5), ("width", 0.5, 1)),
+        ),
+        {"task": "mixed", "at_once": 2, "starts": "all", "terms": {"class": "visit", "step": -0.25}},
+    ),
     "late": CallKind(Config(latency=3, noise=0.02, dropout=0.1, slip=0.2, rays=8, ray_spacing=15)),
     "doors": CallKind(Config(closed_doors=2, sees_kind=True, rays=8, ray_spacing=15), "secondary"),
     "rotation": CallKind(Config(rays=8, ray_spacing=15), rotates=True),
