@@ -67,8 +67,9 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
             usual = Habit()
             said = [f"share {share:g}"] * (share != usual.share) + [f"seed {seed}"] * (seed != usual.seed)
             words = ", ".join(["targets in places of habit", *said])
-        case Roam(terms=Visit()):
-            words = "visit all rooms"
+        case Roam(terms=Visit(types=types)):
+            names = _listed([named(room) for room in types], "and")
+            words = f"visit rooms of type {names}" if types else "visit all rooms"
         case Roam():
             words = "no targets"
         case Points(points=points):
@@ -88,13 +89,14 @@ def _starts(asked: AnyTask, named: Callable[[str], str]) -> str:
 
 
 def _terms(asked: AnyTask) -> str:
-    """What a task's terms differ in from plain ones, after its words."""
+    """What a task's terms differ in from plain ones, after its words, which say what is visited."""
     terms, words = terms_of(asked), []
+    visits = isinstance(asked, Roam) and isinstance(terms, Visit)
     for each in fields(terms):
         value = getattr(terms, each.name)
-        if value != each.default:
+        if value != each.default and not (visits and each.name == "types"):
             words.append(f"{spaced(each.name)} {value}")
-    if type(terms) is not Terms:
+    if type(terms) is not Terms and not visits:
         words.insert(0, f"terms {spaced(type(terms).__name__)}")
     return "".join(f", {each}" for each in words)
 
