@@ -9,6 +9,7 @@ from logic.layout.conflicts import minimal
 from logic.layout.program import HOUSE
 from logic.layout.relaxed import Relaxed, Statement, TooMany
 from logic.layout.terms import granted, parts, requirements
+from logic.spelling import listed
 
 MAX_CONFLICTS = 2_000
 """Number of conflicts that clingo may meet in a search: where they do not suffice, nothing is reported."""
@@ -43,11 +44,13 @@ def absent(loaded: LoadedGrammar, sizes: Sequence[int]) -> Iterator[GrammarError
                 last[type_] = relaxed, [choice]
         if not types:
             return
+    *fewer, most = sorted(sizes)
+    none = f"no house of {f'{listed([*map(str, fewer)])} or ' if fewer else ''}{most} rooms"
     if not any_house:
-        yield _warning(*last[""], f"no house of up to {max(sizes)} rooms")
+        yield _warning(*last[""], none)
         return
     for type_ in types:
-        yield _warning(*last[type_], f"no house of up to {max(sizes)} rooms has a room of the type {type_}")
+        yield _warning(*last[type_], f"{none} has a room of the type {type_}")
 
 
 def _possible(relaxed: Relaxed, some: Sequence[Statement]) -> bool:

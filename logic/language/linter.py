@@ -30,8 +30,8 @@ BUILDINGS = (16,)
 LARGER = (5, 7, 10, 12, 14, 16, 20, 27, 40, 53, 64, 90, 128)
 """Numbers for which the rules are looked at that bind in none of these, if the topology allows them."""
 
-MOST_SOLVED = 16
-"""Number of rooms up to which houses are looked for."""
+SOLVED = (6, 8, 3, 1, 10, 14)
+"""Numbers of rooms of which houses are looked for, in this order."""
 
 MOST_INSTANCES = 1_500_000
 """Ground rules that are looked at in all, which takes three seconds; shipped grammars take 100,000."""
@@ -65,7 +65,7 @@ def _beside_typical(grammar: Grammar, loaded: LoadedGrammar) -> list[GrammarErro
 
 def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     """What is of no use in the rules and the looks of a grammar without errors."""
-    sizes = [number for number in (*SIZES, *LARGER) if number <= min(loaded.most_rooms, MOST_SOLVED)]
+    sizes = [number for number in SOLVED if number <= loaded.most_rooms]
     others = [*absent(loaded, sizes), *_unseen(grammar.directory / NAME, loaded)]
     return warnings(grammar, loaded) + _findings("warning", others, grammar)
 

@@ -15,6 +15,7 @@ from logic.language.asp.facts import NAME, stated
 from logic.language.asp.rules import StatedRules
 from logic.language.asp.vocabulary import (
     capitalised,
+    contradictory,
     misspelt_lines,
     misspelt_names,
     unknown_choices,
@@ -242,6 +243,7 @@ class LoadedGrammar:
         yield from (each for each in self._of_no_room if own in Path(str(each.file)).parents)
         yield from unlikely(self.extremes, self.placer.origins)
         yield from capitalised(self.rules.words)
+        yield from contradictory(self.rules.words)
 
     def _probe(self, constants: dict[str, Any], stages: Sequence[Part]) -> Program:
         """Stages without furniture: a rule that has very many instances in them is refused."""

@@ -27,7 +27,9 @@ REMARKS = {
 SYNTAX = {
     re.compile(r"^\s*(//|/\*|#(\s|$))"): "a comment begins with %",
     re.compile(r"\\\+|(?<!\w)!(?!=)"): "not is a word, as in not side(R,north)",
-    re.compile(r"->|\bthen\b"): "write the consequence first, head :- body, or what must not be, :- body",
+    re.compile(
+        r"->|\bthen\b|\)\s*=>"
+    ): "write the consequence first, head :- body, or what must not be, :- body",
     re.compile(
         r"(?<!#)\b(count|sum|min|max)\s*\{"
     ): "a # stands before the name, as in #count{ R : room(R,hall) }",
@@ -39,6 +41,7 @@ SYNTAX = {
     re.compile(r"\bif\b|<-|:=|: -"): "if is :-, as in near(R) :- adjacent(R,Q)",
     re.compile(r"=>"): "at least is >=",
     re.compile(r"=<"): "at most is <= in .lp files",
+    re.compile(r"[(,]\s*(?!not\b)[a-z]\w* [a-z]\w*\s*[,)]"): "names have no spaces, as in livingRoom",
     re.compile(r"\d\.\d"): "numbers are whole in .lp files: lengths belong in .pl files",
     re.compile(r"(?<![\w#])[A-Z]\w*\("): "predicates begin in lower case, variables in upper case",
 }

@@ -241,6 +241,15 @@ def capitalised(own: Words) -> Iterator[GrammarError]:
                 yield statement.error(f"{variable} stands for anything here: did you mean {name}?")
 
 
+def contradictory(own: Words) -> Iterator[GrammarError]:
+    """Rules that require a literal and its negation."""
+    for statement in own.rules:
+        literals = {str(each) for each in statement.node.body}
+        for each in sorted(literals):
+            if f"not {each}" in literals:
+                yield statement.error(f"this rule never binds: {each} and not {each}")
+
+
 def _beside(name: str, own: Words, known: set[Signature]) -> set[str] | None:
     """What stands in the same argument of a grammar's own predicate as a name; None if it stands in none."""
     for signature, uses in own.derived.items():

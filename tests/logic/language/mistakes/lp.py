@@ -799,11 +799,27 @@ MISTAKES = (
         says="room_size belongs in a .pl file",
     ),
     Mistake(
+        "a literal and its negation",
+        "rooms.lp",
+        old="",
+        new=":- room(R,hall), not room(R,hall).",
+        says="this rule never binds: room(R,hall) and not room(R,hall)",
+        severity="warning",
+    ),
+    Mistake(
+        "a name with a space",
+        "rooms.lp",
+        old="",
+        new=":- room(R,living room).",
+        at="room).",
+        says="names have no spaces, as in livingRoom",
+    ),
+    Mistake(
         "a rule that no house keeps",
         "rooms.lp",
         old="",
         new=":- rooms > 0.",
-        says="no house of up to 16 rooms keeps this rule: :- rooms > 0.",
+        says="no house of 1, 3, 6, 8, 10 or 14 rooms keeps this rule: :- rooms > 0.",
         severity="warning",
     ),
     Mistake(
@@ -811,7 +827,7 @@ MISTAKES = (
         "rooms.lp",
         old="",
         new=":- room(R,hall).",
-        says="no house of up to 16 rooms has a room of the type hall by this rule: :- room(R,hall).",
+        says="no house of 1, 3, 6, 8, 10 or 14 rooms has a room of the type hall by this rule: :- room(",
         severity="warning",
     ),
     Mistake(
