@@ -97,7 +97,7 @@ def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[s
             if not builder.programs.has_furniture(room.type):
                 continue
             frame = Frame(room)
-            program = Program(*_lax(builder, room.type, "plan", frame.doorways()))
+            program = Program(*_lax(builder, room.type, "plan", frame.facts()))
             layout = program.sample(rng, *frame.given())
             assert layout is not None
             yield prolog.ask("given_room_system", frame.term(number, room.type, layout, 0))

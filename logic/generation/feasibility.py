@@ -140,7 +140,7 @@ class Feasibility:
             [
                 ("room", []),
                 ("plan" if room else "capacity", []),
-                *parts(room.room.doorways() if room else ()),
+                *parts(room.room.facts() if room else ()),
                 *parts(requirement for _, requirement in required),
                 *parts(more),
             ],

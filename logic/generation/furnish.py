@@ -7,6 +7,7 @@ do not depend on each other, so one that cannot have its furniture is furnished 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import floor
 from typing import NamedTuple
 
 import numpy as np
@@ -54,6 +55,8 @@ class GivenRoom:
     windows: Sequence[Rect] = ()
     pieces: Pieces | None = None
     """The furniture of a room that is furnished already."""
+    drawn_windows: bool = False
+    """Whether windows may be nearer to corners than the grammar's margin."""
 
     def __str__(self) -> str:
         """Its type, size and doors."""
@@ -94,6 +97,7 @@ class Frame:
         self.depth = room.rect.height if across else room.rect.width
         self.doors = self._by_wall(room.doors, room.type)
         self.windows = self._by_wall(room.windows, room.type)
+        self._drawn_windows = room.drawn_windows
 
     def _by_wall(self, segments: Sequence[Rect], type_: str) -> dict[str, list[Span]]:
         found: dict[str, list[Span]] = {wall: [] for wall in WALLS}
@@ -129,14 +133,25 @@ class Frame:
             case _:
                 return self.y - south, self.x - east, self.y - north, self.x - west
 
-    def doorways(self) -> tuple[Symbol, ...]:
-        """All doors but the entrance, as facts."""
-        return tuple(
+    def facts(self) -> tuple[Symbol, ...]:
+        """Return all doors but the entrance, and how far drawn windows are from corners, as facts."""
+        doorways = [
             Function("doorway", [Function(wall), Number(number)])
             for wall, spans in self.doors.items()
             for number in range(1, len(spans) + 1)
             if (wall, number) != ("front", 1)
-        )
+        ]
+        return (*doorways, *(self._near_windows() if self._drawn_windows else ()))
+
+    def _near_windows(self) -> Iterator[Symbol]:
+        for wall, spans in self.windows.items():
+            across = wall in ("front", "back")
+            corners = ("left", "right") if across else ("front", "back")
+            size = self.width if across else self.depth
+            for start, end in spans:
+                for corner, gap in zip(corners, (start, size - end), strict=True):
+                    near = Number(max(0, floor(1000 * gap)))
+                    yield Function("near_window", [Function(wall), Function(corner), near])
 
     def lengths(self) -> Iterator[tuple[str, float]]:
         """The room across and inwards, and each stretch of wall as far as its doors (m), at most."""
@@ -240,7 +255,7 @@ def furnished(
             room, frame = rooms[place], frames[place]
             holds, fails = frame.given()
             required = programs.required_in(room.type, request) if request else ()
-            program = programs.given(room.type, frame.doorways(), required, rng)
+            program = programs.given(room.type, frame.facts(), required, rng)
             holds += [granted(each) for each in required]
             placer.account.at(FURNITURE, f"the furniture of {room} (clingo)")
             try:

@@ -225,6 +225,7 @@ class GivenPlanMaker(SharedWallsMaker):
             plan.doors.append(PlanDoor(*sides(door), (numbers[name], OUTSIDE)))
         if self.plan.windows:
             plan.windows = [PlanWindow(*sides(window), numbers[window.room]) for window in self.plan.windows]
+            plan.drawn_windows = True
         return plan
 
     def _outer_doors(self, layout: list[Symbol]) -> list[Door]:

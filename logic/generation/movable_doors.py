@@ -92,7 +92,7 @@ class LooseRoom(Frame):
         Raises ``LimitReached`` past ``MOST_LAYOUTS``.
         """
         required = programs.required_in(self.room.type, request)
-        program = programs.given(self.room.type, self.doorways(), required, rng)
+        program = programs.given(self.room.type, self.facts(), required, rng)
         holds, fails = self.given(windows)
         nogoods: list[Nogood] = []
         while len(nogoods) < MOST_LAYOUTS:

@@ -115,13 +115,13 @@ class Programs:
     def given(
         self,
         type_: str,
-        doorways: tuple[Symbol, ...],
+        openings: tuple[Symbol, ...],
         required: tuple[Symbol, ...],
         rng: np.random.Generator,
     ) -> Program:
-        """The same of a room whose size, doors and windows are given: ``doors.lp``."""
+        """Return that of a room whose size and ``openings`` (``Frame.facts``) are given: ``doors.lp``."""
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
-        return self._furnishing(type_, "plan", (*facts, *doorways, *required), (), rng)
+        return self._furnishing(type_, "plan", (*facts, *openings, *required), (), rng)
 
     def _furnishing(
         self,

@@ -49,6 +49,8 @@ class Plan(msgspec.Struct):
     """Of Prolog, that it took."""
     hub: str = ""
     wall_thickness: Thickness | None = None
+    drawn_windows: bool = False
+    """Whether a user drew the windows, which may be nearer to corners than the grammar's margin."""
 
     @property
     def half_wall(self) -> float:

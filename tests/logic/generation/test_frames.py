@@ -73,7 +73,7 @@ def test_stretches_end_at_the_doors() -> None:
 
 def test_the_entrance_is_no_doorway_beside_the_others() -> None:
     doors = [*SOUTH, Rect(3.5, 4, 0.8, 0)]
-    assert [*map(str, Frame(room(doors)).doorways())] == [
+    assert [*map(str, Frame(room(doors)).facts())] == [
         "doorway(front,2)",
         "doorway(left,1)",
         "doorway(back,1)",

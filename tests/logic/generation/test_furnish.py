@@ -14,6 +14,8 @@ from logic.generation.builder import Builder
 from logic.generation.furnish import Frame, GivenRoom, Unfurnishable, furnished
 from logic.generation.movable_doors import LooseRoom
 from logic.grammar import SHIPPED, find
+from logic.house.boxes import TOLERANCE
+from logic.house.boxes import overlap as overlapping
 from logic.house.parts import Piece, Rect, pieces_of
 from logic.layout.program import Program
 from logic.layout.programs import GIVEN
@@ -206,7 +208,7 @@ def test_furniture_that_the_capacity_of_a_given_room_refuses_has_no_places(
     refused, programs = 0, {}
     for seed, room in zip(range(60), rooms(7, type_, (4, 12), doors), strict=False):
         frame = Frame(room)
-        doorways = frame.doorways()
+        doorways = frame.facts()
         strict = builder.programs.given(type_, doorways)
         lax = programs[doorways] = programs.get(doorways) or without_capacity(builder, type_, doorways)
         holds, fails = frame.given()
@@ -239,3 +241,19 @@ def others(program: Program, furniture: Sequence[Symbol]) -> list[Symbol]:
     shown |= {("on", 4), ("joined", 2), ("last", 2), ("end", 1), ("busy", 1), ("row", 1), ("corner", 3)}
     shown |= {("turned", 3), ("faces", 3), ("with", 4), ("open", 2)}
     return [atom for name, arity in shown for atom in program.atoms(name, arity) if atom not in furniture]
+
+
+def test_what_is_tall_stands_in_no_corner_that_a_drawn_window_is_too_near_to() -> None:
+    """The margin of the grammar keeps windows away from corners, but those that a user draws may be nearer."""
+    builder = Builder(find("home"))
+    window, hidden = Rect(1.2, 2.0, 1.5, 0.0), Rect(1.2, 2.0, 1.5, 0.3).box
+    hides = {
+        drawn: sum(
+            piece.type == "wardrobe" and overlapping(piece.box, hidden) > TOLERANCE
+            for seed in range(60)
+            for piece in one(builder, GivenRoom("bedroom", ROOM, [SOUTH], [window], None, drawn), seed)
+        )
+        for drawn in (False, True)
+    }
+    assert hides[False] > 0
+    assert hides[True] == 0

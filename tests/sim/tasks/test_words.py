@@ -27,7 +27,9 @@ NAMES = {
     '{"task": "tests.sim.tasks.test_words:Largest", "share": 2}': "task largest, share 2",
     '{"task": "reach", "room": "wc", "terms": {"targets": 2}}': "reach a wc, targets 2",
     "visit": "visit all rooms",
-    '{"task": "visit", "terms": {"types": ["wc", "hall"], "step": -1}}': "visit rooms of type wc and hall, step -1",
+    '{"task": "visit", "terms": {"types": ["wc", "hall"], "step": -1}}': (
+        "visit rooms of type wc and hall, step -1"
+    ),
     '{"task": "all", "terms": {"class": "visit", "most": 9}}': "targets in all rooms, terms visit, most 9",
     "battery": "targets in all rooms, terms battery",
     "of another program": "of another program",
