@@ -244,7 +244,7 @@ def others(program: Program, furniture: Sequence[Symbol]) -> list[Symbol]:
 
 
 def test_what_is_tall_stands_in_no_corner_that_a_drawn_window_is_too_near_to() -> None:
-    """The margin of the grammar keeps windows away from corners, but those that a user draws may be nearer."""
+    """A grammar's margin keeps its own windows away from corners, and drawn ones may be nearer."""
     builder = Builder(find("home"))
     window, hidden = Rect(1.2, 2.0, 1.5, 0.0), Rect(1.2, 2.0, 1.5, 0.3).box
     hides = {
