@@ -170,7 +170,7 @@ class Builder:
             pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture, pieces)
             self._promises[key] = promised(
-                program, *found, self.grammar.shares_walls, stated=request.given is not None
+                program, *found, self.grammar.shares_walls, stated=bool(request.brief or request.plan)
             )
         stated = self._promises[key]
         if request.plan and any(door.opening for door in request.plan.doors):

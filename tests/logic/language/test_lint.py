@@ -142,7 +142,7 @@ def test_nothing_is_ground_in_which_no_rule_that_has_not_bound_yet_stands(
     monkeypatch.setattr(linter, "Relaxed", counted)
     assert not findings(find("home"))
     with_plan = [parts for parts in ground if parts == ["room", "plan", "doorways"]]
-    assert ground.count(["house"]) == 2
+    assert ground.count(["house", "typical"]) == 2
     assert len(with_plan) == 7
     assert ground.count(["room"]) == len(ground) - 9
 
