@@ -137,6 +137,10 @@ class Prover:
     def _room(self, request: Request, type_: str) -> list[Reason]:
         """Why no room of this type can be furnished."""
         question, statements = self._of.furniture(request, type_)
+        alone = Question(question.relaxed)
+        if not alone.possible(statements):  # Without stage 2 a smallest conflict is soon found.
+            statements = least(alone, statements)
+            question.relaxed.prefer_none()
         if question.possible(statements):
             raise VitruviusError(f"{article(type_)} was proved infeasible that can be furnished")
         return [each.reason for each in least(question, statements)]

@@ -1,13 +1,14 @@
 """Rooms of many pieces, where sampled picks lead to proofs that as many do not fit in as few rows."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import clingo
 import numpy as np
 import pytest
 
-from logic import check
+from logic import Unsatisfiable, check
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.house import House
@@ -15,6 +16,8 @@ from logic.language.linter import all_warnings
 from logic.layout import program
 from logic.layout.program import Program, TooMany
 from logic.layout.programs import CROWD, crowded
+from logic.layout.relaxed import Relaxed, Statement
+from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 
 DESKS = """
@@ -95,6 +98,22 @@ def test_a_type_is_crowded_by_many_pieces_of_a_kind_or_many_that_it_needs(
     facts: list[tuple[str, int, int]], types: set[str]
 ) -> None:
     assert crowded(clingo.parse_term(f"may(hall,{kind},{a},{b})") for kind, a, b in facts) == types
+
+
+def test_a_proof_about_furniture_tests_few_statements_where_no_length_has_a_part_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cores, core = list[int](), Relaxed.core
+
+    def counted(self: Relaxed, some: Sequence[Statement]) -> list[Statement]:
+        cores.append(len(some))
+        return core(self, some)
+
+    monkeypatch.setattr(Relaxed, "core", counted)
+    with pytest.raises(Unsatisfiable) as proof:
+        house_or_proof(builder(tmp_path, star=True), Request(1, furniture={"desk": (16, 16)}), 0, 0, 10**8)
+    assert {"may(classroom,desk,8,8).", "--piece desk=16"} <= {each.text for each in proof.value.reasons}
+    assert len(cores) < 10
 
 
 def places(folder: Path, pieces: int, bounded: bool = True) -> Program:
