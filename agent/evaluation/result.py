@@ -141,7 +141,7 @@ class Result:
         """(S, H) success weighted by the shortest way's length over the way taken, by run and house."""
         first = self.stacked(policy, lambda scores: scores.first)
         success = np.isfinite(first) if self.ends_on_pick_up else first <= SUCCESS_STEPS
-        share = np.zeros_like(first)
+        share = np.zeros(first.shape)
         np.divide(np.minimum(self.shortest, first), first, out=share, where=success)
         return share
 
