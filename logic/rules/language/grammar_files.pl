@@ -188,7 +188,7 @@ settled(Pairs, LeftOut, Terms) :-
 
 is_left_out(LeftOut, other-Term) :- line(Term, Place), memberchk(Place, LeftOut).
 
-is_no_limit(Stated, limit-Term) :- about(Term, About), memberchk(About, Stated).
+is_no_limit(Stated, limit-Term) :- about(Term, Of-Type), once(( memberchk(Of-Type, Stated) ; memberchk(Of-'', Stated) )).
 
 line(term(Source,Position,_), File-Line) :- Source = source(File,_), place(Source, Position, Line, _).
 
