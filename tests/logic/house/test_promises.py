@@ -120,8 +120,8 @@ RELATIONS = {
     "toilet": {(1.0, -1.0, -0.33), (-1.0, 1.0, 0.33)},
 }
 """Numbers a, b, c: a times the width plus b times the depth is at most c."""
-OF_OTHERS = {"room_gap", "public", "courts"}
-"""Promises of stars, of houses of units and of dissections."""
+OF_OTHERS = {"room_gap", "public", "courts", "even_rows"}
+"""Promises of stars, of houses of units, of dissections and of rooms with rows in the middle."""
 BY_HAND = {"basic", "a_side", "narrowest", "free_foot", "spans", "shares", "tops", "meet"}
 """Promises that no grammar states: they stand in ``promises.json``."""
 

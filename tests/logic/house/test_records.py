@@ -125,7 +125,8 @@ PAGE = (Path(__file__).parents[3] / "docs" / "house-file.md").read_text()
 
 def test_the_page_about_house_files_shows_a_house_that_conforms_and_a_plan_that_is_read() -> None:
     example, plan = re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)
-    ((room,), _) = from_geojson(json.loads(plan))
+    drawn, _ = from_geojson(json.loads(plan))
+    (room,) = drawn.rooms
     assert (room.name, room.width, room.height) == ("hall", 2.5, 4)
     assert accepts(SCHEMA, json.loads(example))
     assert check(House.from_dict(json.loads(example))) == []
