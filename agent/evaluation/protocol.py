@@ -85,10 +85,11 @@ def measure(
     there is one, which changes no figure. ``report`` follows the work.
 
     Raises ``HouseFileError`` where a mode cannot be played in one of the houses, or where one has too many
-    corners for the true path; ``RequestError`` for an agent of another kind of
-    motion, or one that drives by other limits than they do; what ``Cluster.each`` does.
+    corners for the true path; ``RequestError`` for an agent of another kind of motion, or one that drives by
+    other limits than they do; what ``Cluster.each`` does.
     """
     names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
+    require_motion(agents, backend)
     if backend == "free":
         require_drive(agents, with_sensor(PRESETS[world]), world)
     parts, numbers = list[EvaluationPart](), list[int]()
@@ -158,6 +159,16 @@ def played(part: EvaluationPart, report: Report = lambda done, words: None) -> R
     shortest = scores[TRUE_PATH][0].first if drives else shortest_ways(settings[exact].envs, seed, numbers)
     ends = task(mode).ends_on_pick_up
     return Result(mode, rooms, shortest, scores, part.episodes, baseline.steps, ends, part.words)
+
+
+def require_motion(agents: Mapping[str, Sequence[Checkpoint]], backend: str) -> None:
+    """Raise ``RequestError`` for an agent that drives, where bodies make steps, or the other way round."""
+    for name, runs in agents.items():
+        drives = runs[0].config.backend == "free"
+        if drives and backend != "free":
+            raise RequestError(f"{name} drives: add --backend free")
+        if backend == "free" and not drives:
+            raise RequestError(f"{name} is of a body on a lattice: it does not play in the backend free")
 
 
 def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, world: str) -> None:

@@ -3,7 +3,7 @@
 Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -122,7 +122,7 @@ class Evaluate:
         from agent.evaluation.baselines import PAPERS
         from agent.evaluation.learnt_in import learnt_in, warnings, with_others
         from agent.evaluation.plots import ratio_plot
-        from agent.evaluation.protocol import measure, tasks_of
+        from agent.evaluation.protocol import measure, require_motion, tasks_of
         from agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
         from agent.evaluation.tables import DRIVE_NOTE, NOTE, print_tables, tables
         from agent.play.beside import BESIDE_NOTE, people_tables, replayable
@@ -218,16 +218,6 @@ class Evaluate:
         if theirs != ours or [held.agents, held.scores] != paths:
             what = "holds another evaluation: name another folder, or add --replace to lose it"
             raise RequestError(f"--out {self.out}: {what}")
-
-
-def require_motion(agents: Mapping[str, Sequence["Checkpoint"]], backend: str) -> None:
-    """Raise ``RequestError`` for an agent that drives, where bodies make steps, or the other way round."""
-    for name, runs in agents.items():
-        drives = runs[0].config.backend == "free"
-        if drives and backend != "free":
-            raise RequestError(f"{name} drives: add --backend free")
-        if backend == "free" and not drives:
-            raise RequestError(f"{name} is of a body on a lattice: it does not play in the backend free")
 
 
 def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:

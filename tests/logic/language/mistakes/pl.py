@@ -531,17 +531,17 @@ door_width(0.762).          % the paper's 2.5 feet
     kitchen(
         "an area above the size",
         "room_area(kitchen,30.0,40.0).",
-        "30.0 m2 at least, and room_size(kitchen, W, D) in line 12 allows 17.64 m2 at most",
+        "30.0 m2 at least, and room_size(kitchen, W, D) in line {room_size(kitchen} allows 17.64 m2 at most",
     ),
     kitchen(
         "an area below the size",
         "room_area(kitchen, 0.5, 3.0).",
-        "3.0 m2 at most, and room_size(kitchen, W, D) in line 12 allows 4.0 m2 at least",
+        "3.0 m2 at most, and room_size(kitchen, W, D) in line {room_size(kitchen} allows 4.0 m2 at least",
     ),
     kitchen(
         "an area of an oblong size",
         "room_area(kitchen, 6.0, 16.0).\nroom_area(corridor, 15.0, 20.0).",
-        "room_size(corridor, W, D) in line 8 allows 14.4 m2 at most",
+        "room_size(corridor, W, D) in line {room_size(corridor} allows 14.4 m2 at most",
         at="room_area(corridor",
     ),
     kitchen(
@@ -583,7 +583,8 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a second area",
         "room_area(kitchen,3.0,5.0).",
-        "room_area(kitchen,3.0,5.0) is a second clause: the first stands in line 24. State one",
+        "room_area(kitchen,3.0,5.0) is a second clause: the first stands "
+        "in line {room_area(kitchen}. State one",
     ),
     appended(
         "an area for all types beside others",
@@ -657,7 +658,8 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "a house smaller than each room",
         "W =< 0.7, D =< 8",
-        "house_size(W, D): no room fits in it, not even room_size(wc, W, D) in line 15 of sizes.pl",
+        "house_size(W, D): no room fits in it, not even room_size(wc, W, D) "
+        "in line {room_size(wc} of sizes.pl",
     ),
     house(
         "an area of the house by a product",
@@ -759,7 +761,8 @@ door_width(0.762).          % the paper's 2.5 feet
         "a door wider than walls",
         "door_width(0.8).",
         "door_width(3.9).",
-        "door_margin(0.1) in line 4, and room_size(wc, W, D) in line 15 of sizes.pl allows 2.0 m at most",
+        "door_margin(0.1) in line 4, and room_size(wc, W, D) "
+        "in line {room_size(wc} of sizes.pl allows 2.0 m at most",
         file="lengths.pl",
     ),
     plan(
@@ -801,7 +804,7 @@ door_width(0.762).          % the paper's 2.5 feet
         "a margin as long as the walls",
         "window_margin(0.65).",
         "window_margin(20.0).",
-        "no window has it on both sides in room_size(living, W, D) in line 10 of sizes.pl",
+        "no window has it on both sides in room_size(living, W, D) in line {room_size(living} of sizes.pl",
         file="lengths.pl",
     ),
     plan(
