@@ -10,6 +10,9 @@ from logic.grammar import LENGTHS
 from logic.placement.placer import Placer
 from logic.placement.prolog import Term
 
+DOOR_WIDTH = Function("length", [Function("door_width")])
+"""The clause of the width of doors, by its name as in ``Conflict``."""
+
 
 def stated_lengths(
     placer: Placer, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
@@ -71,10 +74,11 @@ def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
 
 
 def typical_lengths(placer: Placer, types: Iterable[str]) -> dict[Symbol, Reason]:
-    """Return the typical clauses of sizes and areas, by their names as in ``Conflict``."""
+    """Return the typical clauses of sizes, areas and the width of doors, by their names as in ``Conflict``."""
     of_types = ("size", "room_area", "whole_area", "window_size")
     clauses = [Function(name, [Function(each)]) for name in of_types for each in sorted(types)]
     clauses += [Function(name) for name in ("house_size", "house_area", "unit_depth")]
+    clauses.append(DOOR_WIDTH)
     found = {clause: placer.reason(*place) for clause, place in placer.origins(clauses).items()}
     return {clause: reason for clause, reason in found.items() if reason.typical}
 

@@ -12,7 +12,7 @@ from logic.generation.evidence import NoLayout, NoUnits
 from logic.generation.question import Question
 from logic.layout.conflicts import minimal
 from logic.layout.relaxed import Statement, TooMany
-from logic.placement.lengths import metres, typical_lengths
+from logic.placement.lengths import DOOR_WIDTH, metres, typical_lengths
 from logic.proofs.proof import asked
 from logic.request.brief import bounds, tolerance_of
 from logic.request.request import Request
@@ -28,7 +28,7 @@ Span = tuple[float, float]
 
 
 def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
-    """Return the typical sizes and areas of room types of which a request states others."""
+    """Return the typical sizes and areas of room types, and widths of doors, of which a request states others."""
     types = builder.loaded.extremes["rooms"]
     areas = {name: (least, most) for name, least, most in metres(builder.placer, types)["areas"]}
     names: dict[str, set[str]] = {"size": set(), "room_area": set()}
@@ -40,6 +40,9 @@ def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
         if area and type_ in areas and not _within(area, areas[type_]):
             names["room_area"].add(type_)
     unlike = {Function(name, [Function(each)]) for name, some in names.items() for each in some}
+    width = builder.loaded.extremes["lengths"]["door_width"]
+    if any(door.length < width - 1e-6 for door in (request.plan.doors if request.plan else ())):
+        unlike.add(DOOR_WIDTH)
     return [each for clause, each in typical_lengths(builder.placer, types).items() if clause in unlike]
 
 

@@ -65,7 +65,7 @@ def _beside_what_is_stated(made: Provenance, said: Promises) -> Promises:
     travel with the house say that.
     """
     ways = ("opens",) if {"brief", "plan"} & made.request.keys() else ()
-    typical = ("room_size", "room_area", "narrowest", "lit") if made.gave_way else ()
+    typical = ("door_width", "room_size", "room_area", "narrowest", "lit") if made.gave_way else ()
     silent = msgspec.structs.asdict(Promises())
     return msgspec.structs.replace(said, **{name: silent[name] for name in (*ways, *typical)})
 

@@ -192,7 +192,7 @@ def test_lint_reads_both_kinds_of_rules(tmp_path: Path) -> None:
 
 def test_lint_judges_the_limits_behind_typical_sizes(tmp_path: Path) -> None:
     folder = copied(
-        tmp_path, ("sizes.pl", "limit(room_area(wc,         0.9,   9.0)).", "limit(room_area(wc, 90, 99)).")
+        tmp_path, ("sizes.pl", "limit(room_area(wc,         0.9,  30.0)).", "limit(room_area(wc, 90, 99)).")
     )
     (found,) = [each for each in findings(find(folder)) if each.severity == "error"]
     assert "room_area(wc" in found.text
