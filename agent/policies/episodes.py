@@ -52,13 +52,13 @@ def moments(
     """
     if blocked is None:
         policy.begin(envs.num_envs)
-        blocked = observation.new_zeros(envs.num_envs, dtype=torch.bool)
-    reward, ended = observation.new_zeros(envs.num_envs), torch.zeros_like(blocked)
+    bumped: Tensor = observation.new_zeros(envs.num_envs, dtype=torch.bool) if blocked is None else blocked
+    reward, ended = observation.new_zeros(envs.num_envs), torch.zeros_like(bumped)
     for step in count():
         if step == steps or (ended.all() and not through):
-            yield Moment(step, observation, blocked, reward, ended, None)
+            yield Moment(step, observation, bumped, reward, ended, None)
             return
-        actions = policy(observation, blocked)
-        yield Moment(step, observation, blocked, reward, ended, actions)
+        actions = policy(observation, bumped)
+        yield Moment(step, observation, bumped, reward, ended, actions)
         observation, reward, terminated, truncated, info = envs.step_torch(actions)
-        blocked, ended = info["blocked"], ended | terminated | truncated
+        bumped, ended = info["blocked"], ended | terminated | truncated

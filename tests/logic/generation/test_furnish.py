@@ -209,7 +209,7 @@ def test_furniture_that_the_capacity_of_a_given_room_refuses_has_no_places(
     for seed, room in zip(range(60), rooms(7, type_, (4, 12), doors), strict=False):
         frame = Frame(room)
         doorways = frame.facts()
-        strict = builder.programs.given(type_, doorways)
+        strict = builder.programs.given(type_, doorways, (), np.random.default_rng(seed))
         lax = programs[doorways] = programs.get(doorways) or without_capacity(builder, type_, doorways)
         holds, fails = frame.given()
         furniture = lax.sample(np.random.default_rng(seed), holds, fails)

@@ -208,7 +208,11 @@ def test_layouts_of_a_plan_are_counted_and_every_one_of_them_is_sampled(tmp_path
         ("rooms.lp", "topology(ring)", "topology(row)"),
         ("rooms.lp", ":- not common.", ":- not common, rooms > 4."),
         ("rooms.lp", "may_be_lit(living; bedroom; dining; kitchen; study).", ""),
-        ("rooms.lp", "lit(living).  lit(bedroom).  lit(dining).  lit(kitchen).  lit(study).", "lit(bedroom)."),
+        (
+            "rooms.lp",
+            "lit(living).  lit(bedroom).  lit(dining).  lit(kitchen).  lit(study).",
+            "lit(bedroom).",
+        ),
     )
     rows = builder(copied(tmp_path, *edits, row=ROW))
     request = Request(4)

@@ -28,10 +28,11 @@ def by_grid(house: House, start: np.ndarray, target: np.ndarray) -> float:
     x, y = np.arange(west, east, PITCH), np.arange(north, south, PITCH)
     places = np.stack(np.meshgrid(x, y), axis=-1)
     free = (solids.away(places.reshape(-1, 2)) > RADIUS).reshape(places.shape[:2])
-    numbers, pairs = np.arange(free.size).reshape(free.shape), []
+    rows, columns = len(y), len(x)
+    numbers, pairs = np.arange(free.size).reshape(rows, columns), []
     for dx, dy in ((1, 0), (0, 1), (1, 1), (1, -1)):
-        rows = slice(max(0, -dy), free.shape[0] - max(0, dy)), slice(max(0, dy), free.shape[0] + min(0, dy))
-        one, other = numbers[rows[0], : free.shape[1] - dx], numbers[rows[1], dx:]
+        here, there = slice(max(0, -dy), rows - max(0, dy)), slice(max(0, dy), rows + min(0, dy))
+        one, other = numbers[here, : columns - dx], numbers[there, dx:]
         both = free.ravel()[one] & free.ravel()[other]
         pairs.append((one[both], other[both], np.full(both.sum(), PITCH * np.hypot(dx, dy))))
     one, other, length = map(np.concatenate, zip(*pairs, strict=True))
