@@ -94,13 +94,10 @@ class GivenPlanMaker(SharedWallsMaker):
     ) -> bool:
         """Whether a room's doors could be moved to where it can be furnished; if nowhere, it is refuted."""
         doors = plan.doors_of(place)
-        if any(door.opening for door in doors):  # It may be of another width, too.
-            return False
-        within = plan.rooms[place]
-        spans = [
-            span and at_face(span, within, plan.half_wall)
-            for span in (self._span(plan, door) for door in doors)
-        ]
+        spans = [self._span(plan, door) for door in doors]
+        if any(door.opening and span for door, span in zip(doors, spans, strict=True)):
+            return False  # It may be of another width, too.
+        spans = [span and at_face(span, plan.rooms[place], plan.half_wall) for span in spans]
         room = LooseRoom(given_room(plan, place), spans)
         furniture: list[Symbol] | None = None
         doors_elsewhere = f"the furniture of {room.room}, its doors elsewhere (clingo and CLP(Q))"
