@@ -74,7 +74,7 @@ def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
 
 
 def typical_lengths(placer: Placer, types: Iterable[str]) -> dict[Symbol, Reason]:
-    """Return the typical clauses of sizes, areas and the width of doors, by their names as in ``Conflict``."""
+    """Return the typical clauses of sizes, areas and the width of doors, named as in ``Conflict``."""
     of_types = ("size", "room_area", "whole_area", "window_size")
     clauses = [Function(name, [Function(each)]) for name in of_types for each in sorted(types)]
     clauses += [Function(name) for name in ("house_size", "house_area", "unit_depth")]

@@ -11,7 +11,7 @@ from logic import GrammarWarning, Unsatisfiable, check, generate
 from logic.generation.builder import Builder
 from logic.grammar import find
 from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door
+from logic.house.parts import OUTSIDE, Door, Window
 from logic.language.linter import findings
 from logic.proofs.answer import house_or_proof
 from logic.proofs.giving_way import without
@@ -162,6 +162,37 @@ def plan_with(home: Builder, boxes: dict[str, Box], *outer: tuple[str, float, fl
     doors = tuple(Door(x, y, width, height, (name, OUTSIDE)) for name, x, y, width, height in outer)
     plan = read_plan(replace(plan, doors=doors, has_more_doors=True))
     return house_or_proof(home, Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
+
+
+DRAWN = (
+    Door(4.0, 5.0, 0.0, 0.65, ("hall", "living")),
+    Door(4.5, 3.5, 0.65, 0.0, ("hall", "bedroom")),
+    Door(6.0, 6.0, 0.0, 0.65, ("hall", "kitchen")),
+    Door(6.0, 3.55, 0.0, 0.6, ("hall", "bath")),
+    Door(4.5, 7.5, 0.8, 0.0, ("hall", OUTSIDE)),
+)
+SHORT_WALL: dict[str, Box] = BOXES | {"kitchen": (6, 0, 9, 3.3), "bath": (6, 3.3, 8.4, 5.5)}
+"""Hall and bath share 0.7 m of wall."""
+PLANS: dict[str, tuple[dict[str, Box], dict[str, Any], set[str]]] = {
+    "narrow doors, one in a short wall": (SHORT_WALL, {"doors": DRAWN}, {"door_width(0.8)."}),
+    "a window in the living room alone": (
+        BOXES,
+        {"windows": (Window(0.0, 4.5, 0.0, 1.2, "living"),)},
+        {"lit(bedroom).", "lit(kitchen)."},
+    ),
+    "a bedroom of 33 m²": (BOXES | {"bedroom": (0, 4, 6, 9.5)}, {}, {"room_area(bedroom, 8.0, 20.0)."}),
+}
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_what_a_plan_draws_stays_and_the_typical_rules_against_it_give_way(home: Builder, name: str) -> None:
+    boxes, drawn, gone = PLANS[name]
+    plan = replace(read_plan(geojson(boxes, **ROOMS)), **drawn)
+    house = house_or_proof(home, Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
+    assert house.provenance
+    assert gone <= {rule.split(": ", 1)[1] for rule in house.provenance.gave_way}
+    assert {door.box for door in plan.doors} <= {door.box for door in house.doors}
+    assert check(house) == []
 
 
 FRONT, GARDEN = ("hall", 4.5, 7.5, 0.9, 0.0), ("living", 0.0, 4.0, 0.0, 0.9)
