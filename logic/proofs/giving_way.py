@@ -28,7 +28,7 @@ Span = tuple[float, float]
 
 
 def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
-    """Return the typical sizes and areas of room types, and width of doors, of which a request states others."""
+    """Return the typical sizes and areas of room types, and the door width, that differ from a request's."""
     types = builder.loaded.extremes["rooms"]
     areas = {name: (least, most) for name, least, most in metres(builder.placer, types)["areas"]}
     names: dict[str, set[str]] = {"size": set(), "room_area": set()}
