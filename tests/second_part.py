@@ -127,11 +127,14 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_nothing_is_read_or_written_out_of_bounds": "kernels with every bound checked",
     },
     "sim/backends/test_original_collisions.py": "every collision that can be reached",
+    "sim/test_far_houses.py": "kernels for houses far from the origin",
+    "sim/tasks/test_memory.py": "kernels of tasks that remember",
+    "sim/tasks/test_at_once.py": "kernels of several targets",
+    "sim/world/test_varying.py": "kernels of what varies by episode",
+    "agent/runs/test_watching.py": "runs are measured as they learn",
+    "logic/proofs/test_typical.py": "many flats are furnished",
     "sim/backends/test_rays.py": {
         "test_a_million_rays_aimed_at_corners_equal_those_of_the_reference_and_none_leaks": "a million",
-    },
-    "sim/baselines/test_bound.py": {
-        "test_nobody_is_better_and_who_knows_the_way_is_not_much_worse": "many episodes",
     },
     "sim/environment/test_observe.py": {
         "test_they_conform": "Gymnasium's checks",

@@ -64,7 +64,11 @@ def test_a_mistake_is_found_at_its_place(title: str, solver: ProcessPoolExecutor
     (folder / mistake.file).write_text(before + mistake.new + after)
     result: Future = solver.submit(linted, folder)
     findings, seconds = result.result(timeout=PATIENCE)
-    says = re.sub(r"\{(.+?)\}", lambda words: line_of(folder / "sizes.pl", words[1]), mistake.says)
+    says = re.sub(
+        r"line \[(\w+\.pl): (.+?)\]",
+        lambda named: f"line {line_of(folder / named[1], named[2])}",
+        mistake.says,
+    )
     found = [finding for finding in findings if says in finding.text]
     assert found, findings
     lines = (before + mistake.new[: mistake.new.index(mistake.at)]).split("\n")

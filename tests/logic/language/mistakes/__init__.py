@@ -13,7 +13,7 @@ class Mistake:
     """What is replaced in the file: it stands there once; empty to append ``new`` as a line of its own."""
     new: str
     says: str
-    """Words of the message, its hint included; ``{words}`` is the line of ``sizes.pl`` that begins so."""
+    """Words of the message, its hint included; ``line [file: words]`` is the line that begins so."""
     at: str = ""
     """The text of ``new`` that the message points at, by line and column; empty for its beginning."""
     severity: str = "error"

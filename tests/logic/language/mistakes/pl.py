@@ -531,17 +531,19 @@ door_width(0.762).          % the paper's 2.5 feet
     kitchen(
         "an area above the size",
         "room_area(kitchen,30.0,40.0).",
-        "30.0 m2 at least, and room_size(kitchen, W, D) in line {room_size(kitchen} allows 17.64 m2 at most",
+        "30.0 m2 at least, and room_size(kitchen, W, D) "
+        "in line [sizes.pl: room_size(kitchen] allows 17.64 m2 at most",
     ),
     kitchen(
         "an area below the size",
         "room_area(kitchen, 0.5, 3.0).",
-        "3.0 m2 at most, and room_size(kitchen, W, D) in line {room_size(kitchen} allows 4.0 m2 at least",
+        "3.0 m2 at most, and room_size(kitchen, W, D) "
+        "in line [sizes.pl: room_size(kitchen] allows 4.0 m2 at least",
     ),
     kitchen(
         "an area of an oblong size",
         "room_area(kitchen, 6.0, 16.0).\nroom_area(corridor, 15.0, 20.0).",
-        "room_size(corridor, W, D) in line {room_size(corridor} allows 14.4 m2 at most",
+        "room_size(corridor, W, D) in line [sizes.pl: room_size(corridor] allows 14.4 m2 at most",
         at="room_area(corridor",
     ),
     kitchen(
@@ -584,7 +586,7 @@ door_width(0.762).          % the paper's 2.5 feet
         "a second area",
         "room_area(kitchen,3.0,5.0).",
         "room_area(kitchen,3.0,5.0) is a second clause: the first stands "
-        "in line {room_area(kitchen}. State one",
+        "in line [sizes.pl: room_area(kitchen]. State one",
     ),
     appended(
         "an area for all types beside others",
@@ -634,7 +636,8 @@ door_width(0.762).          % the paper's 2.5 feet
     window(
         "a window longer than any wall",
         "L >= 5.0, L =< Wall",
-        "with window_margin(0.65) in line 5 on both sides no such window fits in room_size(",
+        "with window_margin(0.65) "
+        "in line [lengths.pl: window_margin] on both sides no such window fits in room_size(",
     ),
     window("a window without a least length", "L =< 0.6*Wall", "L has no lower bound"),
     plan(
@@ -659,7 +662,7 @@ door_width(0.762).          % the paper's 2.5 feet
         "a house smaller than each room",
         "W =< 0.7, D =< 8",
         "house_size(W, D): no room fits in it, not even room_size(wc, W, D) "
-        "in line {room_size(wc} of sizes.pl",
+        "in line [sizes.pl: room_size(wc] of sizes.pl",
     ),
     house(
         "an area of the house by a product",
@@ -675,7 +678,7 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "sides of the house that do not allow its area",
         "W =< 7, D =< 7 }.\nhouse_area(L, M) :- { L = 50.0, M = 60.0",
-        "50.0 m2 at least, and house_size(W, D) in line 12 allows 49.0 m2 at most",
+        "50.0 m2 at least, and house_size(W, D) in line [lengths.pl: house_size] allows 49.0 m2 at most",
         at="house_area",
     ),
     *(
@@ -733,7 +736,8 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a second size of the house",
         "house_size(W, D) :- { W =< 20, D =< 20 }.",
-        "house_size(W, D) is a second clause: the first stands in line 12 of lengths.pl. State one",
+        "house_size(W, D) is a second clause: the first stands "
+        "in line [lengths.pl: house_size] of lengths.pl. State one",
     ),
     appended(
         "a depth of units where there are none",
@@ -761,8 +765,8 @@ door_width(0.762).          % the paper's 2.5 feet
         "a door wider than walls",
         "door_width(0.8).",
         "door_width(3.9).",
-        "door_margin(0.1) in line 4, and room_size(wc, W, D) "
-        "in line {room_size(wc} of sizes.pl allows 2.0 m at most",
+        "door_margin(0.1) in line [lengths.pl: door_margin], and room_size(wc, W, D) "
+        "in line [sizes.pl: room_size(wc] of sizes.pl allows 2.0 m at most",
         file="lengths.pl",
     ),
     plan(
@@ -775,8 +779,9 @@ door_width(0.762).          % the paper's 2.5 feet
     plan(
         "a room that no door fits",
         "room_size(wc,       W, D) :- { W >= 0.9, W =< 2.0, D >= 0.9, D =< 2.0 }.",
-        "room_size(wc, W, D) :- { W = 0.9, D = 0.9 }.",
-        "3 of lengths.pl with door_margin(0.1) in line 4 of lengths.pl, and this allows 0.9 m at most",
+        "room_size(wc, W, D) :- { W = 0.6, D = 0.6 }.",
+        "of lengths.pl with door_margin(0.1) in line [lengths.pl: door_margin] of lengths.pl, "
+        "and this allows 0.6 m at most",
     ),
     plan(
         "a margin below zero",
@@ -804,7 +809,8 @@ door_width(0.762).          % the paper's 2.5 feet
         "a margin as long as the walls",
         "window_margin(0.65).",
         "window_margin(20.0).",
-        "no window has it on both sides in room_size(living, W, D) in line {room_size(living} of sizes.pl",
+        "no window has it on both sides in room_size(living, W, D) "
+        "in line [sizes.pl: room_size(living] of sizes.pl",
         file="lengths.pl",
     ),
     plan(
