@@ -52,7 +52,7 @@ TYPICAL = "typical"
 COMMENT = re.compile(r"%\*.*?(?:\*%|\Z)|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
 
-TYPES = re.compile(r"\btype\s*\(([\w\s;()]*)\)\s*\.")
+TYPES = re.compile(r"\btype\s{0,9}\(([\w\s;()]{0,999})\)\s{0,9}\.")
 """A fact that names room types."""
 
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")

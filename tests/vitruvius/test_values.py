@@ -29,6 +29,7 @@ READ = {
     *((name, "houses") for name in ("evaluate", "record", "play")),
     ("convert", "file"),
     ("regenerate", "file"),
+    ("train", "held_out"),
 }
 """What ``-`` gives to, as the standard input: content of one file. ``info`` has a name of its own for it."""
 
