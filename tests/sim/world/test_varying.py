@@ -71,7 +71,7 @@ def test_a_body_of_a_share_of_its_width_moves_as_one_that_is_so_wide(backend):
     """But for where it starts and where targets lie; a disc's skin has its share of the width, too."""
     narrow = tuple(0.5 * side for side in DEFAULT.body)
     eye = tuple(0.5 * side for side in narrow)
-    drive = Drive(commands=COMMANDS)
+    drive = Drive(commands=COMMANDS) if backend == "free" else DEFAULT.drive
     plan = np.random.default_rng(4).choice(3, p=[0.1, 0.1, 0.8], size=(120, COUNT))
     made = [
         HouseVectorEnv(HOUSES, COUNT, preset=preset, targets="all", backend=backend)
