@@ -15,6 +15,7 @@ from logic.checking.fault import Fault
 from logic.checking.figures import figure, number
 from logic.checking.grid import broken_cells, cell_of, off_grid, on_grid
 from logic.checking.names import named
+from logic.checking.openings import plan_corners, plan_doors, plan_windows
 from logic.checking.room import (
     blocked_fronts,
     misplaced,
@@ -28,15 +29,12 @@ from logic.checking.room import (
 )
 from logic.checking.rows import uneven_rows
 from logic.checking.shared_walls import (
-    plan_corners,
     plan_degrees,
-    plan_doors,
     plan_outline,
     plan_parts,
     plan_rooms,
     plan_sizes,
     plan_units,
-    plan_windows,
 )
 from logic.checking.star import star_doors, star_main_room, star_rooms, star_shape, star_sides, star_sizes
 from logic.checking.walking import impassable, unentered

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from logic import Door, House, Piece, Room, Window, check
-from logic.checking import shared_walls
+from logic.checking import openings as checked
 from logic.house.parts import Rect
 from logic.house.promises import Promises
 from tests.plans import PLANS, flat, random_plan
@@ -250,7 +250,7 @@ def test_each_mistake_has_its_answer(words: str) -> None:
 def test_a_crowd_has_a_thousand_violations_and_a_line_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of 512 doors in one place there are 130,816 pairs."""
     (one, *_), asked = [door for door in FLAT.doors if not door.opening], []
-    monkeypatch.setattr(shared_walls, "_between", lambda *_: asked.append(1) or "door")
+    monkeypatch.setattr(checked, "_between", lambda *_: asked.append(1) or "door")
     said = check(replace(FLAT, doors=(one,) * 512), HOME)
     assert len(said) == 1001
     assert "more than 1,000 violations" in said[-1]
@@ -276,7 +276,7 @@ def test_the_check_compares_openings_and_rooms_by_array_not_pair_by_pair(
         windows = tuple(Window(3.0 * k + 1, 0, 1, 0, room=f"R{k}") for k in range(number))
         read[0] = 0
         house = House(rooms, doors, windows)
-        for each in (shared_walls.plan_doors, shared_walls.plan_windows):
+        for each in (checked.plan_doors, checked.plan_windows):
             assert list(each(house, Promises())) == []
         return read[0]
 
