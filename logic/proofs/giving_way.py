@@ -98,7 +98,8 @@ def giving_way(found: NoLayout) -> list[Reason]:
 def _is_about(statement: Statement, request: Request) -> bool:
     """Return True unless it is of the size of a type that no room of the request has."""
     types = {room.type for room in request.given.rooms} if request.given else {""}
-    about = statement.clause.arguments if statement.clause else ()
+    clause = statement.clause
+    about = clause.arguments if clause and clause != DOOR_WIDTH else ()
     return not about or "" in types or about[0].name in types
 
 

@@ -180,6 +180,11 @@ PLANS: dict[str, tuple[dict[str, Box], dict[str, Any], set[str]]] = {
         {"windows": (Window(0.0, 4.5, 0.0, 1.2, "living"),)},
         {"lit(bedroom).", "lit(kitchen)."},
     ),
+    "a wall too short for a door of 0.8 m": (
+        BOXES | {"living": (0, 0, 5.05, 4), "hall": (5.05, 0, 6, 4)},
+        {},
+        {"door_width(0.8)."},
+    ),
     "a bedroom of 33 m²": (BOXES | {"bedroom": (0, 4, 6, 9.5)}, {}, {"room_area(bedroom, 8.0, 20.0)."}),
 }
 
