@@ -171,7 +171,7 @@ def _hatch(box: Box, pattern: str) -> Iterator[tuple[Point, Point]]:
 def _door(
     house: House, tiles: np.ndarray, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks
 ) -> Iterator[Shape]:
-    """The doorway, the open leaf with its swing, and at an entrance a mark."""
+    """Yield the doorway, the open leaf with its swing, and at the entrance a mark."""
     place = frame.place(opening(house, tiles, door))
     yield Block(place, inks.paper)
     if leaf is not None:
@@ -184,7 +184,7 @@ def _door(
             tuple(frame.at(*point) for point in (tip, *controls, jamb)), inks.faint, thin(frame.scale)
         )
         yield Line((frame.at(x, y), frame.at(*tip)), inks.edge, stroke(0.04 * frame.scale, 1.2, 4.0))
-    if door.is_entrance:
+    if door.is_entrance and door not in house.garden_doors:
         (name,) = (name for name in door.between if name != OUTSIDE)
         size = min(0.3 * frame.scale, 7.5)
         yield _entrance(place, frame.box(house.room(name)), size, inks)

@@ -44,7 +44,7 @@ from logic.drawing.plan import boxes_of, house_shapes, opening, wall_boxes
 from logic.house.boxes import distance, excess, overlap
 from logic.house.looks import DEFAULT as LOOKS
 from logic.house.part_names import doors_by_name, target_in, windows_by_name
-from logic.house.parts import ORIGINAL, OUTSIDE, Provenance, Room
+from logic.house.parts import ORIGINAL, OUTSIDE, Door, Provenance, Room
 from logic.house.promises import Thickness
 from tests.logic.house.handmade import Sketch, built, sketches, turned, turned_house
 from tests.plans import PLANS
@@ -244,6 +244,20 @@ def test_a_tip_points_in_at_an_entrance_and_the_legend_says_so() -> None:
     assert x == pytest.approx(block(drawing, "R0").box[0] + scale * (middle(entrance)[0] - house.rooms[0].x))
     assert key.points[1][1] == words(drawing)["entrance"].at[1]
     assert "entrance" not in words(plan(HOUSE, 600))
+
+
+def test_a_garden_door_has_no_tip() -> None:
+    hall = Room(0, 0, 4, 3, type="hall", name="R0")
+    doors = Door(1, 0, 0.9, 0, ("R0", "outside")), Door(1, 3, 0.9, 0, ("R0", "outside"))
+    entered, with_garden = (
+        [
+            shape
+            for shape in flat(plan(House((hall,), doors[:count], (), hub="R0", topology="own"), 600).shapes)
+            if isinstance(shape, Line) and shape.stroke == INKS.mark
+        ]
+        for count in (1, 2)
+    )
+    assert len(entered) == len(with_garden) == 2  # the entrance's, and the legend's
 
 
 @pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
