@@ -177,9 +177,9 @@ def test_a_refuted_room_takes_the_rooms_behind_its_walls_where_a_door_leads_outs
     assert refuted((hall, "outside")) == {hall, "outside"} | behind
 
 
-def test_a_room_with_an_opening_keeps_its_doors() -> None:
+def test_a_room_with_an_opening_that_no_user_drew_keeps_its_doors() -> None:
     plan: Any = stub(doors_of=lambda _: [stub(opening=True)])
-    maker: Any = stub()
+    maker: Any = stub(_span=lambda *_: Rect(0, 0, 1, 0))
     assert not GivenPlanMaker._moved(maker, FOUR, plan, [], 0, np.random.default_rng(0), [])
 
 
