@@ -33,6 +33,8 @@ def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
     areas = {name: (least, most) for name, least, most in metres(builder.placer, types)["areas"]}
     names: dict[str, set[str]] = {"size": set(), "room_area": set()}
     for type_, sides, area in _stated(request):
+        if type_ not in types:  # The maker refuses it.
+            continue
         width, depth = types[type_][:2], types[type_][2:]
         fits = not sides or any(_within(a, width) and _within(b, depth) for a, b in (sides, sides[::-1]))
         if not fits or (area and not _within(area, (width[0] * depth[0], width[1] * depth[1]))):

@@ -43,7 +43,7 @@ MISTAKES = (
     Command("generate --rooms many", ("--rooms many: give a whole number, as in --rooms 3",)),
     Command("generate --rooms 2 --cell wide", ("--cell wide: give a number",)),
     Command("train --half-lives 1 x", ("--half-lives x: give a number",)),
-    Command("completion tcsh", ("there is no shell tcsh: there are bash, zsh, fish",)),
+    Command("completion tcsh", ("there is no shell tcsh: there are bash, zsh",)),
     # names
     Command("draw houses.jsonl --format pgn", ("there is no format pgn", "did you mean png?")),
     Command("convert houses.jsonl --out x --to gtlf", ("there is no format gtlf", "did you mean gltf?")),
