@@ -41,6 +41,8 @@ class GivenPlanMaker(SharedWallsMaker):
         """Find what the grammar forbids in the plan."""
         if loaded.has_area and loaded.outdoor:
             raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
+        if loaded.depths:
+            raise RequestError(f"plan: {grammar.name} has units, which no plan of your own has")
         self.plan = plan = within_walls(plan, loaded.placer.wall_thickness)
         if lengths_of(loaded.placer, loaded.furniture)["doors"]:
             why = "states door_width/3, widths by the types of both rooms: no plan of your own has them yet"

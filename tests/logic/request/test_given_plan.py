@@ -236,3 +236,10 @@ def test_a_plan_stands_in_the_place_of_a_topology_of_the_users(tmp_path: Path) -
     house = made(builder(rules), FILE)
     assert check(house, PROMISES["home"]) == []
     assert places(house.rooms) == places(read_plan(FILE).rooms)
+
+
+def test_a_house_of_units_is_no_plan_yet() -> None:
+    """Its own plan was called impossible, by the numbers of rooms of its units."""
+    plan = read_plan(geojson(BOXES))
+    with pytest.raises(RequestError, match="apartments has units, which no plan of your own has"):
+        builder("apartments").house(Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
