@@ -54,7 +54,7 @@ def expressions() -> Iterator[Expression]:
             if what.attr in CALLS:
                 yield Expression(text_of(node.args[0]), what.attr, flags_of(node), place)
             elif what.attr == "compile":
-                for call in applied().get(named.get(id(node), ""), {"finditer"}):
+                for call in sorted(applied().get(named.get(id(node), ""), {"finditer"})):
                     yield Expression(text_of(node.args[0]), call, flags_of(node), place)
 
 
