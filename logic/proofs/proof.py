@@ -103,7 +103,8 @@ class Prover:
         named = False
         first, then = _others(request, far=not self._of.grammar.shares_walls)
         for rooms in (*first, *then):
-            if rooms in then and not named:  # These take longer, and hardly ever end what the first do not.
+            # These take longer, and hardly ever end a conflict that the first do not.
+            if rooms in then and conflict and not named:
                 break
             other = replace(request, rooms=rooms)
             relaxed, statements = self._of.house(other, unfurnishable)

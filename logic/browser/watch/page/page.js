@@ -197,4 +197,7 @@ initAnswer(() => {
 });
 byId("hint").textContent = `Choose a room, a piece, a door or a window to see ${engine.why ? "why it is there" : "what it is"}`
   + "; or arrow keys, then Enter.";
-engine.open(receive, say);
+engine.open(receive, (text) => {
+  linting.abort();
+  say(text);
+});
