@@ -136,8 +136,7 @@ def _whole(word: str, is_capital: bool) -> Uses:
 
 def element(word: str) -> str:
     """Return what a word means beside rooms: ``door``, ``entrance``, ``opening``, ``window`` or ``part``."""
-    letters = _letters(word[:MAX_LETTERS])
-    return next((what for what, words in table().elements.items() if letters in map(_letters, words)), "")
+    return _elements().get(_letters(word[:MAX_LETTERS]), "")
 
 
 @cache
@@ -153,6 +152,12 @@ def _words() -> dict[str, Uses]:
     return {_letters(word.translate(UMLAUTS)): kinds for word, kinds in words} | {
         _letters(word): kinds for word, kinds in words
     }
+
+
+@cache
+def _elements() -> dict[str, str]:
+    """Return what each word means beside rooms."""
+    return {_letters(word): what for what, words in table().elements.items() for word in words}
 
 
 def _letters(word: str) -> str:
