@@ -92,7 +92,7 @@ def _solids(path: Path) -> None:
     from logic.readers.regular import regular
 
     with patch.object(ifc.subprocess, "run", return_value=_Done(path.read_bytes())):
-        regular(ifc.read_ifc(b"", None), None, 0.01)
+        regular(ifc.read_ifc(b"", None, None), None, 0.01)
 
 
 def _brief(path: Path) -> None:

@@ -9,7 +9,7 @@ from logic.readers.houseexpo import is_houseexpo, read_houseexpo
 from logic.readers.ifc import is_ifc, read_ifc
 from logic.readers.imdf import is_imdf, read_imdf
 from logic.readers.resplan import is_resplan, read_resplan
-from logic.readers.sketch import Sketch, of_one_storey
+from logic.readers.sketch import Sketch
 
 
 class Reader(NamedTuple):
@@ -20,8 +20,8 @@ class Reader(NamedTuple):
 
 
 READERS = (
-    Reader(is_houseexpo, of_one_storey(read_houseexpo)),
-    Reader(is_resplan, of_one_storey(read_resplan)),
+    Reader(is_houseexpo, read_houseexpo),
+    Reader(is_resplan, read_resplan),
     Reader(is_imdf, read_imdf),
     Reader(is_cubicasa, read_cubicasa),
     Reader(is_ifc, read_ifc),

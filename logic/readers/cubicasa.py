@@ -39,7 +39,7 @@ def is_cubicasa(content: bytes, _: Any) -> bool:
     return b"<svg" in content[:4096] and re.search(rb'class="Space ', content) is not None
 
 
-def read_cubicasa(content: bytes, _: Any, storey: str | None = None) -> Sketch:
+def read_cubicasa(content: bytes, _: Any, storey: str | None) -> Sketch:
     """Rooms by their classes; the unit by the sizes that labels say."""
     try:
         tree = from_xml(content)

@@ -14,7 +14,7 @@ from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
 from logic.house.parts import MOST_ROOMS
-from logic.readers.sketch import Passage, Sketch, Space, numbers, require_plain
+from logic.readers.sketch import Passage, Sketch, Space, numbers, require_none, require_plain
 from logic.readers.types import OUTSIDE, meant
 from logic.shapes.corners import parts_of
 from logic.shapes.doorways import SMALLEST, Doorway, cut
@@ -61,8 +61,9 @@ def is_houseexpo(_: bytes, record: Any) -> bool:
     return isinstance(record, dict) and {"verts", "room_category"} <= record.keys()
 
 
-def read_houseexpo(_: bytes, record: Any) -> Sketch:
+def read_houseexpo(_: bytes, record: Any, storey: str | None) -> Sketch:
     """The rooms are the floor, cut at its doorways. Boxes say their types, and what is open to each other."""
+    require_none(storey)
     floor = shapely.make_valid(outline(record))
     boxes = _boxes(record["room_category"], floor)
     rooms, doorways = cut(floor, lambda one, other, doorway: _is_one(one, other, doorway, boxes))

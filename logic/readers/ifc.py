@@ -65,7 +65,7 @@ def _unpacked(content: bytes) -> bytes:
     return content
 
 
-def read_ifc(content: bytes, _: Any, storey: str | None = None) -> Sketch:
+def read_ifc(content: bytes, _: Any, storey: str | None) -> Sketch:
     """Spaces are rooms. Raises ``ModuleNotFoundError`` without IfcOpenShell."""
     content = _unpacked(content)
     if find_spec("ifcopenshell") is None:

@@ -34,7 +34,7 @@ def is_imdf(content: bytes, record: Any) -> bool:
     return isinstance(features, list) and any(_kind(each) == "unit" for each in features)
 
 
-def read_imdf(content: bytes, record: Any, storey: str | None = None) -> Sketch:
+def read_imdf(content: bytes, record: Any, storey: str | None) -> Sketch:
     """Units are rooms and openings doors, on the plane that touches the earth in their midst."""
     features = _of_level(_unpacked(content) if content.startswith(ZIP) else record["features"], storey)
     units, openings = ([each for each in features if _kind(each) == kind] for kind in ("unit", "opening"))

@@ -12,7 +12,7 @@ from shapely import Polygon
 from shapely.geometry import shape
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space, polygons
+from logic.readers.sketch import Passage, Sketch, Space, polygons, require_none
 
 FORMAT = "a plan of ResPlan"
 
@@ -28,10 +28,11 @@ def is_resplan(_: bytes, record: Any) -> bool:
     return isinstance(record, Mapping) and set(PARTS) <= record.keys()
 
 
-def read_resplan(_: bytes, record: Any) -> Sketch:
+def read_resplan(_: bytes, record: Any, storey: str | None) -> Sketch:
     """Each polygon of a type is a room. A plan is 256 units wide; its ``area`` in square metres says how many
     metres that is.
     """
+    require_none(storey)
     spaces = [
         Space(key, (key,), each)
         for key, value in record.items()

@@ -2,8 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from functools import wraps
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -142,17 +141,6 @@ def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = (
     if not same:
         raise RequestError(f"plan: {unknown('storey', storey, storeys)}")
     return same[0]
-
-
-def of_one_storey(read: Callable[[bytes, Any], Sketch]) -> Callable[[bytes, Any, str | None], Sketch]:
-    """Return a reader of a format without storeys, which refuses the name of one."""
-
-    @wraps(read)
-    def wrapper(content: bytes, record: Any, storey: str | None = None) -> Sketch:
-        require_none(storey)
-        return read(content, record)
-
-    return wrapper
 
 
 def require_none(storey: str | None) -> None:
