@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import shapely
 
+from logic.drawing.frame import grown
 from logic.house.boxes import Box
 from logic.house.house import House
 
@@ -24,20 +25,15 @@ def wall_rings(house: House, beyond: float, inner: Iterable[Box] = ()) -> list[R
     on the edges of rooms. Around outdoor rooms the outer walls are parapets.
     """
     tiles = [(tile.box, tile.type in house.outdoor) for tile in house.tiles]
-    indoors = _union(_grown(box, beyond) for box, is_outdoor in tiles if not is_outdoor)
-    grown = _union(_grown(box, beyond) for box, _ in tiles)
+    indoors = _union(grown(box, beyond) for box, is_outdoor in tiles if not is_outdoor)
+    whole = _union(grown(box, beyond) for box, _ in tiles)
     rooms = _union(room.box for room in house.rooms)
-    walls = shapely.union(shapely.difference(grown, rooms, grid_size=GRID_M), _union(inner), grid_size=GRID_M)
+    walls = shapely.union(shapely.difference(whole, rooms, grid_size=GRID_M), _union(inner), grid_size=GRID_M)
     if outdoors := [room.box for room in house.rooms if room.type in house.outdoor]:
-        parapets = _union(_grown(box, max(PARAPET_M, house.half_wall)) for box in outdoors)
+        parapets = _union(grown(box, max(PARAPET_M, house.half_wall)) for box in outdoors)
         low = shapely.difference(parapets, rooms, grid_size=GRID_M)
         walls = shapely.union(shapely.intersection(walls, indoors, grid_size=GRID_M), low, grid_size=GRID_M)
     return [*_rings(shapely.orient_polygons(walls.simplify(0)))]
-
-
-def _grown(box: Box, by: float) -> Box:
-    west, north, east, south = box
-    return west - by, north - by, east + by, south + by
 
 
 def _union(boxes: Iterable[Box]) -> shapely.Geometry:

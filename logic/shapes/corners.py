@@ -128,6 +128,12 @@ def parts_of(shape: Geometry) -> list[Polygon]:
     return [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
 
 
+def size_of(box: Polygon) -> str:
+    """Return the width and the height of a box, as in ``3.20 by 4.05 m``."""
+    west, north, east, south = box.bounds
+    return f"{east - west:.2f} by {south - north:.2f} m"
+
+
 def moved(shape: Polygon, lines: tuple[Mapping[float, float], Mapping[float, float]]) -> Polygon:
     """A polygon with its corners on other lines: by its own in x and in y."""
 

@@ -12,7 +12,7 @@ from shapely import Geometry, Polygon
 
 from logic.house.parts import LONGEST_NAME, Room
 from logic.house.promises import PASSAGE
-from logic.shapes.corners import GRID, boxes, parts_of
+from logic.shapes.corners import GRID, boxes, parts_of, size_of
 
 NARROW = 0.6
 """Metres: a part of a room that is narrower, such as a niche, is no room."""
@@ -33,7 +33,7 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
 
     def say(place: int, strip: Polygon) -> None:
         name = rooms[parts[place][0]][0]
-        notes.append(f"{_size(strip)} beside {name} are too narrow for a room, and taken as its floor")
+        notes.append(f"{size_of(strip)} beside {name} are too narrow for a room, and taken as its floor")
 
     between = [
         niche for number, niche in niches if any(touch(part, niche) for of, part in parts if of != number)
@@ -48,7 +48,7 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
         if shapely.intersects(free, niche.centroid) or any(touch(each, niche) for each in beside):
             parts.append((number, niche))
         else:
-            notes.append(f"a niche of {rooms[number][0]} of {_size(niche)} is left out: a room is a box")
+            notes.append(f"a niche of {rooms[number][0]} of {size_of(niche)} is left out: a room is a box")
     for gap in gaps([shape for _, shape in parts]):
         for part in boxes(gap):
             of = max(range(len(parts)), key=lambda k: shapely.intersection(parts[k][1], part).length)
@@ -86,11 +86,6 @@ def room_of(box: Polygon, name: str, kind: str, whole: str | UnsetType) -> Room:
 def _is_niche(part: Polygon, parts: Sequence[Polygon]) -> bool:
     west, north, east, south = part.bounds
     return part is not parts[0] and min(east - west, south - north) < NARROW
-
-
-def _size(box: Polygon) -> str:
-    west, north, east, south = box.bounds
-    return f"{east - west:.2f} by {south - north:.2f} m"
 
 
 def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:

@@ -7,7 +7,7 @@ import shapely
 from shapely import Polygon
 
 from logic.house.boxes import Box
-from logic.shapes.corners import GRID, parts_of, squared
+from logic.shapes.corners import GRID, parts_of, size_of, squared
 from logic.shapes.lines import MOST_WALL
 
 SLIVER = 0.2
@@ -45,9 +45,8 @@ def without_stubs(
         filled = shapely.union_all([shape, *stubs], grid_size=GRID)
         if stubs and isinstance(filled, Polygon):
             found[place] = squared(names[place], filled, noise)
-            west, north, east, south = max(stubs, key=lambda each: each.length).bounds
-            size = f"{east - west:.2f} by {south - north:.2f} m"
-            notes.append(f"a wall of {size} that stands into {names[place]} is left out")
+            longest = max(stubs, key=lambda each: each.length)
+            notes.append(f"a wall of {size_of(longest)} that stands into {names[place]} is left out")
     return found
 
 
