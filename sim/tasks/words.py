@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields
 
 from logic.house.looks import spaced
-from logic.spelling import numbered
+from logic.spelling import article, numbered
 from sim.allowed import class_names
 from sim.tasks.furniture import Habit, Object
 from sim.tasks.remembering import Visit
@@ -60,9 +60,9 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
         case Order(rooms=rooms):
             words = f"targets in rooms of type {', then '.join(named(room) for room in rooms)}"
         case Reach(room=room):
-            words = f"reach {_article(named(room))}"
+            words = f"reach {article(named(room))}"
         case Object(piece=piece):
-            words = f"find {_article(named(piece))}"
+            words = f"find {article(named(piece))}"
         case Habit(share=share, seed=seed):
             usual = Habit()
             said = [f"share {share:g}"] * (share != usual.share) + [f"seed {seed}"] * (seed != usual.seed)
@@ -117,10 +117,6 @@ def _own(targets: Targets) -> str:
         return ", ".join([_own(str(targets.get("task"))), *arguments])
     name = targets if isinstance(targets, str) else type(targets).__name__
     return f"task {spaced(name.rpartition(':')[2])}"
-
-
-def _article(name: str) -> str:
-    return f"{'an' if name[:1] in 'aeiou' else 'a'} {name}"
 
 
 def _listed(names: Sequence[str], last: str) -> str:

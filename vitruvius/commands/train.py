@@ -1,4 +1,4 @@
-"""``vitruvius train``, ``export``: their options, and what they do.
+"""``vitruvius train`` and ``export``: their options, and what they do.
 
 Cheap to import: torch, taichi and all that needs them are imported when a command runs.
 """

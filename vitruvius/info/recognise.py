@@ -40,8 +40,6 @@ from vitruvius.info.reading import (
 MOST_BYTES = 1 << 28
 """What is read of a JSON file that holds no houses, unpacked."""
 
-"""How such a file begins."""
-
 
 def recognised(name: str) -> list[Kind]:
     """All that a path or a name is: ``paper`` is a grammar, an agent and a preset.
