@@ -50,36 +50,8 @@ class States(NamedTuple):
     wholes: Wholes
 
 
-class PlainArrays(NamedTuple):
-    """What a step reads of the houses, and the states of the environments: see ``World``."""
-
-    numbers: Floats
-    indices: Ints
-    places: Ints
-    doorways: Floats
-    pushes: Bytes
-    reals: Reals
-    wholes: Wholes
-
-
-class RememberingArrays(NamedTuple):
-    """The same, and what terms keep and see."""
-
-    numbers: Floats
-    indices: Ints
-    places: Ints
-    doorways: Floats
-    pushes: Bytes
-    reals: Reals
-    wholes: Wholes
-    memory: Floats
-    last_memory: Floats
-    surroundings: Ints
-    rooms: Ints
-
-
 class WorldArrays(NamedTuple):
-    """All that a step may read and write."""
+    """All that a step may read and write: see ``World``."""
 
     numbers: Floats
     indices: Ints
@@ -109,6 +81,21 @@ class WorldArrays(NamedTuple):
     next_reals: Reals
     others: Floats
     last_others: Floats
+
+
+def _record(name: str, *fields: str) -> Any:
+    """Return the record of some of these arrays: to set an argument takes time at each launch."""
+    kinds = [(field, WorldArrays.__annotations__[field]) for field in fields]
+    return NamedTuple(name, kinds)  # pyright: ignore[reportArgumentType]
+
+
+PlainArrays = _record("PlainArrays", "numbers", "indices", "places", "doorways", "pushes", "reals", "wholes")
+"""What a step reads of the houses, and the states of the environments."""
+
+RememberingArrays = _record(
+    "RememberingArrays", *PlainArrays._fields, "memory", "last_memory", "surroundings", "rooms"
+)
+"""The same, and what terms keep and see."""
 
 
 State = ti.types.struct(

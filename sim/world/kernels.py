@@ -76,7 +76,6 @@ def kernels(
     lanes = 1 if by_ray else config.rays
     backend = _backend(program, make, config, lanes)
     episodes = Episodes(config, backend, ends_on_pick_up, terms, lanes, at_once)
-    # To set an argument takes time at each launch.
     more = episodes.knows_distance or config.extras or config.latency or guided or at_once > 1
     few = RememberingArrays if terms.memory or terms.surveys else PlainArrays
     Arrays = WorldArrays if more else few
