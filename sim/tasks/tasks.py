@@ -159,23 +159,16 @@ class Rooms(BaseTask):
 
 
 @dataclass(frozen=True)
-class Order(BaseTask):
+class Order(Rooms):
     """Pick up targets in an order of rooms: one in a room of the first type, then of the second, and so on;
     after the last type the first again.
     """
 
-    rooms: Sequence[str]
-    ends_on_pick_up: ClassVar[bool] = False
-
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what is no list of names."""
-        if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in [*self.rooms] or [None]):
-            raise TypeError(f"rooms: a list of room types, in their order, not {self.rooms!r}")
+        """Raise ``TypeError`` for what is no list of names, or an empty one."""
         super().__post_init__()
-
-    def spaces(self, house: House) -> list[Box]:
-        """See ``Task``."""
-        return [room.box for room in house.rooms if room.type in self.rooms]
+        if not [*self.rooms]:
+            raise TypeError(f"rooms: a list of room types, in their order, not {self.rooms!r}")
 
     def stages(self, house: House) -> list[list[Box]]:
         """For each target of a round, the rectangles of which it lies wholly in one."""

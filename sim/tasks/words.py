@@ -55,10 +55,10 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
             words = "targets in all rooms"
         case Collect(main=main):
             words = "targets in the main room" if main else "targets in secondary rooms"
-        case Rooms(rooms=rooms):
-            words = f"targets in rooms of type {_listed([named(room) for room in rooms], 'or')}"
         case Order(rooms=rooms):
             words = f"targets in rooms of type {', then '.join(named(room) for room in rooms)}"
+        case Rooms(rooms=rooms):
+            words = f"targets in rooms of type {_listed([named(room) for room in rooms], 'or')}"
         case Reach(room=room):
             words = f"reach {article(named(room))}"
         case Object(piece=piece):

@@ -68,7 +68,7 @@ def test_an_order_is_said_in_words_and_a_wrong_one_refused():
     for rooms, message in (
         ([DRAWN.rooms[0].type, "hut"], "house 0 of 1: it has no room for the targets of Order"),
         ([], "a list of room types, in their order"),
-        ("hall", "a list of room types, in their order"),
+        ("hall", "a list of room types, not 'hall'"),
     ):
         with pytest.raises(ValueError, match=message):
             HouseVectorEnv([DRAWN], targets={"task": "order", "rooms": rooms})
