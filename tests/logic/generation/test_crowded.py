@@ -10,7 +10,6 @@ import pytest
 
 from logic import Unsatisfiable, check
 from logic.generation.builder import Builder
-from logic.grammar import find
 from logic.house.house import House
 from logic.language.linter import all_warnings
 from logic.layout import program
@@ -19,6 +18,7 @@ from logic.layout.programs import CROWD, crowded
 from logic.layout.relaxed import Relaxed, Statement
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
+from tests.logic.generation import classrooms
 
 DESKS = """
 {types}
@@ -31,21 +31,6 @@ may(classroom,board,1,1).  stands(board,back).
 desks(P,N) :- on(desk,_,P,_), N = #count{{ K : on(desk,K,P,_) }}.
 :- desks(_,N), N < 3.
 """
-LENGTHS = """
-door_width(0.9).  door_clearance(0.3).  passage(0.5).  room_gap(0.0).
-room_size(classroom, W, D) :- { W >= 7, W =< 9, D >= 7, D =< 9 }.
-piece_size(desk, L, D, _)  :- { L = 0.7, D = 0.5 }.
-piece_size(chair, L, D, _) :- { L = 0.4, D = 0.4 }.
-piece_size(board, L, D, _) :- { L >= 1.8, L =< 3, D = 0.1 }.
-"""
-PLAN = """
-topology(dissection).  type(foyer; classroom).  empty(foyer).
-opens(outside,foyer).  opens(foyer,classroom).
-#program house.
-:- { room(_,foyer) } != 1.
-#program base.
-"""
-FOYER = "room_size(foyer, W, D) :- { W >= 3, W =< 9, D >= 3, D =< 9 }.  door_margin(0.1).\n"
 PLACES = """
 option(at(1..{pieces}),1..{places},1).
 :- pick(at(P),X), pick(at(Q),X), P < Q.
@@ -53,9 +38,7 @@ option(at(1..{pieces}),1..{places},1).
 
 
 def builder(folder: Path, star: bool = False) -> Builder:
-    (folder / "rooms.lp").write_text(DESKS.format(types="type(classroom)." if star else PLAN))
-    (folder / "sizes.pl").write_text(LENGTHS + ("" if star else FOYER))
-    return Builder(find(folder))
+    return classrooms.builder(folder, DESKS, star)
 
 
 def rows(house: House) -> list[list[int]]:

@@ -8,11 +8,11 @@ import pytest
 
 from logic import Unsatisfiable, check
 from logic.generation.builder import Builder
-from logic.grammar import find
 from logic.house.house import House
 from logic.house.parts import Room
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
+from tests.logic.generation import classrooms
 
 SCHOOL = """
 {types}
@@ -24,27 +24,10 @@ even_rows(classroom).
 :- this_room = classroom, row(inwards).
 :- on(desk,_,P,5), at(P,middle).
 """
-PLAN = """
-topology(dissection).  type(foyer; classroom).  empty(foyer).
-opens(outside,foyer).  opens(foyer,classroom).
-#program house.
-:- { room(_,foyer) } != 1.
-#program base.
-"""
-SIZES = """
-door_width(0.9).  door_clearance(0.3).  passage(0.5).  room_gap(0.0).
-room_size(classroom, W, D) :- { W >= 7, W =< 9, D >= 7, D =< 9 }.
-piece_size(desk, L, D, _)  :- { L = 0.7, D = 0.5 }.
-piece_size(chair, L, D, _) :- { L = 0.4, D = 0.4 }.
-piece_size(board, L, D, _) :- { L >= 1.8, L =< 3, D = 0.1 }.
-"""
-FOYER = "room_size(foyer, W, D) :- { W >= 3, W =< 9, D >= 3, D =< 9 }.  door_margin(0.1).\n"
 
 
 def builder(folder: Path, star: bool = True, cell: float = 0.0) -> Builder:
-    (folder / "school.lp").write_text(SCHOOL.format(types="type(classroom)." if star else PLAN))
-    (folder / "sizes.pl").write_text(SIZES + ("" if star else FOYER))
-    return Builder(find(folder), cell)
+    return classrooms.builder(folder, SCHOOL, star, cell)
 
 
 def classroom(house: House) -> Room:
