@@ -1,34 +1,125 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """A body that drives along the shortest path to its target, by rule: it knows house and target.
 
-It pursues the next corner of its path (``path_follower``), or the target: it turns to where that lies as fast
-as it can still stop turning, and drives the faster the less it is off. It looks no further than to the target
+It pursues the next corner of its path, a ``Roadmap``'s, or the target: it turns to where that lies as fast as
+it can still stop turning, and drives the faster the less it is off. It looks no further than to the target
 that it has, and no path of its is the fastest that there is.
 """
 
+from functools import cache
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from sim.baselines.path_follower import PathFollower
+from sim.backends.body import SKIN
+from sim.baselines.roadmap import FAR, Roadmap, Roads, graph, point, sees
 from sim.baselines.steering import steered
 from sim.environment.vector import HouseVectorEnv
+from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.world import World
+
+AIR = 0.04
+"""Metres between the body and what it passes."""
+
+
+class FollowerArrays(NamedTuple):
+    """Where bodies are, where they go, and what they pursue."""
+
+    house: Ints
+    pose: Floats
+    """(x, y, heading) of each."""
+    target: Floats
+    """(x, y) of where each goes."""
+    known: Floats
+    """(house, x, y) of the target that ``left`` is of."""
+    left: Floats
+    """Metres from each corner of the house to the target."""
+    aim: Floats
+    """(x, y) of what each pursues."""
 
 
 class TruePath:
     """The E bodies of a ``HouseVectorEnv``, told what to do by one who knows the way."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """Drive these; the bank must stay as it is. ``ValueError`` where bodies do not drive."""
+        """Drive these; the bank must stay as it is.
+
+        Raises ``ValueError`` where bodies do not drive, and as ``Roadmap``.
+        """
         self.world: World = envs.unwrapped.world
-        config = self.world.config
+        config, count = self.world.config, self.world.num_envs
         if not config.drives:
             raise ValueError("a true path is driven: take the backend free, or an oracle")
         config.drive.require_heading("a true path")
-        self.follower = PathFollower(self.world)
-        self.follower.arrays["half"].fill(np.full(self.world.num_envs, config.target / 2, np.float32))
+        radius = config.body[0] / 2
+        roads = Roadmap(self.world, radius + AIR)
+        self.arrays = {
+            "house": Array(ti.i32, count),
+            "pose": Array(ti.f32, 3 * count),
+            "target": Array(ti.f32, 2 * count),
+            "known": Array.of(np.full(3 * count, -1, np.float32)),
+            "left": Array(ti.f32, count * roads.most),
+            "aim": Array(ti.f32, 2 * count),
+        }
+        self._pursue = Launch(_kernel(start(), radius, config.target / 2), roads.arrays | self.arrays)
 
     def act(self) -> np.ndarray:
         """What to do next: (v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands."""
         pose, target, house = self.world.describe()
-        self.follower.arrays["goal"].fill(target.ravel())
-        bearing, _ = self.follower.follow(house, pose)
-        return steered(self.world.config.drive, bearing - pose[:, 2])
+        for name, values in (("house", house), ("pose", pose), ("target", target)):
+            self.arrays[name].fill(values.ravel())
+        self._pursue()
+        away = self.arrays["aim"].numpy().reshape(-1, 2) - pose[:, :2]
+        return steered(self.world.config.drive, np.arctan2(-away[:, 1], away[:, 0]) - pose[:, 2])
+
+
+@cache
+def _kernel(program: Any, radius: float, half: float) -> Any:
+    body = radius - 4 * SKIN  # what a body touches is not in its way
+
+    @ti.func
+    def nearest(place, target):
+        """The point of a target that is nearest to a place."""
+        return ti.max(target - ti.static(half), ti.min(target + ti.static(half), place))
+
+    @ti.func
+    def edge(place, target):
+        """The nearest place to one at which a disc just picks a target up."""
+        point = nearest(place, target)
+        away = place - point
+        return point + away * ti.min(1.0, ti.static(body) / ti.max(1e-6, away.norm()))
+
+    @kernel
+    def pursue(roads: Roads, follower: FollowerArrays):
+        for e in range(follower.house.shape[0]):
+            where, base = follower.house[e], e * (follower.left.shape[0] // follower.house.shape[0])
+            first, count, table = graph(roads, where)
+            here = ti.Vector([follower.pose[3 * e], follower.pose[3 * e + 1]])
+            there = point(follower.target, e)
+            key = ti.Vector([ti.cast(where, ti.f32), there[0], there[1]])
+            if (key != ti.Vector([follower.known[3 * e + k] for k in ti.static(range(3))])).any():
+                for k in ti.static(range(3)):
+                    follower.known[3 * e + k] = key[k]
+                for c in range(count):
+                    follower.left[base + c] = FAR
+                for c in range(count):
+                    corner = point(roads.corners, first + c)
+                    end = edge(corner, there)
+                    if sees(roads, where, corner, end, ti.static(body), True):
+                        last = (end - corner).norm()
+                        for a in range(count):
+                            by = roads.lengths[table + a * count + c] + last
+                            follower.left[base + a] = ti.min(follower.left[base + a], by)
+            chosen, end, best = there, edge(here, there), ti.f32(FAR)
+            if not sees(roads, where, here, end, ti.static(body), True):
+                for c in range(count):
+                    corner = point(roads.corners, first + c)
+                    by = follower.left[base + c] + (corner - here).norm()
+                    if by < best:  # noqa: SIM102 - Taichi does both
+                        if sees(roads, where, here, corner, ti.static(body), True):
+                            best, chosen = by, corner
+            else:
+                chosen = nearest(here, there)
+            follower.aim[2 * e], follower.aim[2 * e + 1] = chosen[0], chosen[1]
+
+    return pursue
