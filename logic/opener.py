@@ -29,6 +29,9 @@ STANDARD = Path("-")
 PACKED = b"\x1f\x8b"
 """First bytes of a gzip file."""
 
+ZIPPED = b"PK\x03\x04"
+"""First bytes of a zip archive."""
+
 MAX_BYTES, MAX_DEPTH, MAX_DIGITS, MAX_VALUES = 1 << 26, 64, 128, 1 << 22
 """Size of a JSON text: bytes, levels of lists and objects, digits of a number, and values."""
 

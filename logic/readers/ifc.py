@@ -16,7 +16,7 @@ import msgspec
 import shapely
 
 from logic.errors import RequestError
-from logic.opener import archive_of, member_of
+from logic.opener import ZIPPED, archive_of, member_of
 from logic.readers.ifc_solids import Solids, main
 from logic.readers.sketch import Passage, Sketch, Space, polygons
 
@@ -24,8 +24,8 @@ FORMAT = "IFC"
 
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'IFC", re.IGNORECASE)
 
-ZIP, ENDINGS = b"PK\x03\x04", (".ifc", ".ifcxml")
-"""How an archive begins, and how the names of IFC in it end."""
+ENDINGS = (".ifc", ".ifcxml")
+"""How the names of IFC in an archive end."""
 
 MAX_BYTES = 1 << 24
 """Size of all files of an archive together, unpacked."""
@@ -36,7 +36,7 @@ SECONDS = 120
 
 def is_ifc(content: bytes, _: Any) -> bool:
     """Whether a file is IFC in the form of STEP, or an archive of it."""
-    if content.startswith(ZIP):
+    if content.startswith(ZIPPED):
         return _member(content) is not None
     return content.lstrip().startswith(b"ISO-10303-21") and SCHEMA.search(content[:65536]) is not None
 
@@ -52,7 +52,7 @@ def _member(content: bytes) -> tuple[ZipFile, str] | None:
 
 def _unpacked(content: bytes) -> bytes:
     """Return the IFC of an archive. Raises ``RequestError`` where it is damaged, or in XML."""
-    found = _member(content) if content.startswith(ZIP) else None
+    found = _member(content) if content.startswith(ZIPPED) else None
     if found is None:
         return content
     archive, name = found

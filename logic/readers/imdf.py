@@ -12,13 +12,11 @@ from shapely.geometry import shape
 
 from logic.errors import RequestError
 from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
-from logic.opener import archive_of, from_json, member_of
+from logic.opener import ZIPPED, archive_of, from_json, member_of
 from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_plain
 from logic.readers.units import plane
 
 FORMAT = "IMDF"
-
-ZIP = b"PK\x03\x04"
 
 MEMBERS = ("unit.geojson", "opening.geojson", "level.geojson")
 
@@ -28,7 +26,7 @@ MOST_BYTES = 1 << 24
 
 def is_imdf(content: bytes, record: Any) -> bool:
     """Whether a file is an archive of IMDF or a collection of its features."""
-    if content.startswith(ZIP):
+    if content.startswith(ZIPPED):
         return any(name.endswith(MEMBERS[0]) for name in _archive(content).namelist())
     features = record.get("features") if isinstance(record, Mapping) else None
     return isinstance(features, list) and any(_kind(each) == "unit" for each in features)
@@ -36,7 +34,7 @@ def is_imdf(content: bytes, record: Any) -> bool:
 
 def read_imdf(content: bytes, record: Any, storey: str | None) -> Sketch:
     """Units are rooms and openings doors, on the plane that touches the earth in their midst."""
-    features = _of_level(_unpacked(content) if content.startswith(ZIP) else record["features"], storey)
+    features = _of_level(_unpacked(content) if content.startswith(ZIPPED) else record["features"], storey)
     units, openings = ([each for each in features if _kind(each) == kind] for kind in ("unit", "opening"))
     if len(units) > MOST_ROOMS or len(openings) > MOST_OPENINGS:
         raise RequestError(

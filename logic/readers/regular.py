@@ -98,9 +98,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     if inner:
         notes.append(f"between rooms, so that they may be any: {', '.join(each.name for each in inner[:8])}")
     if others:
-        notes.append(
-            f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
-        )
+        notes.append(passed_over(others))
     spaces += [Space(each.name, (ANY,), each.shape) for each in inner]
     solid = [(space, part) for space in spaces for part in without_slivers(upright(space.shape))]
     names = list(unlike(space.name or space.words[0] or "room" for space, _ in solid))
@@ -138,10 +136,10 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     return Regular(
         rooms,
         [
-            *(Opening(_bounds(placed(each.shape)), *each[1:]) for each in sketch.passages),
-            *(Opening(_bounds(affinity.translate(each, *shift)), is_open=True) for each in borders),
+            *(Opening(bounds_of(placed(each.shape)), *each[1:]) for each in sketch.passages),
+            *(Opening(bounds_of(affinity.translate(each, *shift)), is_open=True) for each in borders),
         ],
-        [Opening(_bounds(placed(each))) for each in sketch.windows],
+        [Opening(bounds_of(placed(each))) for each in sketch.windows],
         [placed(each.shape) for each in others],
         joints,
         notes,
@@ -149,7 +147,13 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     )
 
 
-def _bounds(shape: Geometry) -> Box:
+def passed_over(others: Iterable[Space]) -> str:
+    """Return the note on what is no room."""
+    return f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
+
+
+def bounds_of(shape: Geometry) -> Box:
+    """Return the box around a shape, in Python's numbers."""
     west, north, east, south = shapely.bounds(shape)
     return float(west), float(north), float(east), float(south)
 

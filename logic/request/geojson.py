@@ -14,7 +14,7 @@ from logic.house.parts import Room
 from logic.readers.combined import divided
 from logic.readers.features import inner_wall
 from logic.readers.geojson import read_geojson
-from logic.readers.regular import Opening, Regular, regular, unlike
+from logic.readers.regular import Opening, Regular, bounds_of, passed_over, regular, unlike
 from logic.readers.sketch import Sketch
 from logic.readers.types import OUTSIDE, kind_of
 from logic.readers.units import metres_to
@@ -93,16 +93,10 @@ def _tiles(
         part_of = each.whole if each.whole in wholes else UNSET
         rooms.append(Room(x, y, *size, name=name, type=kind, part_of=part_of).grown(half or 0.0))
     if outdoors:
-        others = sorted({each.name for each, inside in zip(spaces, is_room, strict=True) if not inside})
-        notes.append(f"passed over, as they are no rooms: {', '.join(others[:8])}")
-    doors = [Opening(_bounds(placed(each.shape)), *each[1:]) for each in sketch.passages]
-    windows = [Opening(_bounds(placed(each))) for each in sketch.windows]
+        notes.append(passed_over(each for each, inside in zip(spaces, is_room, strict=True) if not inside))
+    doors = [Opening(bounds_of(placed(each.shape)), *each[1:]) for each in sketch.passages]
+    windows = [Opening(bounds_of(placed(each))) for each in sketch.windows]
     return Regular(rooms, doors, windows, outdoors, [], notes)
-
-
-def _bounds(shape: Geometry) -> Box:
-    west, north, east, south = shapely.bounds(shape)
-    return float(west), float(north), float(east), float(south)
 
 
 def _has_walls(boxes: Sequence[Box]) -> bool:
