@@ -20,7 +20,7 @@ from logic.opener import reason
 from logic.readers.features import GEOMETRIES, features
 from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons
 from logic.readers.types import element, meant
-from logic.readers.units import metres_to, plane
+from logic.readers.units import degrees_of, is_web_mercator, metres_to, plane
 from logic.spelling import numbered, printable
 
 FORMAT = "GeoJSON"
@@ -104,6 +104,9 @@ def read_geojson(
         whole = str(each.properties.get("part_of") or "")
         spaces += [Space(name, words, part, literal, whole) for part in _polygons(each, name)]
     shapes = [_geometry(each) for each in others]
+    if unit is None and is_web_mercator(record):
+        spaces = [each._replace(shape=degrees_of(each.shape)) for each in spaces]
+        shapes = list(map(degrees_of, shapes))
     flat, notes, noise = _flat([each.shape for each in spaces], unit)
     spaces = [each._replace(shape=flat(each.shape)) for each in spaces]
     openings = [(each.what, _in_wall(flat(some), spaces)) for each, some in zip(others, shapes, strict=True)]

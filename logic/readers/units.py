@@ -1,6 +1,7 @@
 """Units of plans, as people say them (``--plan-unit``), and degrees on the earth, made metres."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from math import cos, radians, sin, sqrt
 from typing import Any
 
@@ -19,6 +20,11 @@ MOST = 1e8
 
 EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
 """Of WGS 84: the radius, metres, and the square of the first eccentricity."""
+
+WEB_MERCATOR = re.compile(r"(?:^|\D)(?:3857|3785|900913|102100|102113)$")
+"""How the name of the projection of the web's maps ends: ``urn:ogc:def:crs:EPSG::3857``. Its metres grow with
+the latitude.
+"""
 
 
 def metres_to(unit: str) -> float:
@@ -46,3 +52,21 @@ def plane(shapes: Sequence[Geometry]) -> Any:
     east = radians(1) * EQUATOR / sqrt(curve) * cos(radians(lat))
     north = radians(1) * EQUATOR * (1 - ECCENTRICITY) / curve**1.5
     return lambda points: (points - np.array([lon, lat])) * np.array([east, north])
+
+
+def is_web_mercator(record: Mapping[str, Any]) -> bool:
+    """Return True if the member ``crs`` of GeoJSON, as QGIS writes it, names the projection of the web."""
+    crs = record.get("crs")
+    properties = crs.get("properties") if isinstance(crs, Mapping) else None
+    name = properties.get("name") if isinstance(properties, Mapping) else None
+    return isinstance(name, str) and bool(WEB_MERCATOR.search(name))
+
+
+def degrees_of(shape: Geometry) -> Any:
+    """Return a geometry of ``WEB_MERCATOR`` in degrees of longitude and latitude."""
+    return shapely.transform(
+        shape,
+        lambda points: np.degrees(
+            np.stack([points[:, 0] / EQUATOR, np.arctan(np.sinh(points[:, 1] / EQUATOR))], 1)
+        ),
+    )

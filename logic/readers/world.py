@@ -26,7 +26,7 @@ from logic.opener import reason
 from logic.readers.features import features, from_text, inner_wall, is_geojson
 from logic.readers.houseexpo import is_houseexpo, outline, without_bevels
 from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
-from logic.readers.units import plane
+from logic.readers.units import degrees_of, is_web_mercator, plane
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
@@ -77,6 +77,8 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
     if len(all_features := features(record)) > MAX_CORNERS:
         raise ValueError(f"it has {len(all_features):,} features: at most {MAX_CORNERS:,} are read")
     shapes = [_shape(feature, f"features[{number}]") for number, feature in enumerate(all_features)]
+    if is_web_mercator(record):
+        shapes = [(degrees_of(shape), properties) for shape, properties in shapes]
     for number, (shape, properties) in enumerate(_in_metres(shapes)):
         kind, dimensions = properties.get("kind"), shapely.get_dimensions(shape)
         if kind in ("window", "area") or dimensions < 1:

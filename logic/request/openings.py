@@ -39,8 +39,8 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     """The doors and windows of a drawing in the walls beside them, in a plan of its rooms.
 
     Where a drawing does not know its entrance, that is one of the doors that lead outside, by the types of
-    their rooms; the others are garden doors. Where the entrance is known, and before a balcony, they are
-    windows, in a drawing with windows. Between the parts of one room all of their wall is open.
+    their rooms; the others are garden doors. A door that is known to be no entrance, or is before a balcony,
+    is a window in a drawing with windows. Between the parts of one room all of their wall is open.
     """
     names = [room.name for room in plan.rooms]
     inner = [wall for wall in plan.walls if wall.behind is not None and wall.room < wall.behind]
@@ -56,7 +56,7 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
             continue
         wall, start, end = found
         is_garden = wall.behind is None and (
-            (knows_entrance and not opening.is_entrance) or _leads_out(opening, drawn)
+            (knows_entrance and opening.is_entrance is False) or _leads_out(opening, drawn)
         )
         if is_garden and drawn.windows:
             windows.append(Window(*_segment(wall, start, end - start), names[wall.room]))
@@ -66,7 +66,7 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
         if opening.is_open and length > wall.end - wall.start - ALL:
             start, length = wall.start, wall.end - wall.start
         doors.append(Door(*_segment(wall, start, length), between, opening=opening.is_open))
-        if wall.behind is None and not is_garden:
+        if wall.behind is None and not is_garden and (opening.is_entrance or not knows_entrance):
             in_front.append(doors[-1])
     for opening in drawn.windows:
         if found := _nearest(opening, outer):

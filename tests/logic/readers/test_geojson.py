@@ -3,7 +3,7 @@
 import json
 import warnings
 from collections.abc import Callable, Iterator
-from math import cos, radians, sin, sqrt
+from math import asinh, cos, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +150,25 @@ def test_degrees_become_metres_to_a_millimetre(lon: float, lat: float) -> None:
 
 ELL = shapely.Polygon([(0, 0), (8, 0), (8, 4), (4, 4), (4, 9), (0, 9)])
 SQUARE = shapely.box(4, 4, 8, 9)
+
+
+def test_metres_of_the_web_are_made_metres_on_the_ground() -> None:
+    """QGIS writes so what is drawn over a map of streets: each metre is 1.64 units long in Berlin."""
+    lon, lat = radians(13.4), radians(52.5)
+    x, y, length = 6378137 * lon, 6378137 * asinh(tan(lat)), 1 / cos(lat)
+    boxes = [shapely.box(x + 3 * k * length, y, x + 3 * (k + 1) * length, y + 4 * length) for k in (0, 1)]
+    crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3857"}}
+    plan = read_plan(collection(*map(feature, boxes)) | {"crs": crs})
+    sizes = {size for room in plan.rooms for size in (room.width, room.height)}
+    assert sorted(sizes) == pytest.approx([3, 4], rel=5e-3)
+
+
+def test_a_door_beside_a_named_entrance_is_a_garden_door_and_no_window() -> None:
+    rooms = [feature(shapely.box(x, 0, x + 3, 4), name=name) for x, name in ((0, "Flur"), (3, "Wohnen"))]
+    openings = {"Haustür": [(1, 0), (2, 0)], "Tür": [(6, 1), (6, 2)], "Fenster": [(3.5, 4), (5, 4)]}
+    lines = [feature(shapely.LineString(line), type=name) for name, line in openings.items()]
+    plan = read_plan(collection(*rooms, *lines))
+    assert [door.between for door in plan.doors] == [("Flur", "outside"), ("Wohnen", "outside")]
 
 
 @pytest.mark.parametrize("turn", [0, 25, -40])
