@@ -6,6 +6,7 @@ from typing import Literal
 
 from logic import House
 from logic.spelling import unknown
+from sim.fields import settle
 from sim.geometry import Box
 from sim.tasks.terms import PLAIN, Terms
 
@@ -13,9 +14,9 @@ MAX_AT_ONCE = 64
 """Targets that are there at once: each is looked for in each step."""
 
 
-def require_at_once(number: object) -> None:
-    """Raise ``ValueError`` for what is no number of targets at once."""
-    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= MAX_AT_ONCE:
+def require_at_once(number: int) -> None:
+    """Raise ``ValueError`` for a number of targets that cannot be there at once."""
+    if not 1 <= number <= MAX_AT_ONCE:
         raise ValueError(f"at_once is {number!r}: from 1 to {MAX_AT_ONCE} targets")
 
 
@@ -31,7 +32,8 @@ class BaseTask:
     """Targets that are there at once; whichever is picked up, the next one appears."""
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what are no types of rooms."""
+        """Raise ``TypeError`` for what are no types of rooms, ``ValueError`` for other wrong values."""
+        settle(self)
         if self.starts != "all":
             if isinstance(self.starts, str) or not all(isinstance(name, str) for name in self.starts):
                 raise TypeError(f"starts: a list of room types, or all, not {self.starts!r}")

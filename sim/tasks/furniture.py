@@ -99,9 +99,9 @@ class Habit(BaseTask):
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for what is no share."""
+        super().__post_init__()
         if not 0 < self.share <= 1:
             raise ValueError(f"share: above 0 and at most 1, not {self.share}")
-        super().__post_init__()
 
     def order(self, house: House) -> list[tuple[str, str]]:
         """The regions, the favourite first: ("room", type) and ("piece", kind)."""

@@ -23,7 +23,7 @@ from logic import House
 from logic.spelling import unknown
 from sim.allowed import class_name, imported, is_class_name
 from sim.config import PIXEL
-from sim.fields import stated
+from sim.fields import settle, stated
 from sim.geometry import Box
 from sim.tasks.base import BaseTask, require_at_once
 from sim.tasks.furniture import Habit, Object, WeightedTask
@@ -96,6 +96,7 @@ class Points:
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for what are no points, no pose and no unit."""
+        settle(self)
         if not np.iterable(self.points) or not all(_finite(point, 2) for point in [*self.points] or [None]):
             raise ValueError(f"points: a list of [x, y], not {self.points!r}")
         if self.start is not None and not _finite(self.start, 3):

@@ -179,6 +179,20 @@ def test_presets_come_back_from_json(name: str) -> None:
     assert Config(**json.loads(json.dumps(stated(PRESETS[name])))) == PRESETS[name]
 
 
+@pytest.mark.parametrize(
+    ("given", "plain"),
+    [
+        ({"task": "all", "at_once": np.int64(3)}, {"task": "all", "at_once": 3}),
+        ({"task": "habit", "seed": np.int64(4)}, {"task": "habit", "seed": 4}),
+        ({"points": np.array([[1.0, 2.0]])}, {"points": [[1.0, 2.0]]}),
+        ({"task": "all", "terms": {"targets": np.int16(2)}}, {"task": "all", "terms": {"targets": 2}}),
+    ],
+)  # fmt: skip
+def test_a_task_of_numpys_numbers_is_the_task_of_pythons(given: Any, plain: Any) -> None:
+    assert task(given) == task(plain)
+    assert json.loads(json.dumps(stated_task(task(given)))) == stated_task(task(plain))
+
+
 def test_the_eye_is_in_the_middle_of_a_body_unless_it_is_put_elsewhere() -> None:
     for wide in (Config(body=(0.6, 0.4)), replace(DEFAULT, body=(0.6, 0.4)), Config(body=[0.6, 0.4])):  # pyright: ignore[reportArgumentType]
         assert wide.eye == (0.3, 0.2)

@@ -95,8 +95,9 @@ def test_targets_that_are_there_go_along_with_states_and_ends(mode):
 
 def test_wrong_numbers_of_targets_at_once_are_refused():
     assert in_words({"task": "main", "at_once": 3}) == "targets in the main room, 3 at once"
-    for number in (0, 65, 2.0, True):
-        with pytest.raises(ValueError, match=r"at_once is .*: from 1 to 64 targets"):
+    range_, kind = "at_once is .*: from 1 to 64 targets", "at_once must be a whole number, not "
+    for number, said in ((0, range_), (65, range_), (2.0, kind), (True, kind)):
+        with pytest.raises(ValueError, match=said):
             HouseVectorEnv(HOUSES, targets={"task": "main", "at_once": number})
     several = {"task": "main", "at_once": 2}
     for preset in (replace(DEFAULT, geodesic=True), replace(DEFAULT, latency=2)):
