@@ -137,6 +137,11 @@ def _in_conflict(
         left_out.append(conflict[-1])
         kept.remove(conflict[-1])
         refuted = not possible(kept)
+    for each in left_out[-2::-1]:  # which another that went later may have made needless
+        with suppress(TooMany):
+            if layout([*must, *kept, each]) is not None:
+                kept.append(each)
+                left_out.remove(each)
     return left_out
 
 
