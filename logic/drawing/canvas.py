@@ -78,7 +78,7 @@ class Strokes:
 
 @dataclass(frozen=True)
 class Rings:
-    """An area with borders along both axes, filled where an odd number of closed ``rings`` lies around."""
+    """An area with borders along both axes: the points that an odd number of closed ``rings`` encloses."""
 
     rings: tuple[tuple[Point, ...], ...]
     fill: str
@@ -86,10 +86,10 @@ class Rings:
 
 @dataclass(frozen=True)
 class Text:
-    """Words: ``at`` is the middle of its height, the halo a rim in another colour.
+    """Words. ``at`` is a point at half their height; ``halo`` is the colour of a rim around the letters.
 
-    ``anchor`` says which part of it is there: ``start``, ``middle`` or ``end``. ``turned``: it is read from
-    below upwards.
+    ``anchor`` is the part of the words at that point: ``start``, ``middle`` or ``end``. Words that are
+    ``turned`` read upwards.
     """
 
     at: Point
@@ -268,7 +268,7 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Plain, scale: int) -> None:
 
 
 def boxes_of_rings(rings: Iterable[Sequence[Point]]) -> Iterator[Box]:
-    """Cut an area with borders along both axes into boxes from west to east, no two of which overlap."""
+    """Cut an area with borders along both axes into boxes that do not overlap, and yield the boxes."""
     sides = [pair for ring in rings for pair in pairwise([*ring, ring[0]])]
     upright = np.array([(x0, *sorted((y0, y1))) for (x0, y0), (x1, y1) in sides if y0 != y1]).reshape(-1, 3)
     upright = upright[upright[:, 0].argsort()]

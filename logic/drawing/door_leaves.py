@@ -101,9 +101,7 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
 
 
 def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: np.ndarray) -> tuple[float, float]:
-    """Return how far a leaf would go through furniture and walls, and through the swings of the ``others``
-    (N, 4), metres.
-    """
+    """Return how far a leaf cuts into furniture and walls, and into the swings ``others`` (N, 4), metres."""
     swing, length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
     point = (*leaf.hinge, *leaf.hinge)
     hit = [length - distance(point, piece) for piece in pieces if overlap(swing, piece) > TOLERANCE]
@@ -113,6 +111,6 @@ def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: np.ndarray) -> tupl
 
 
 def _from_corner(leaf: Leaf, room: Box) -> float:
-    """How far the hinge is from the nearer corner along the door's wall, metres."""
+    """Return the distance of the hinge from the nearer corner of the door's wall, metres."""
     axis = int(leaf.hinge[0] == leaf.jamb[0])
     return min(leaf.hinge[axis] - room[axis], room[axis + 2] - leaf.hinge[axis])

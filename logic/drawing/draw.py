@@ -38,7 +38,7 @@ WIDTH, CELL = 720, 300
 """CSS pixels: the width of a plan, and of a plan on a sheet."""
 
 MEASURED = 400
-"""CSS pixels: narrower plans have no dimension lines."""
+"""Least width of a plan with dimension lines, CSS pixels."""
 
 Format = Literal["svg", "png", "pdf"]
 
@@ -165,7 +165,7 @@ def encoded(page: Page, format: Literal["svg", "png"], unit: str = "") -> bytes:
 
 
 MILLIMETRE = 25.4 / 96
-"""Millimetres to a CSS pixel."""
+"""Millimetres per CSS pixel."""
 
 
 def plan(
@@ -177,18 +177,19 @@ def plan(
     measured: bool = False,
     titled: bool = True,
 ) -> Drawing:
-    """Draw a house into these CSS pixels, with its title, a scale and the meaning of its marks and colours.
+    """Draw a house into ``width`` by ``height`` CSS pixels, with a title, a scale bar and a key.
 
-    ``height``: by default as much as it needs, at most about one and a half widths. ``scale``: CSS pixels to
-    a metre, by default as many as fit; ``measured``: with dimension lines; ``titled``: with its title and
-    the north arrow above. Rooms too small for their names have abbreviations, pieces numbers, with a key.
+    The default ``height`` is what the house needs, at most about one and a half widths. The default
+    ``scale``, CSS pixels per metre, is the largest that fits. With ``measured`` the plan has dimension lines;
+    with ``titled`` it has the title and the north arrow above. The key explains the abbreviations of rooms
+    and the numbers of pieces that are too small for their names.
     """
     look = look or style([house])
     leaves = door_leaves(house)
     every = abbreviations({*look.fills, *look.looks.rooms})
     keyed, numbers = set[str](), dict[str, str]()
     above, beside = TITLE if titled else MARGIN, DIMENSION if measured else 0
-    while True:  # A key takes space, in which a further name may have stood.
+    while True:  # The key takes space, so that more names may not fit, which makes the key longer.
         short = {kind: every[kind] for kind in every if kind in keyed}
         rows = key_rows(entries(look, short, numbers), width - 2 * MARGIN)
         below = FOOT + SWATCH * len(rows)
@@ -212,7 +213,7 @@ def plan(
 
 
 def _head(house: House, width: float, look: Style) -> Iterator[Shape]:
-    """The title of a plan, and the north arrow."""
+    """Draw the title of a plan, and the north arrow."""
     words = title(house, width - 2 * MARGIN - 2 * NORTH)
     yield Text((MARGIN, TITLE / 2), words, 11.5, look.inks.ink, "start")
     yield from north_arrow(width - MARGIN, TITLE / 2, look.inks)
@@ -225,8 +226,9 @@ def _frame(
     scale: float | None,
     around: tuple[float, float, float],
 ) -> tuple[Frame, float]:
-    """A house in the middle of a picture, and the picture's height. ``around``: what is taken above it and
-    below it, and by dimension lines beside and below it, CSS pixels.
+    """Return the frame of a house in the middle of a picture, and the picture's height.
+
+    ``around`` is the space above the house, below it, and of dimension lines beside and below it, CSS pixels.
     """
     above, below, beside = around
     west, north, east, south = drawn_extent(house)
@@ -240,7 +242,7 @@ def _frame(
 
 
 def _scale(house: House, width: float, tall: float | None = None) -> float:
-    """CSS pixels to a metre, where a picture is so wide and so much of its height is for the house."""
+    """Return the scale, CSS pixels per metre, of a house in a picture with this width and height for it."""
     west, north, east, south = drawn_extent(house)
     return min((width - 2 * MARGIN) / (east - west), (tall or 1.5 * width) / (south - north))
 
@@ -253,7 +255,7 @@ def _sheet(
     palette: palettes.Name,
     look: Style | None = None,
 ) -> Page:
-    """The cells of a sheet, row by row, and its width and height."""
+    """Return the cells of a sheet, row by row, and its width and height."""
     if not houses:
         raise ValueError("no house for the sheet")
     look = look or style(houses, palette)
@@ -267,8 +269,9 @@ def _sheet(
 
 
 def least_scale(house: House, width: float, height: float, paper: bool = False) -> float:
-    """CSS pixels to a metre that surely fit in a picture, above the key that the house may need; on paper
-    beside dimension lines, without a title.
+    """Return a scale, CSS pixels per metre, at which the house fits above the longest key that it may need.
+
+    A plan on ``paper`` has dimension lines and no title.
     """
     above, beside = (MARGIN, DIMENSION) if paper else (TITLE, 0.0)
     look = style([house])

@@ -1,4 +1,4 @@
-"""Where a house lies on a picture: metres become CSS pixels."""
+"""Conversion from metres in a house to CSS pixels in a picture."""
 
 from dataclasses import dataclass
 
@@ -7,48 +7,47 @@ from logic.house.house import House
 from logic.house.parts import Rect
 
 OUTER, INNER = 0.2, 0.1
-"""Metres: how thick walls are drawn. In our houses they have no thickness: half of an inner wall lies on each
-side of where it stands, and as much of an outer one within, so that both have one face where they go on in
-each other.
+"""Drawn thickness of walls, metres, in houses whose walls have none. An inner wall is centred on its line. An
+outer wall reaches half an inner wall into the rooms, so that its face continues the face of an inner wall.
 """
 
 BEYOND = OUTER - INNER / 2
-"""Metres: how much of an outer wall lies outside of the rooms."""
+"""Width of an outer wall outside the rooms, metres."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a house lies on a picture."""
+    """Scale and origin of a house in a picture."""
 
     scale: float
-    """CSS pixels to a metre."""
+    """CSS pixels per metre."""
     left: float
-    """CSS pixels: where x is 0."""
+    """Position of x = 0, CSS pixels."""
     top: float
-    """CSS pixels: where y is 0."""
+    """Position of y = 0, CSS pixels."""
 
     def at(self, x: float, y: float) -> Point:
-        """A point, given in metres."""
+        """Return a point, given in metres, in CSS pixels."""
         return self.left + self.scale * x, self.top + self.scale * y
 
     def box(self, rect: Rect) -> Box:
-        """A rectangle, given in metres."""
+        """Return the box of a rectangle, given in metres, in CSS pixels."""
         return self.place(rect.box)
 
     def place(self, box: Box) -> Box:
-        """A box (west, north, east, south), given in metres."""
+        """Return a box (west, north, east, south), given in metres, in CSS pixels."""
         return *self.at(*box[:2]), *self.at(*box[2:])
 
 
 def thickness(house: House) -> tuple[float, float]:
-    """Half of an inner wall, and how far beyond its middle an outer one would reach: metres."""
+    """Return half an inner wall's thickness, and how far an outer wall reaches out beyond that, metres."""
     if thick := house.wall_thickness:
         return house.half_wall, thick.outer - house.half_wall
     return INNER / 2, BEYOND
 
 
 def extent(house: House) -> Box:
-    """The box around the rooms of a house: (west, north, east, south), metres."""
+    """Return the box around the rooms of a house: (west, north, east, south), metres."""
     boxes = [room.box for room in house.rooms]
     west, north, _, _ = (min(values) for values in zip(*boxes, strict=True))
     _, _, east, south = (max(values) for values in zip(*boxes, strict=True))
@@ -56,10 +55,10 @@ def extent(house: House) -> Box:
 
 
 def drawn_extent(house: House) -> Box:
-    """The same with the outer walls."""
+    """Return the box around the rooms and outer walls of a house, metres."""
     return grown(extent(house), house.half_wall + thickness(house)[1])
 
 
 def grown(box: Box, by: float) -> Box:
-    """A box with so much more on each side."""
+    """Return a box that is larger by this margin on each side."""
     return box[0] - by, box[1] - by, box[2] + by, box[3] + by

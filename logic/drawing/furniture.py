@@ -1,4 +1,4 @@
-"""Furniture as shapes: symbols, names and marks of fronts."""
+"""Shapes of furniture: symbols, names, and marks at the fronts of pieces."""
 
 from collections.abc import Iterator, Mapping
 
@@ -12,7 +12,7 @@ from logic.house.parts import ORIGINAL, Piece, Rect
 
 
 def furniture_parts(house: House, frame: Frame, style: Style, numbers: Mapping[str, str]) -> Iterator[Part]:
-    """Draw each piece of a house. ``numbers``: of types of pieces in the key: see ``unlabelled``."""
+    """Draw each piece of a house. ``numbers`` are the key's numbers by piece type (see ``unlabelled``)."""
     for room in house.counted:
         names = part_names([piece.type for piece in room.pieces])
         for name, piece in zip(names, room.pieces, strict=True):
@@ -24,23 +24,24 @@ def furniture_parts(house: House, frame: Frame, style: Style, numbers: Mapping[s
 
 
 def has_mark(house: House, piece: Piece, style: Style) -> bool:
-    """Whether a mark shows a piece's front, for want of a symbol. The original's word for it is not to be
-    trusted.
+    """Return True if a mark shows the piece's front: the piece has an orientation, but its type no symbol.
+
+    Houses of the original program have no marks, since their orientations are unreliable.
     """
     return bool(piece.orientation) and house.topology != ORIGINAL and style.looks.symbol(piece.type) is None
 
 
 def _front(house: House, room: Rect, piece: Piece) -> str:
-    """Where the front of a piece is drawn; empty reads as south."""
+    """Return the side on which a piece's front is drawn: N, E, S or W. An empty text means south."""
     if house.topology != ORIGINAL:
         return piece.orientation
-    # The original's word is not to be trusted: the back is the longest side that stands at a wall.
+    # The original's orientations are unreliable: the back is the longest side at a wall.
     sides = [(piece.height, "E"), (piece.width, "S"), (piece.height, "W"), (piece.width, "N")]
     return max((sides[wall] for wall in walls_touched(piece, room)), default=(0.0, piece.orientation))[1]
 
 
 def unlabelled(house: House, frame: Frame, style: Style) -> list[str]:
-    """Return the types of pieces that have neither a symbol nor room for their names, sorted."""
+    """Return the piece types that have no symbol and whose names do not fit on every piece, sorted."""
     pieces = (piece for room in house.counted for piece in room.pieces)
     return sorted(
         {
@@ -54,7 +55,7 @@ def unlabelled(house: House, frame: Frame, style: Style) -> list[str]:
 
 
 def _written(words: str, box: Box, scale: float) -> float:
-    """Return the size of letters in which words fit on a piece, or 0."""
+    """Return the font size in which the words fit on a piece, or 0 if they do not fit."""
     left, top, right, bottom = box
     size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(words, 1))
     return size if 6 <= size <= bottom - top else 0.0
@@ -63,7 +64,10 @@ def _written(words: str, box: Box, scale: float) -> float:
 def piece_shapes(
     piece: Piece, box: Box, front: str, scale: float, style: Style, number: str = ""
 ) -> list[Shape]:
-    """A piece with its symbol; without one with its name, or its number in the key if that does not fit."""
+    """Return the shapes of a piece: its box, and its symbol, or its name, or its number in the key.
+
+    A type without a symbol has its name; if the name does not fit, the number.
+    """
     left, top, right, bottom = box
     inks, fine = style.inks, thin(scale)
     radius = min(0.05 * scale, (right - left) / 3, (bottom - top) / 3)
@@ -97,7 +101,7 @@ def piece_shapes(
 
 
 def _front_mark(box: Box, front: str, scale: float, inks: Inks) -> Line:
-    """A bold line along the middle of the front edge, at most 60 cm long."""
+    """Return a bold line along the middle of the front edge, at most 60 cm long."""
     edge = box[2] - box[0] if front in {"N", "S"} else box[3] - box[1]
     half = min(0.3, 0.3 * scale / edge)
     width = stroke(0.05 * scale, 1.8, 3.0)
@@ -105,17 +109,20 @@ def _front_mark(box: Box, front: str, scale: float, inks: Inks) -> Line:
 
 
 def thin(scale: float) -> float:
-    """The width of the lines of symbols, CSS pixels."""
+    """Return the line width of symbols, CSS pixels."""
     return stroke(0.012 * scale, 0.8, 1.2)
 
 
 def stroke(width: float, least: float, most: float) -> float:
-    """The width of a line, CSS pixels: at least so wide, but on small plans at most four times its due."""
+    """Return a line width, CSS pixels, from ``least`` to ``most``.
+
+    On small plans the line is thinner than ``least``: at most four times the ``width`` that is to scale.
+    """
     return min(max(width, min(4 * width, least)), most)
 
 
 def _at(box: Box, front: str, across: float, forth: float) -> Point:
-    """A point of a piece's own frame: across, and from its back to its front."""
+    """Return a point given in the frame of a piece: ``across``, and ``forth`` from its back to its front."""
     turns = {"N": (1 - across, 1 - forth), "E": (forth, 1 - across), "W": (1 - forth, across)}
     u, v = turns.get(front, (across, forth))
     left, top, right, bottom = box

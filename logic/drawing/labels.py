@@ -1,4 +1,4 @@
-"""Words on a plan: its title, the rooms' names, and below it the scale and what marks and colours mean."""
+"""Words on a plan: the title, the rooms' names, and below the plan the scale and the key."""
 
 import math
 import re
@@ -21,17 +21,17 @@ from logic.house.parts import ORIGINAL, Room
 from logic.spelling import numbered
 
 LEAST = 6.5
-"""CSS pixels: no name is written smaller. A room that is too small for its name so has an abbreviation."""
+"""Smallest font size of a name, CSS pixels. A room that is too small for its name has an abbreviation."""
 SWATCH = 14.0
-"""CSS pixels: how wide a colour is in the key, and a row high."""
+"""Width of a colour in the key, and height of a row, CSS pixels."""
 MAX_SWINGS = 512
 """Number of door swings over a room that the room's name avoids."""
 SPOTS = np.array(sorted(product([k / 8 for k in range(-8, 9)], repeat=2), key=lambda spot: math.hypot(*spot)))
-"""Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first."""
+"""Candidate places of a name in a room, from the middle (0, 0) to the walls (1), the middle first."""
 
 
 UNNAMED = re.compile(r"R?\d+")
-"""Names of rooms that nobody named: of generated houses, and numbers in a plan."""
+"""Automatic names of rooms: those of generated houses, such as ``R3``, and numbers in a plan."""
 
 
 def room_names(
@@ -42,12 +42,12 @@ def room_names(
     least: float = LEAST,
     leaves: Sequence[Leaf] = (),
 ) -> list[tuple[Text, ...]]:
-    """The name of each room, or its type where nobody named it, then that of a star's main room, in letters
-    of ``least`` CSS pixels or more; where it fits, the room's area below it. Names keep clear of furniture,
-    and of the swings of doors as far as they can.
+    """Return the label of each room, then that of a star's main room.
 
-    Where a name does not fit so between the walls: the room's type; or what is ``short`` for that, on
-    furniture if need be; without that nothing.
+    A label is the room's name, or its type if the name is automatic, with the area below it if that fits.
+    The font size is at least ``least`` CSS pixels. Labels avoid furniture, and the swings of doors if
+    possible. If the name does not fit, the label is the type; if the type does not fit, its abbreviation in
+    ``short``, on furniture if necessary. A room whose type has no abbreviation then has no label.
     """
     size = min(max(0.3 * frame.scale, 8.5, least), 15.0)
     swings = [frame.place(leaf.swing) for leaf in leaves]
@@ -76,7 +76,7 @@ def room_names(
 
 
 def background(house: House, frame: Frame, least: float = LEAST) -> tuple[Shape, ...]:
-    """A house with its rooms' names, without the leaves of doors: what is drawn under bodies and rays."""
+    """Return the shapes of a house and its rooms' names, without door leaves, as a ground for bodies."""
     look = style([house])
     names = room_names(house, frame, look, {}, least)
     return (*house_shapes(house, frame, look), *(word for name in names for word in name))
@@ -87,13 +87,16 @@ def _area(square_metres: float) -> str:
 
 
 def _shared(one: Box, other: Box) -> float:
-    """The area that two boxes have in common."""
+    """Return the area that two boxes have in common."""
     across, along = (min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in range(2))
     return max(0.0, across) * max(0.0, along)
 
 
 def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
-    """The types of rooms of which neither name nor type is written in full, by ``room_names`` of a house."""
+    """Return the types of rooms that show neither their name nor their type in full.
+
+    ``names`` are the labels that ``room_names`` returned for the house.
+    """
     pairs = zip(house.counted, names, strict=False)
     return {
         room.type
@@ -103,18 +106,18 @@ def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
 
 
 def _full(room: Room) -> list[str]:
-    """What a room is called, the best first: by the name that somebody gave it, and by its type."""
+    """Return the texts that name a room, best first: the name that a user gave it, and its type."""
     kind = spaced(room.type)
     return [kind] if UNNAMED.fullmatch(room.name) else [*dict.fromkeys((room.name, kind))]
 
 
 def _has_name(house: House, room: Room) -> bool:
-    """Whether a room's name is written: a part has that of another, and all of a map none."""
+    """Return True if the room has a label: a part of another room and the floor of a map have none."""
     return not room.part_of and not (house.occupancy and room is house.rooms[0])
 
 
 def abbreviations(types: Iterable[str]) -> dict[str, str]:
-    """For each type the shortest beginning that no other type has; a type that begins another is whole."""
+    """Return for each type its shortest unique beginning; a type that begins another one stays whole."""
     listed = sorted(set(types))
 
     def short(name: str) -> str:
@@ -126,7 +129,7 @@ def abbreviations(types: Iterable[str]) -> dict[str, str]:
 
 
 def title(house: House, width: float) -> str:
-    """Where the house comes from and how large it is; the first words go where there is no room."""
+    """Return the title of a plan: origin and size of the house. A wide title loses its first parts."""
     if house.occupancy:
         rows, columns = house.occupancy.shape
         return f"map of {columns} by {rows} cells of {house.occupancy.cell:g} m"
@@ -142,7 +145,7 @@ def title(house: House, width: float) -> str:
 
 
 def legend(house: House, style: Style, scale: float, left: float, y: float) -> list[Shape]:
-    """A bar of one metre, or of more where that is too short to be seen, and what the marks are."""
+    """Draw the scale bar, longer than one metre if one is too short to see, and the meaning of the marks."""
     metres = next((metres for metres in (1, 2, 5, 10, 20) if metres * scale >= 18), 50)
     right, ink, mark = left + metres * scale, style.inks.ink, style.inks.mark
     ends = [Line(((x, y - 3), (x, y + 3)), ink, 1.2) for x in (left, right)]
@@ -164,7 +167,7 @@ def legend(house: House, style: Style, scale: float, left: float, y: float) -> l
 
 
 class Entry(NamedTuple):
-    """What a key says of a type: in words, and as drawings have it."""
+    """An entry of the key: a type in words, its abbreviation or number, and its colour."""
 
     words: str
     short: str
@@ -172,14 +175,14 @@ class Entry(NamedTuple):
 
 
 def entries(style: Style, short: dict[str, str], numbers: dict[str, str]) -> list[Entry]:
-    """Return the entries of these types of rooms, by their abbreviations, and of pieces, by their numbers."""
+    """Return the key's entries for room types, with abbreviations, and for piece types, with numbers."""
     rooms = [Entry(spaced(kind), text, style.fill(kind)) for kind, text in short.items()]
     wood = Fill(style.inks.wood)
     return [*rooms, *(Entry(style.looks.name(kind), text, wood) for kind, text in numbers.items())]
 
 
 def key_rows(listed: Iterable[Entry], width: float) -> list[list[Entry]]:
-    """The entries of a key, in rows of at most this many CSS pixels."""
+    """Return the entries of a key in rows of at most ``width`` CSS pixels."""
     rows: list[list[Entry]] = [[]]
     for entry in listed:
         if rows[-1] and sum(_key_width(each.words) for each in [*rows[-1], entry]) > width:
@@ -189,7 +192,7 @@ def key_rows(listed: Iterable[Entry], width: float) -> list[list[Entry]]:
 
 
 def key(rows: Sequence[Sequence[Entry]], style: Style, left: float, y: float) -> list[Shape]:
-    """A colour with its abbreviation or number for each type, the first row at ``y``."""
+    """Draw the key: each type's colour, its abbreviation or number, and its words. Row 0 is at ``y``."""
     shapes: list[Shape] = []
     for number, row in enumerate(rows):
         x, middle = left, y + number * SWATCH
@@ -218,13 +221,12 @@ def _name(
     colours: tuple[str, str],
     halo: bool,
 ) -> tuple[Text, ...]:
-    """The first of these texts, or the ``short`` one, that fits into a room, with the area below it if that
-    stands clear of what is there.
+    """Return the first text that fits into a room, else the ``short`` one, with the area below if that fits.
 
-    ``taken``: by furniture, which only the short text may hide, and by swings of doors, which any may.
-    ``sizes``: the best of its letters, and the least. ``colours``: of the words, and of the floor.
-    ``halo``: whether the words have a rim in the floor's colour wherever they stand, and not only where they
-    lie on something.
+    ``taken`` are the boxes of furniture, which only the short text may cover, and of door swings, which any
+    text may cover. ``sizes`` are the preferred and the least font size. ``colours`` are those of the words
+    and of the floor. With ``halo`` the words have a rim in the floor's colour everywhere; without it, only
+    where they cover something.
     """
     ink, floor_colour = colours
     rim = floor_colour if halo else ""
@@ -257,13 +259,14 @@ def _name(
 def _spot(
     width: float, tall: float, room: Box, taken: np.ndarray, letter: float
 ) -> tuple[tuple[float, float], float] | None:
-    """Where the middle of words is as near to that of a room as keeps clear of what is there, and how much
-    they hide there; ``None`` where they do not fit between the walls. ``tall``: half their height; ``taken``:
-    boxes (N, 4). All in CSS pixels.
+    """Return the place for the middle of the words that covers least, and how much the words cover there.
+
+    Of several such places, the one nearest to the room's middle. Return None if the words do not fit between
+    the walls. ``tall`` is half the height of the words; ``taken`` are boxes (N, 4). All in CSS pixels.
     """
     left, top, right, bottom = room
     half = width / 2 + 0.3 * letter
-    # How far the middle of the words may go from the middle of the room.
+    # Greatest distances from the middle of the room to the middle of the words.
     wide, high = (right - left) / 2 - half - 1.5, (bottom - top) / 2 - tall - 1.5
     if wide < 0 or high < 0:
         return None
@@ -276,5 +279,5 @@ def _spot(
         for axis, (middle, reach) in enumerate(zip(places, (half, tall), strict=True))
     ]
     hidden = np.minimum(*deep).clip(0).sum(axis=1)
-    best = int(hidden.argmin())  # The first of the least: the nearest to the middle.
+    best = int(hidden.argmin())  # the first minimum: the nearest to the middle
     return (float(places[0][best]), float(places[1][best])), float(hidden[best])

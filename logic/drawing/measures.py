@@ -1,4 +1,4 @@
-"""Around a plan: dimension lines of the whole house, the north arrow, and on paper the title block."""
+"""Shapes around a plan: dimension lines of the whole house, the north arrow, and on paper the title block."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,18 +8,19 @@ from logic.drawing.palettes import Inks
 from logic.house.house import House
 
 DIMENSION = 26.0
-"""CSS pixels beside and below a plan that its dimension lines take."""
+"""Space for dimension lines beside and below a plan, CSS pixels."""
 
 BLOCK = 46.0
-"""CSS pixels: height of the title block."""
+"""Height of the title block, CSS pixels."""
 
 NORTH = 16.0
-"""CSS pixels: height of the north arrow."""
+"""Height of the north arrow, CSS pixels."""
 
 
 def measured_extent(house: House) -> Box:
-    """Return the box that dimension lines measure: to the outer faces of walls that have a thickness, else to
-    the outer edges of the rooms. (west, north, east, south), metres.
+    """Return the box that dimension lines measure: (west, north, east, south), metres.
+
+    If walls have a thickness, the box reaches their outer faces; otherwise the outer edges of the rooms.
     """
     return drawn_extent(house) if house.wall_thickness else extent(house)
 
@@ -39,7 +40,7 @@ def dimensions(house: House, frame: Frame, inks: Inks) -> Iterator[Shape]:
 
 
 def _dimension(start: Point, end: Point, words: Text, inks: Inks) -> Iterator[Shape]:
-    """A line with slanted strokes at its ends, open where its words stand."""
+    """Draw a line with slanted strokes at its ends and a gap for its words."""
     axis = int(start[0] == end[0])
     half = text_width(words.text, words.size) / 2 + 4
     middle = words.at[axis]
@@ -52,7 +53,7 @@ def _dimension(start: Point, end: Point, words: Text, inks: Inks) -> Iterator[Sh
 
 
 def north_arrow(right: float, y: float, inks: Inks) -> Iterator[Shape]:
-    """An arrow to the north, its letter left of it, which end at ``right``; ``y`` is their middle."""
+    """Draw the north arrow with its letter on the left. They end at ``right``, and ``y`` is their middle."""
     x, half = right - 5, NORTH / 2
     points = (x, y + half), (x, y - half), (x - 4, y - half + 6), (x, y - half), (x + 4, y - half + 6)
     yield Line(points, inks.ink, 1.3)
@@ -60,7 +61,7 @@ def north_arrow(right: float, y: float, inks: Inks) -> Iterator[Shape]:
 
 
 def title_block(cells: Sequence[tuple[str, str]], box: Box, inks: Inks) -> Iterator[Shape]:
-    """Draw a block of headings, each with what it says below it; the last cell is for the north arrow."""
+    """Draw a cell for each heading, with its text below, and a last cell with the north arrow."""
     left, top, right, bottom = box
     yield Block(box, "", inks.ink, 1.2)
     ends = right - 2.2 * NORTH

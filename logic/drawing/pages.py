@@ -34,7 +34,7 @@ def page(house: House, look: Style, ratio: int, size: str | None = None, name: s
     """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest
     of ``SIZES`` that holds it.
 
-    Raises ``RequestError`` where the page, or the largest one, is too small; ``name`` is the house's in it.
+    Raises ``RequestError`` if the page, or the largest one, is too small; ``name`` is the house's in it.
     """
     for each in [size] if size else SIZES:
         short, long = SIZES[each]
@@ -59,7 +59,7 @@ def _least_ratio(house: House, width: float, height: float) -> float:
 
 
 def _sheet(house: House, look: Style, ratio: int, size: str, sides: tuple[int, int]) -> Page:
-    """A house with its dimensions above a title block, on a page of these millimetres."""
+    """Draw a house with dimension lines above a title block, on a page of this size in millimetres."""
     width, height = ((side - 2 * BORDER) / MILLIMETRE for side in sides)
     scale = 1000 / ratio / MILLIMETRE
     drawing = plan(house, width, height - BLOCK, scale, look, measured=True, titled=False)

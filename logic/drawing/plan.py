@@ -28,7 +28,7 @@ from logic.house.parts import OUTSIDE, Door, Window
 from logic.house.walls import crossing
 
 QUARTER_CIRCLE = 0.5523
-"""Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii."""
+"""Distance of the inner points from the ends of a cubic curve that draws a quarter of a circle, in radii."""
 
 HATCH = 6.0
 """CSS pixels between the lines of a pattern."""
@@ -41,10 +41,10 @@ def house_shapes(
     leaves: Sequence[Leaf] = (),
     numbers: Mapping[str, str] | None = None,
 ) -> list[Shape]:
-    """Draw all of a house but words about it, walls over the furniture.
+    """Draw a house without the words of its plan, walls over the furniture.
 
-    ``leaves``: see ``door_leaves``, or none, as in films, whose bodies and rays pass. ``numbers``: those of
-    types of pieces in the key: see ``unlabelled``.
+    ``leaves`` are those of ``door_leaves``; films draw none, since bodies and rays pass through doors.
+    ``numbers`` are the key's numbers by piece type (see ``unlabelled``).
     """
     numbers = numbers or {}
     if house.occupancy:

@@ -1,4 +1,4 @@
-"""The walls of a house as one area: no joint of two walls shows, at any scale."""
+"""Union of the walls of a house as one area, so that no joint between two walls is visible."""
 
 from collections.abc import Iterable, Iterator
 
@@ -9,17 +9,17 @@ from logic.house.boxes import Box
 from logic.house.house import House
 
 GRID_M = 1e-4
-"""Metres to which corners are rounded, so that walls that meet have the same corners."""
+"""Rounding of corners, metres, which makes the corners of adjacent walls equal."""
 
 PARAPET_M = 0.05
-"""Metres: thickness of the parapet of an outdoor room, whose walls have no thickness of their own."""
+"""Drawn thickness of the parapet of an outdoor room, metres, in houses whose walls have none."""
 
 Ring = tuple[tuple[float, float], ...]
 """Corners of a closed line, metres."""
 
 
 def wall_rings(house: House, beyond: float, inner: Iterable[Box] = ()) -> list[Ring]:
-    """Return the borders of all walls: an area is wall if an odd number of them lies around it.
+    """Return the borders of all walls: a point lies in a wall if an odd number of borders encloses it.
 
     ``beyond``: metres by which outer walls reach over the tiles; ``inner``: boxes of walls whose middles lie
     on the edges of rooms. Around outdoor rooms the outer walls are parapets.
