@@ -1,4 +1,4 @@
-"""Plans of other programs: which can be read, each known by its content, and made rooms side by side."""
+"""Readers of plans of other programs; a reader recognises its format by the content of the file."""
 
 from codecs import BOM_UTF8
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from logic.readers.sketch import Sketch
 
 
 class Reader(NamedTuple):
-    """A format: whether content, with the JSON that it is if any, is of it; and what a storey of it holds."""
+    """A format: a test of content and its JSON value, if any, and a reader of one storey."""
 
     recognises: Callable[[bytes, Any], bool]
     read: Callable[[bytes, Any, str | None], Sketch]
@@ -29,7 +29,10 @@ READERS = (
 
 
 def sketch(content: bytes, record: Any, storey: str | None = None) -> Sketch | None:
-    """A plan of one of ``READERS``; None for another file. Raises ``RequestError`` for what is none."""
+    """Return the plan in a file of one of ``READERS``; None for another file.
+
+    Raises ``RequestError`` for a damaged file of a known format.
+    """
     content = content.removeprefix(BOM_UTF8)
     reader = next((each for each in READERS if each.recognises(content, record)), None)
     return reader and reader.read(content, record, storey)

@@ -1,4 +1,7 @@
-"""A room of several uses, such as ``Wohnen/Essen/Kochen``, as a room for each, open to each other."""
+"""Division of a room of several uses, such as ``Wohnen/Essen/Kochen``, into one room for each use.
+
+The rooms are open to each other.
+"""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, repeat
@@ -14,7 +17,7 @@ from logic.readers.units import metres_to
 from logic.shapes.lines import MOST_WALL
 
 MAX_CORNERS = 8
-"""Number of corners of a room that it may be cut at, for each axis."""
+"""Number of corners at which a room may be cut, for each axis."""
 
 
 class Cut(NamedTuple):
@@ -25,11 +28,11 @@ class Cut(NamedTuple):
 
 
 def divided(sketch: Sketch, unit: str | None = None) -> tuple[Sketch, list[str]]:
-    """Return a sketch whose rooms have one use each, and what is to be said. ``unit`` is the user's.
+    """Return a sketch whose rooms have one use each, and notes for the user. ``unit`` is the user's.
 
-    The floor is divided by the least that each use needs; a use for which the floor is too small, or which
-    another room has, is dropped. Of all ways to cut, one is taken that meets no door or window and leaves no
-    part without a window, if there is one.
+    Each use gets floor in proportion to the least floor that it needs. A use is dropped if the floor is too
+    small for it, or if another room has that use. The best cut crosses no door or window, and gives each part
+    a window.
     """
     metres = metres_to(unit) if unit else sketch.unit
     wanted = [() if space.type else uses(space.words) for space in sketch.spaces]
@@ -59,7 +62,7 @@ def divided(sketch: Sketch, unit: str | None = None) -> tuple[Sketch, list[str]]
 
 
 def _fitting(own: list[str], space: Space, metres: float) -> list[str]:
-    """Return the uses for which a room has enough floor, the most needed first."""
+    """Return the uses for which a room has enough floor, the most important first."""
     area, least = space.shape.area * metres**2, least_sizes()
     while len(own) > 1 and sum(least[use].floor for use in own) > area:
         own = own[:-1]
@@ -67,14 +70,14 @@ def _fitting(own: list[str], space: Space, metres: float) -> list[str]:
 
 
 def _name(name: str, use: str) -> str:
-    """Return what a use is called in the name of a room of several."""
+    """Return the name of the part for a use: its own words in the room's name, else the name and the use."""
     return next(
         (part.strip(" -") for part in TOGETHER.split(name) if uses([part]) == (use,)), f"{name} {use}"
     )
 
 
 def _best(space: Space, own: Sequence[str], sketch: Sketch, metres: float) -> Cut | None:
-    """Return the best way to cut a room; None for one use, and where all leave parts that are too narrow."""
+    """Return the best cut of a room; None for one use, or if every cut leaves a part that is too narrow."""
     if len(own) < 2:
         return None
     reach = MOST_WALL / metres
@@ -98,7 +101,7 @@ def _best(space: Space, own: Sequence[str], sketch: Sketch, metres: float) -> Cu
 
 
 def _cuts(room: Polygon, least: Sequence[Least], metres: float) -> Iterator[Cut]:
-    """Yield the ways to cut a room along its walls: off for the first use, then across for the others."""
+    """Yield the cuts of a room along its walls: first the first use is cut off, then the rest is divided."""
     (x, y), (to_x, to_y) = max(pairwise(room.exterior.coords), key=lambda side: LineString(side).length)
     turn = degrees(atan2(to_y - y, to_x - x)) % 90
     upright, near = affinity.rotate(room, -turn, origin=(0, 0)), 0.01 / metres
@@ -123,10 +126,10 @@ def _cuts(room: Polygon, least: Sequence[Least], metres: float) -> Iterator[Cut]
 def _halves(
     room: Any, axis: int, least: Least, others: Sequence[Least], metres: float
 ) -> Iterator[tuple[Any, Any, Any]]:
-    """Yield the part of a room for a use, the rest for others, and the line between them, on either side.
+    """Yield the part of a room for one use, the rest for the others, and the line between them.
 
-    They have their shares of the floor, to a centimetre, but are as wide as the uses need; or the line runs
-    through a corner of the room.
+    The part lies on either side of the line. The line divides the floor by shares, to a centimetre, and
+    leaves each side as wide as its uses need; or it runs through a corner of the room.
     """
     low, high = shapely.bounds(room).tolist()[axis::2]
     corners = shapely.get_coordinates(shapely.simplify(room, 0.1 / metres))[:, axis].tolist()
@@ -140,7 +143,7 @@ def _halves(
 def _share(
     room: Any, axis: int, is_first: bool, least: Least, others: Sequence[Least], metres: float
 ) -> float:
-    """Return where a line leaves each use its share of the floor of a room, and the width that it needs."""
+    """Return the place of a line that leaves both sides their share of the floor and the width they need."""
     low, high = shapely.bounds(room).tolist()[axis::2]
     share = least.floor / (least.floor + sum(each.floor for each in others))
     wanted, ends = room.area * (share if is_first else 1 - share), [low, high]
@@ -154,7 +157,7 @@ def _share(
 
 
 def _parted(room: Any, axis: int, place: float) -> tuple[Any, Any, Any]:
-    """Return the parts of a room at lesser and at greater places, and the line between them."""
+    """Return the parts of a room below and above a place along an axis, and the line between them."""
     west, south, east, north = shapely.bounds(room).tolist()
     below = _below(room, axis, place)
     line = LineString([(place, south), (place, north)] if axis == 0 else [(west, place), (east, place)])

@@ -1,8 +1,8 @@
 """CubiCasa5K (Kalervo and others, 2019): ``model.svg``, in pixels.
 
 A group of the class ``Space Bedroom`` has the room's polygon, and in many files a label with its size, as in
-``3.20 m x 4.05 m``; groups of the classes ``Door`` and ``Window`` have rectangles in the walls. Their ids are
-the same words, but a drawing program gives each element an id of its own.
+``3.20 m x 4.05 m``; groups of the classes ``Door`` and ``Window`` have rectangles in the walls. The ids
+repeat the classes until a drawing program replaces them.
 """
 
 import re

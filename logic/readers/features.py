@@ -1,4 +1,4 @@
-"""GeoJSON (RFC 7946), also a feature a line (RFC 8142): what is some, and the features of it."""
+"""Features of GeoJSON (RFC 7946) and of its sequences, one feature per line (RFC 8142)."""
 
 import re
 from codecs import BOM_UTF8
@@ -17,23 +17,23 @@ SEPARATOR, MAX_LINES = b"\x1e", 1 << 16
 """Record separator before each text of a sequence, and number of lines."""
 
 SEQUENCE = re.compile(rb"(?:\xef\xbb\xbf)?[\s\x1e]*+\{")
-"""How a sequence begins."""
+"""Beginning of a sequence."""
 
 GEOMETRIES = ("Polygon", "MultiPolygon")
-"""Those that may be a room."""
+"""Types of geometry that may be a room."""
 
 
 def is_geojson(record: object) -> bool:
-    """Whether a JSON value is GeoJSON: a collection of features, a feature, or a polygon."""
+    """Return True if a JSON value is GeoJSON: a collection of features, a feature, or a polygon."""
     kinds = (GEOJSON, "Feature", "GeometryCollection", *GEOMETRIES)
     return isinstance(record, Mapping) and record.get("type") in kinds and "format" not in record
 
 
 def from_text(content: bytes) -> Any:
-    """Return the value of a JSON text, or the collection that a sequence of GeoJSON is.
+    """Return the value of a JSON text, or a sequence of GeoJSON as one collection.
 
-    A sequence has a text a line, each with or without a record separator before it. Raises ``ValueError`` for
-    what is neither.
+    A sequence has one JSON text per line, with or without a record separator before it. Raises ``ValueError``
+    if the text is neither.
     """
     try:
         return from_json(content)

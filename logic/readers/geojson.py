@@ -1,5 +1,9 @@
-"""GeoJSON (RFC 7946): polygons are rooms, with types in any words; lines, points and polygons are doors and
-windows, where a property says so. In metres, another unit, or degrees.
+"""Reader of plans in GeoJSON (RFC 7946), in metres, another unit, or degrees.
+
+``read_geojson`` classifies each feature by its properties (``_feature``), keeps one storey (``_of_storey``),
+reads names and types of rooms (``_name``, ``_words``) and geometries (``_polygons``, ``_geometry``), and
+converts coordinates to metres (``_flat``). A polygon is a room unless a property says otherwise. A new
+property goes into one of the tables below; a new word for a type or a door goes into ``types.json``.
 """
 
 import re
@@ -26,7 +30,7 @@ from logic.spelling import numbered, printable
 FORMAT = "GeoJSON"
 
 NAMES = ("name", "Name", "NAME", "label", "id")
-"""Properties that name a room, the first that is there."""
+"""Properties that may name a room; the first that is present counts."""
 
 WORDS = (
     "type",
@@ -41,35 +45,35 @@ WORDS = (
     "function",
     "indoor",
 )
-"""Properties that may say the type of a room, or that a feature is a door."""
+"""Properties that may state the type of a room, or that a feature is a door."""
 
 KINDS = ("kind", "element", "feature_type", "layer", "Layer", *WORDS, *NAMES[:4])
-"""Properties that may say what a feature is."""
+"""Properties that may state that a feature is a door, a window or another part of a house."""
 
 FLAGS = ("entrance", "door", "window")
-"""Properties that say what a point or a line is, as in ``door=yes``."""
+"""Properties that mark a point or a line as a door or a window, as in ``door=yes``."""
 
 ROOM_KINDS, OTHER_KINDS = ("room", "area"), ("piece", "wall")
-"""What our own exports call rooms, and parts of a house that are no rooms, doors or windows."""
+"""Values of ``kind`` in our own exports: for rooms, and for parts that are not rooms, doors or windows."""
 
 LEVELS = ("storey", "level", "level_id", "floor", "story")
-"""Properties that may say the storey of a feature."""
+"""Properties that may state the storey of a feature."""
 
 METRES_TO_DEGREE = 1e5
-"""Metres to a degree, roughly."""
+"""Approximate number of metres per degree."""
 
 ATOM = re.compile(r"[a-z]\w*", re.ASCII)
-"""A word of a grammar."""
+"""Name of a type as a grammar writes it."""
 
 DOOR = 0.8
-"""Metres: the width of a door that is drawn as a point."""
+"""Width of a door that is drawn as a point, metres."""
 
 LARGEST, SMALLEST = 50.0, 0.01
-"""Metres: where half of the sides of rooms are longer or shorter, their unit is another one."""
+"""Greatest and least median side of rooms, metres; beyond them the coordinates have another unit."""
 
 
 class Feature(NamedTuple):
-    """A room, a door or a window as a feature says it: its number in the file, and which of these it is."""
+    """A feature of the file: its number, and ``what`` it is (``room``, ``door``, ``window`` ...)."""
 
     number: int
     what: str
@@ -81,10 +85,11 @@ class Feature(NamedTuple):
 def read_geojson(
     record: Mapping[str, Any], unit: str | None, storey: str | None, types: Collection[str] | None
 ) -> tuple[Sketch, list[str]]:
-    """Return the rooms, doors and windows of GeoJSON, in metres, and what is to be said.
+    """Return the rooms, doors and windows of GeoJSON, in metres, and notes for the user.
 
-    ``unit``: see ``metres_to``; without it metres, or degrees where the numbers are such. ``types``: those of
-    the grammar, if known. Raises ``RequestError`` for what is no plan, naming the room.
+    ``unit`` is a unit of ``metres_to``. Without a unit, coordinates are metres, or degrees if the rooms would
+    be too small in metres. ``types`` are the grammar's types, if known. Raises ``RequestError``, which names
+    the room, if this is not a plan.
     """
     passed = Counter[str]()
     read = (_feature(each, number, passed) for number, each in enumerate(features(record)))
@@ -125,8 +130,9 @@ def read_geojson(
 
 
 def _feature(feature: Any, number: int, passed: Counter[str]) -> Feature | None:
-    """Return a feature with what it is. One that is no room, door or window is counted in ``passed``, but for
-    what our own exports say is another part of a house.
+    """Return the feature with its classification; None if it is not a room, a door or a window.
+
+    Ignored features are counted in ``passed``, except furniture and free walls of our own exports.
     """
     where = f"plan: features[{number}]"
     if not isinstance(feature, Mapping):
@@ -145,7 +151,7 @@ def _feature(feature: Any, number: int, passed: Counter[str]) -> Feature | None:
 
 
 def _what(properties: Mapping[str, Any], is_area: bool) -> str:
-    """Return what the properties of a feature say that it is: nothing of a room."""
+    """Return the classification that a feature's properties state, such as ``door``; empty for a room."""
     if properties.get("kind") in ROOM_KINDS:
         return ""
     said = (properties.get(key) for key in KINDS)
@@ -158,7 +164,7 @@ def _what(properties: Mapping[str, Any], is_area: bool) -> str:
 
 
 def _of_storey(found: Sequence[Feature], storey: str | None) -> list[Feature]:
-    """Return the features of one storey. Those that say none are of each."""
+    """Return the features of one storey. Features without a storey belong to every storey."""
     levels = [
         next((str(each.properties[key]) for key in LEVELS if key in each.properties), "") for each in found
     ]
@@ -176,9 +182,9 @@ def _of_storey(found: Sequence[Feature], storey: str | None) -> list[Feature]:
 def _words(
     room: Feature, name: str, types: Collection[str] | None, unknown: set[str]
 ) -> tuple[str, tuple[str, ...]]:
-    """Return a room's type in the grammar's own words, if it says it, and the words for its type, best first.
+    """Return the room's type if the file states one of the grammar's, and the words for its type, best first.
 
-    A word that is none of a grammar and means no type is added to ``unknown``.
+    A word that is neither a type of the grammar nor known to mean one is added to ``unknown``.
     """
     own = room.properties.get("type")
     if own is not None and not isinstance(own, str):
@@ -193,14 +199,14 @@ def _words(
     words = (*said, *([name] if meant([name])[1] else []))
     kind, is_known = meant(words)
     if own and not is_known and ATOM.fullmatch(own):
-        return own, ()  # the grammar's error says that it has no such type
+        return own, ()  # The maker raises the error that the grammar has no such type.
     if said and not (is_known and kind == meant(words, types)[0]):
         unknown.add(said[0][:40])
     return "", words if is_known else ()
 
 
 def _name(room: Feature) -> str:
-    """Return what a room is called: any words, or a number; ``R3`` where nothing is said."""
+    """Return the name of a room: any words or a number of the file, else a name such as ``R3``."""
     said = [room.properties[key] for key in NAMES if room.properties.get(key) not in (None, "")]
     said += [room.id] if room.id not in (None, "") else []
     for value in said:
@@ -214,7 +220,7 @@ def _name(room: Feature) -> str:
 
 
 def _polygons(room: Feature, name: str) -> Iterator[shapely.Polygon]:
-    """Yield the polygons of a room. Raises ``RequestError`` for corners that are none."""
+    """Yield the polygons of a room. Raises ``RequestError`` for invalid corners."""
     where = f"plan: features[{room.number}]: room {name}"
     rings = room.geometry.get("coordinates")
     parts: Any = rings if room.geometry.get("type") == "MultiPolygon" else [rings]
@@ -248,7 +254,7 @@ def _corners(ring: Any, where: str) -> Iterator[tuple[float, float]]:
 
 
 def _geometry(opening: Feature) -> Geometry:
-    """Return where a door or a window is. Raises ``RequestError`` for what is no geometry."""
+    """Return the geometry of a door or a window. Raises ``RequestError`` if it is invalid."""
     try:
         found = shapely.force_2d(shape(dict(opening.geometry)))
         if found.is_empty or not (abs(shapely.get_coordinates(found)) < FAR).all():
@@ -259,10 +265,9 @@ def _geometry(opening: Feature) -> Geometry:
 
 
 def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, list[str], float]:
-    """Return what makes metres of a geometry, what is to be said of it, and by how many metres corners are
-    rounded.
+    """Return a function that converts a geometry to metres, notes, and the rounding of corners, metres.
 
-    Raises ``RequestError`` for rooms whose sizes are no rooms' in metres, with the unit that they look like.
+    Raises ``RequestError`` if rooms have implausible sizes in metres; the message proposes a unit.
     """
     factor = metres_to(unit or "m")
     bounds = [each.bounds for each in shapes]
@@ -294,7 +299,7 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
 
 
 def _rounding(shapes: Sequence[shapely.Polygon]) -> float:
-    """Return the metres of the last decimal that degrees have: of six, as many programs write them, 0.1 m."""
+    """Return the metres of the last decimal of degrees; with six decimals, as many programs write, 0.1 m."""
     corners = shapely.get_coordinates(shapes)
     decimals = next(
         (d for d in range(6, 9) if np.allclose(corners, np.round(corners, d), rtol=0, atol=1e-11)), 9
@@ -303,7 +308,7 @@ def _rounding(shapes: Sequence[shapely.Polygon]) -> float:
 
 
 def _in_wall(opening: Geometry, spaces: Sequence[Space]) -> Geometry:
-    """Return a door that is drawn as a point as a line along the nearest wall of a room."""
+    """Return the geometry of an opening; a point becomes a line along the nearest wall of a room."""
     if not isinstance(opening, Point):
         return opening
     room = min(spaces, key=lambda each: each.shape.exterior.distance(opening)).shape

@@ -1,7 +1,7 @@
-"""HouseExpo (Li and others, IROS 2020): JSON of one house, in metres, with y as in pictures.
+"""Reader of HouseExpo (Li and others, IROS 2020): JSON of one house, in metres, with y growing south.
 
-``verts`` is the outline of the free floor, walls and doors cut out of it, as a picture of 1 cm a pixel has
-it; ``room_category`` has boxes of the rooms of each type, which reach over walls, and as far as doors swing.
+``verts`` is the outline of the free floor, without walls and door leaves, traced from a picture of 1 cm per
+pixel. ``room_category`` has the boxes of rooms by type; boxes reach over walls and cover door swings.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,41 +28,41 @@ SAME = 0.05
 """Metres within which boxes of two types are one room."""
 
 DOOR = 1.3
-"""Metres: a gap beside a wall that goes on is a door if it is no wider and no box says otherwise."""
+"""Greatest width, metres, of a gap from a wall's end to a wall's side that is a door if no box decides."""
 
 SURE, LIKELY = 0.7, 0.5
-"""Share of a box and a room together that they have in common, where the box is that room's."""
+"""Intersection over union of a box and a room, from which the box certainly or probably is that room's."""
 
 BEVEL = 0.03
-"""Metres along an axis: a bevel is no longer."""
+"""Greatest length of a bevel along an axis, metres."""
 
 PART, OF_ROOM, OF_BOX = 0.8, 0.6, 0.7
 """Least area in square metres of a room without walls in another; share of a room that a box of all of it has
 at least; share of a box that lies in the room that it is a part of."""
 
 SNAP = 0.3
-"""Metres: a side of such a part that is so near to a wall lies on it."""
+"""Distance within which a side of such a part moves onto a wall, metres."""
 
 
 class Boxes(NamedTuple):
-    """The boxes around rooms: what of the floor lies in them, and the types that each is listed under."""
+    """Boxes of rooms: the floor in each box, and the types under which the box is listed."""
 
     shapes: np.ndarray
     words: list[tuple[str, ...]]
 
     def fits(self, room: Geometry) -> np.ndarray:
-        """Return the share that each box and a room have in common, of both together, shape (B,)."""
+        """Return the intersection over union of each box and a room, shape (B,)."""
         common = shapely.area(shapely.intersection(self.shapes, room))
         return common / (shapely.area(self.shapes) + shapely.area(room) - common)
 
 
 def is_houseexpo(_: bytes, record: Any) -> bool:
-    """Whether a file is one of HouseExpo."""
+    """Return True if the JSON is a plan of HouseExpo."""
     return isinstance(record, dict) and {"verts", "room_category"} <= record.keys()
 
 
 def read_houseexpo(_: bytes, record: Any, storey: str | None) -> Sketch:
-    """The rooms are the floor, cut at its doorways. Boxes say their types, and what is open to each other."""
+    """Return the floor cut into rooms at its doorways; boxes give the types and divide open rooms."""
     require_none(storey)
     floor = shapely.make_valid(outline(record))
     boxes = _boxes(record["room_category"], floor)
@@ -79,7 +79,7 @@ def read_houseexpo(_: bytes, record: Any, storey: str | None) -> Sketch:
 
 
 def outline(record: Any) -> Polygon:
-    """The free floor as the file has it. Raises ``RequestError`` where it is none."""
+    """Return the outline of the free floor. Raises ``RequestError`` if the file has no valid outline."""
     corners = [numbers(each, 2) for each in _list(record["verts"])]
     if len(corners) < 4 or None in corners:
         raise RequestError(f"plan: {FORMAT} has verts, a list of at least four corners of two numbers each")
@@ -92,7 +92,7 @@ def outline(record: Any) -> Polygon:
 
 
 def without_bevels(shape: Polygon) -> Polygon:
-    """An outline with right corners for bevels, as pixels have them, if all walls then run along the axes."""
+    """Return the outline with right angles for bevels of a pixel, if all walls then run along the axes."""
     corners = list[tuple[float, float]]()
     ring = [(x, y) for x, y, *_ in shape.exterior.coords]
     is_level = ring[-2][1] == ring[0][1]
@@ -101,7 +101,7 @@ def without_bevels(shape: Polygon) -> Polygon:
         if x != to_x and y != to_y:
             if max(abs(to_x - x), abs(to_y - y)) > BEVEL:
                 return shape
-            # The wall before goes on to the corner.
+            # The wall before the bevel is extended to the corner.
             corners.append((to_x, y) if is_level else (x, to_y))
             is_level = not is_level
         else:
@@ -133,7 +133,7 @@ def _boxes(categories: Any, floor: Geometry) -> Boxes:
 
 
 def _is_one(one: Polygon, other: Polygon, doorway: Doorway, boxes: Boxes) -> bool:
-    """Whether a gap from the end of a wall to a wall that goes on is within one room: a box has both."""
+    """Return True if a gap from a wall's end to a wall's side lies in one room: one box covers both sides."""
     if doorway.is_facing:
         return False
     whole = shapely.union_all([one, other, doorway.shape])
@@ -148,7 +148,7 @@ def _best(boxes: Boxes, room: Geometry) -> float:
 
 
 def _parts(room: Polygon, boxes: Boxes, own: Sequence[int]) -> Iterator[tuple[Polygon, tuple[str, ...]]]:
-    """Yield a room with the words of its boxes, cut at those of rooms that are open to it."""
+    """Yield a room with the words of its boxes, and each open part that has a box, cut off from the room."""
     common = {box: shapely.intersection(boxes.shapes[box], room).area for box in own}
     is_whole = {box: common[box] > OF_ROOM * room.area for box in own}
     parts = [
@@ -172,8 +172,9 @@ def _parts(room: Polygon, boxes: Boxes, own: Sequence[int]) -> Iterator[tuple[Po
 
 
 def _split(room: Polygon, box: Polygon, others: Sequence[Polygon]) -> tuple[Geometry, Geometry]:
-    """A room in a box and out of it. A side of the box lies on a wall of the room that is near, else in the
-    middle between it and the side of another box that it overlaps.
+    """Return the room inside a box and the room outside it.
+
+    A side of the box moves onto a near wall of the room; without one, halfway to a near side of another box.
     """
     corners = shapely.get_coordinates(room)
     edges = []

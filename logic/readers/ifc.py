@@ -1,7 +1,6 @@
-"""IFC (ISO 16739, buildingSMART), also zipped: the spaces, doors and windows of a storey, by IfcOpenShell
-(extra ``ifc``).
+"""Reader of IFC (ISO 16739, buildingSMART), also zipped: spaces, doors and windows of a storey.
 
-What they look like from above is taken, whatever solid they are of: ``ifc_solids.py``.
+IfcOpenShell (extra ``ifc``) opens the file, and ``ifc_solids.py`` projects the solids onto the floor.
 """
 
 import re
@@ -31,18 +30,18 @@ MAX_BYTES = 1 << 24
 """Size of all files of an archive together, unpacked."""
 
 SECONDS = 120
-"""Wall-clock time that IfcOpenShell may take, on a busy machine too."""
+"""Wall-clock time that IfcOpenShell may take, seconds."""
 
 
 def is_ifc(content: bytes, _: Any) -> bool:
-    """Whether a file is IFC in the form of STEP, or an archive of it."""
+    """Return True if the content is IFC in STEP form, or an archive with such a file."""
     if content.startswith(ZIPPED):
         return _member(content) is not None
     return content.lstrip().startswith(b"ISO-10303-21") and SCHEMA.search(content[:65536]) is not None
 
 
 def _member(content: bytes) -> tuple[ZipFile, str] | None:
-    """Return an archive that holds IFC, and the name of that; None for another archive."""
+    """Return an archive that holds IFC, and the name of the IFC file; None for another archive."""
     with suppress(ValueError):
         archive = archive_of(content, MAX_BYTES)
         names = [name for name in archive.namelist() if name.lower().endswith(ENDINGS)]
@@ -51,7 +50,7 @@ def _member(content: bytes) -> tuple[ZipFile, str] | None:
 
 
 def _unpacked(content: bytes) -> bytes:
-    """Return the IFC of an archive. Raises ``RequestError`` where it is damaged, or in XML."""
+    """Return the IFC of an archive. Raises ``RequestError`` if it is damaged, or in XML."""
     found = _member(content) if content.startswith(ZIPPED) else None
     if found is None:
         return content
@@ -83,7 +82,7 @@ def read_ifc(content: bytes, _: Any, storey: str | None) -> Sketch:
 
 
 def _sketch(found: Solids) -> Sketch:
-    """Return the rooms, doors and windows that the process of IfcOpenShell found."""
+    """Return the rooms, doors and windows that the process with IfcOpenShell found."""
     spaces = [
         Space((words or [""])[0], tuple(words), part)
         for words, shape in found.spaces

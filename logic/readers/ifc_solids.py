@@ -18,29 +18,29 @@ from logic.errors import RequestError
 from logic.readers.sketch import chosen
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
-"""Address space and processor time of this process, the same as of a solver process."""
+"""Address space and processor time of this process, as for a solver process."""
 
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']{1,40})'", re.IGNORECASE)
 
 STEP, MAX_LEVELS = 1.2, 64
-"""Metres between floors of one storey, at most; number of wholes that a space is looked for in."""
+"""Greatest step between floors of one storey, metres; number of levels that may contain a space."""
 
 Triangles = np.ndarray
-"""(N, 3, 3) float64: corners in metres, z up."""
+"""Corners of triangles: (N, 3, 3) float64, metres, z up."""
 
 
 class Solids(msgspec.Struct):
-    """Spaces, each with its words and its shape, doors and windows: shapes in WKT, metres."""
+    """Spaces, each with its words and its shape, doors, and windows. Shapes are WKT, in metres."""
 
     spaces: list[tuple[list[str], str]]
     doors: list[str]
     windows: list[str]
     error: str = ""
-    """In the place of these."""
+    """Error message; if set, the lists are empty."""
 
 
 def solids(content: bytes, named: str | None = None) -> Solids:
-    """Return what there is of a storey or a flat, by its name. Raises ``RequestError`` for what is none."""
+    """Return the spaces, doors and windows of a storey or a flat. Raises ``RequestError`` if it has none."""
     model = _model(content)
     spaces, doors, windows = (list(model.by_type(each)) for each in ("IfcSpace", "IfcDoor", "IfcWindow"))
     spaces = [each for each in spaces if not _is_whole(each)]
@@ -66,7 +66,7 @@ def solids(content: bytes, named: str | None = None) -> Solids:
 
 
 def _model(content: bytes) -> Any:
-    """Return what IfcOpenShell makes of a file. Raises ``RequestError`` where it cannot read it."""
+    """Return the file as IfcOpenShell opens it. Raises ``RequestError`` if IfcOpenShell cannot read it."""
     import ifcopenshell
     from ifcopenshell.ifcopenshell_wrapper import schema_names
 
@@ -85,14 +85,15 @@ def _model(content: bytes) -> Any:
 
 
 def _is_whole(space: Any) -> bool:
-    """Return True for a space that consists of spaces, such as a flat, and for a gross floor area."""
+    """Return True if a space is no room: it consists of spaces, as a flat does, or is a gross floor area."""
     parts = [part for each in space.IsDecomposedBy or () for part in each.RelatedObjects]
     return any(part.is_a("IfcSpace") for part in parts) or getattr(space, "PredefinedType", None) == "GFA"
 
 
 def _of_storey(spaces: list[Any], floors: list[float], named: str | None) -> list[int]:
-    """Return the places of the spaces of one storey: of those whose floors lie ``STEP`` at most apart; of one
-    flat, where its name is given.
+    """Return the indices of the spaces of one storey, or of one flat if ``named`` is a flat.
+
+    Floors at most ``STEP`` apart are one storey.
     """
     wholes = [list(_wholes(each)) for each in spaces]
     if named is not None:
@@ -116,7 +117,7 @@ def _of_storey(spaces: list[Any], floors: list[float], named: str | None) -> lis
 
 
 def _wholes(space: Any) -> Iterator[Any]:
-    """Yield all that a space is part of, from the inside out."""
+    """Yield all products that contain a space, from the inside out."""
     for _ in range(MAX_LEVELS):
         space = next((each.RelatingObject for each in getattr(space, "Decomposes", None) or ()), None)
         if space is None:
@@ -129,7 +130,7 @@ def _named(whole: Any) -> list[str]:
 
 
 def _floor(model: Any, space: Any, solid: Triangles) -> float:
-    """Return the height of a space's floor, metres; of one without a solid, that of its place."""
+    """Return the height of a space's floor, metres; without a solid, the height of its placement."""
     from ifcopenshell.util.placement import get_local_placement
     from ifcopenshell.util.unit import calculate_unit_scale
 
@@ -144,7 +145,7 @@ def _words(space: Any) -> list[str]:
 
 
 def _solid(product: Any) -> Triangles:
-    """Return the surface of a product, in metres; nothing of one that has none."""
+    """Return the surface of a product, in metres; empty if it has no surface."""
     import ifcopenshell.geom
 
     settings = ifcopenshell.geom.settings()

@@ -57,7 +57,7 @@ def read_imdf(content: bytes, record: Any, storey: str | None) -> Sketch:
 
 
 def _of_level(features: Sequence[Any], storey: str | None) -> Sequence[Any]:
-    """Return the features of one level: the one that the user names, or the only one with units."""
+    """Return the features of one level: the level that the user names, or the only level with units."""
     levels = list(
         dict.fromkeys(str(_properties(each).get("level_id")) for each in features if _kind(each) == "unit")
     )

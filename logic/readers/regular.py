@@ -30,17 +30,17 @@ MAX_CORNERS = 1 << 13
 """Number of corners of all rooms, once their sides lie along the axes."""
 
 ANY = "room"
-"""In the table of words: a room of any type."""
+"""Word of the table for a room of any type."""
 
 TURNED = 0.25
-"""Degrees: a plan turned by less is not turned back."""
+"""Greatest angle of a plan that is not turned back, degrees."""
 
 SIZES = 0.7, 30.0
-"""Metres: between them is the median side of a plan's rooms."""
+"""Least and greatest median side of a plan's rooms, metres."""
 
 
 class Opening(NamedTuple):
-    """Where a door or a window is, metres, and whether it is the entrance, if that is known."""
+    """Box of a door or a window, metres. ``is_entrance`` is None if the file does not say."""
 
     box: Box
     is_entrance: bool | None = None
@@ -48,25 +48,26 @@ class Opening(NamedTuple):
 
 
 class Regular(NamedTuple):
-    """Rooms side by side, metres; where doors and windows are, and what is to be said."""
+    """Rooms side by side, their doors and windows, metres, and notes for the user."""
 
     rooms: list[Room]
     passages: list[Opening]
     windows: list[Opening]
     outdoors: list[Geometry]
-    """Balconies and the like, which are no rooms."""
+    """Balconies and other outdoor areas that are not read as rooms."""
     joints: list[tuple[str, str]]
-    """Parts of one room."""
+    """Pairs of names of adjacent parts of one room."""
     notes: list[str]
     wall: float = 0.0
-    """How thick walls are in the drawing, metres."""
+    """Thickness of walls in the drawing, metres."""
 
 
 def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str] | None = None) -> Regular:
-    """What a house can hold of a sketch. ``unit`` is the user's, in the place of the file's; corners may be
-    ``snap`` metres beside their places, and a centimetre at least. ``types``: those of the grammar, if known.
+    """Return a sketch as boxes side by side, with doors and windows, as a house file holds them.
 
-    Raises ``RequestError`` for what no house can hold: where, and what would do.
+    ``unit`` is the user's and replaces the file's. Corners may be off by ``snap`` metres, and by a centimetre
+    in any case. ``types`` are the grammar's types, if known. Raises ``RequestError``, with the place and a
+    remedy, if no house file can hold the sketch.
     """
     noise = max(snap, sketch.noise, 0.01)
     notes = [f"{sketch.guessed}: if it is not, say --plan-unit"] if sketch.guessed and not unit else []
@@ -181,7 +182,7 @@ def _words(name: str) -> str:
 def _surrounded(
     spaces: Sequence[Space], others: Sequence[Space], upright: Callable[[Any], Any]
 ) -> tuple[list[Space], list[Space]]:
-    """What is no room, such as a loggia: what has rooms all around it or joins them, and the rest of it."""
+    """Divide ``others``, such as loggias, into those that rooms enclose or that join rooms, and the rest."""
     floor = shapely.union_all([upright(space.shape) for space in spaces])
     outlines = [Polygon(part.exterior) for part in parts_of(floor.buffer(MOST_WALL / 2, join_style="mitre"))]
     found: tuple[list[Space], list[Space]] = [], []
@@ -210,7 +211,7 @@ def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: 
 
 
 def _turn(shapes: Sequence[Polygon]) -> float:
-    """By how many degrees walls are turned out of the axes, -45 to 45: by the directions of most of them."""
+    """Return the angle of the walls against the axes, -45 to 45 degrees, weighted by squared lengths."""
     total = 0j
     for shape in shapes:
         for (a, b), (c, d) in pairwise(shape.exterior.coords):
@@ -220,7 +221,7 @@ def _turn(shapes: Sequence[Polygon]) -> float:
 
 
 def _upright(spaces: Sequence[Space], metres: float, turn: float, north_up: bool) -> Callable[[Any], Any]:
-    """From the units of the file to metres along the axes, y south."""
+    """Return a function that converts a shape of the file to metres along the axes, with y growing south."""
     x, y = shapely.union_all([each.shape for each in spaces]).centroid.coords[0]
 
     def upright(shape: Geometry) -> Geometry:

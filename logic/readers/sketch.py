@@ -1,4 +1,4 @@
-"""What readers make of a file of another program: rooms as polygons, doors and windows, of one storey."""
+"""Sketch of a plan, the result of each reader: rooms as polygons, doors and windows, of one storey."""
 
 import re
 from collections import Counter
@@ -13,64 +13,65 @@ from logic.errors import RequestError
 from logic.spelling import listed, quoted, unknown
 
 FAR = 1e8
-"""In units of a file: as far from the origin as coordinates of maps are."""
+"""Greatest distance from the origin, in units of the file; coordinates of maps are smaller."""
 
 
 MAX_CORNERS, MAX_MEETINGS, MAX_CROSSINGS = 1 << 16, 20, 1 << 14
-"""Corners of all polygons of a file; sides that a side meets, on average; crossings of sides, each counted
-for both sides."""
+"""Number of corners of all polygons of a file; average number of sides that a side meets; number of crossings
+of sides, each counted for both sides.
+"""
 
 SIDES_PER_QUERY = 256
-"""Sides in one query of the spatial index."""
+"""Number of sides in one query of the spatial index."""
 
 
 METRES, NEAR = re.compile(r"[-+]?\d{1,6}(?:\.\d{1,6})?\s?m?"), 0.5
-"""A height as a user gives it; metres within which it is that of a floor."""
+"""Height as a user writes it; greatest distance of a floor from that height, metres."""
 
 
 class Space(NamedTuple):
-    """A room as a file says it: its name, the words for its type, best first, and its polygon."""
+    """A room of a file: its name, the words for its type, best first, and its polygon."""
 
     name: str
     words: tuple[str, ...]
     shape: Polygon
     type: str = ""
-    """Its type in the words of a grammar, if the file says that."""
+    """Type as the grammar writes it, if the file states one."""
     whole: str = ""
-    """Name of the room that it is a part of, if any."""
+    """Name of the room that this part belongs to, if any."""
 
 
 class Passage(NamedTuple):
-    """A door or an opening: the polygon or line where it is; whether it is the entrance, if known."""
+    """A door or an opening, as a polygon or a line. ``is_entrance`` is None if the file does not say."""
 
     shape: Geometry
     is_entrance: bool | None = None
     is_open: bool = False
-    """Whether it has no leaf: a wide gap, or floor that no wall divides."""
+    """True for an opening without a leaf: a wide gap, or a border without a wall."""
 
 
 class Sketch(NamedTuple):
     """A plan in the units of its file."""
 
     format: str
-    """What the file is, in words: ``a plan of HouseExpo``."""
+    """Format of the file in words: ``a plan of HouseExpo``."""
     spaces: list[Space]
     passages: list[Passage]
     windows: list[Geometry]
     unit: float = 1.0
-    """Metres to a unit."""
+    """Metres per unit."""
     north_up: bool = False
-    """Whether y grows north, as on maps, and not south, as in pictures."""
+    """True if y grows north, as on maps; False if y grows south, as in pictures."""
     guessed: str = ""
-    """Why the unit is a guess, where it is one."""
+    """Reason why the unit is a guess; empty if the file states the unit."""
     has_walls: bool = False
-    """Whether walls are as thick as they are drawn, so that rooms that touch are open to each other."""
+    """True if walls are drawn with their thickness, so that rooms that touch are open to each other."""
     noise: float = 0.0
-    """Metres by which corners may be beside their places, as the file rounds them."""
+    """Rounding of corners in the file, metres."""
 
 
 def numbers(value: Any, least: int) -> list[float] | None:
-    """A list of at least so many finite numbers; None for another value, as a file can hold any."""
+    """Return a list of at least ``least`` finite numbers; None for any other value of a file."""
     if not isinstance(value, list | tuple) or len(value) < least:
         return None
     if not all(type(each) in (int, float) and abs(each) < 1e6 for each in value):
@@ -116,11 +117,12 @@ def _polygons(shape: Geometry) -> Iterator[Polygon]:
 
 
 def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = ()) -> int:
-    """Return which of the storeys with rooms is read, by their names: the one that the user names, or the
-    only one. Numbers tell those of one name, and without one, apart. The user may give a height, where those
-    of ``floors`` are known, metres.
+    """Return the index of the storey to read: the storey that the user names, or the only one.
 
-    Raises ``RequestError`` for a name that no storey has, and without a name where there are several.
+    Storeys with the same name, or without one, get numbers. If the heights of ``floors`` (metres) are known,
+    the user may give a height instead of a name.
+
+    Raises ``RequestError`` for a name that no storey has, and if several storeys but no name are given.
     """
     counts = Counter(names)
     storeys = [
@@ -144,6 +146,6 @@ def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = (
 
 
 def require_none(storey: str | None) -> None:
-    """Raise ``RequestError`` for the name of a storey of a plan that has one storey."""
+    """Raise ``RequestError`` if the user names a storey of a plan that has only one."""
     if storey is not None:
         raise RequestError("plan: it has one storey, without a name: leave --storey out")

@@ -1,4 +1,4 @@
-"""Shapes of an SVG picture where they are drawn: by the ``transform`` of all groups around them (SVG 1.1)."""
+"""Shapes of an SVG picture in picture coordinates, after the ``transform`` of each group around (SVG 1.1)."""
 
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -14,10 +14,10 @@ from logic.errors import RequestError
 from logic.readers.sketch import polygons
 
 MAX_LETTERS = 1 << 10
-"""Letters of a ``transform``."""
+"""Number of characters of a ``transform``."""
 
 MAX_SCALE = 1e12
-"""The largest number of a matrix."""
+"""Greatest number in a matrix."""
 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
@@ -25,7 +25,7 @@ STEPS = re.compile(r"([MmLlHhVvZz])([^A-Za-z]*+)")
 """A command of a path of straight lines, and its numbers."""
 
 Matrix = np.ndarray
-"""(3, 3) float64: from the units of an element to those of the picture."""
+"""Transformation from the units of an element to those of the picture: (3, 3) float64."""
 
 
 def placed(element: Element, at: Matrix | None = None) -> Iterator[tuple[Element, Matrix]]:
@@ -48,9 +48,9 @@ def kind(element: Element) -> str:
 
 
 def polygon_in(group: Element, at: Matrix) -> Polygon | None:
-    """Return the first polygon, rectangle or path of straight lines right in a group; None without one.
+    """Return the first child of a group that is a polygon, a rectangle or a path of straight lines, or None.
 
-    Raises ``RequestError`` for one that cannot be read.
+    Raises ``RequestError`` if that shape cannot be read.
     """
     for child in group:
         if (corners := _corners(child)) is not None and len({*corners}) >= 3:
@@ -67,7 +67,7 @@ def polygon_in(group: Element, at: Matrix) -> Polygon | None:
 
 
 def _corners(shape: Element) -> Sequence[tuple[float, float]] | None:
-    """Return the corners of a shape in its own units; None for a curve and for what is no shape."""
+    """Return the corners of a shape in its own units; None for a curve and for an element without a shape."""
     if kind(shape) == "polygon":
         found = _numbers(shape.get("points", ""))
         return list(zip(found[::2], found[1::2], strict=False))
@@ -103,7 +103,7 @@ def _along(path: str) -> Iterator[tuple[float, float]]:
 
 
 def _matrix(element: Element) -> Matrix:
-    """Return what the ``transform`` of an element does, the last function first."""
+    """Return the matrix of an element's ``transform``, whose last function applies first."""
     text = element.get("transform", "")
     if not text.strip():
         return np.eye(3)
@@ -152,4 +152,4 @@ FUNCTIONS: dict[str, Callable[..., Matrix]] = {
     "skewX": lambda angle: _affine(1.0, 0.0, tan(radians(angle)), 1.0, 0.0, 0.0),
     "skewY": lambda angle: _affine(1.0, tan(radians(angle)), 0.0, 1.0, 0.0, 0.0),
 }
-"""What a transform may consist of, by SVG's names: degrees, and units of the element."""
+"""Matrix of each function of a ``transform``, by SVG's name; angles in degrees, lengths in element units."""

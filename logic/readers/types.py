@@ -1,4 +1,4 @@
-"""Which type of room words of other programs and people mean: the table ``types.json``, in English, German,
+"""Room types of the words that other programs and people use: the table ``types.json``, in English, German,
 Dutch, Finnish, French and Spanish.
 """
 
@@ -16,35 +16,36 @@ OUTSIDE = "outside"
 """In the table: of what is no room of the house, such as a balcony or a column."""
 
 MAX_LETTERS, MAX_WORDS = 100, 4
-"""Letters of a name that are looked at, and words that have a type together, as ``salle de bain``."""
+"""Number of letters of a name that are read, and of words in one phrase, such as ``salle de bain``."""
 
 SHORT, HEAD = 2, 4
-"""Letters: most of an abbreviation, and fewest of the last part of a word, as of ``Elternschlafzimmer``."""
+"""Greatest length of an abbreviation, and least length of the last part of a compound word, such as
+``Elternschlafzimmer``, letters."""
 
 TOGETHER = re.compile(r"[/+&,;|]|-(?=\W|[A-ZÀ-Þ])")
-"""Between the uses of a room that is used for several."""
+"""Separator of the uses of a room with several uses."""
 
 PART, HUMP = re.compile(r"[^\W\d_]+"), re.compile(r"(?<=[a-zà-ÿ])(?=[A-ZÀ-Þ])")
 
 UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
 
 Uses = tuple[str, ...]
-"""Types that a word means: several for a room of several uses, an empty one where any may be."""
+"""Types that a word means: several for a room of several uses, and an empty one for any type."""
 
 
 class Least(msgspec.Struct, frozen=True):
-    """Least floor of a use of a room, square metres, and its least width, metres."""
+    """Least floor, square metres, and least width, metres, of a use of a room."""
 
     floor: float
     width: float
 
 
 class WordTable(msgspec.Struct):
-    """Words for each type of room, or for several of them, as in ``living+kitchen``.
+    """Words for each type of room, or for several types, as in ``living+kitchen``.
 
-    ``open``: types that may be uses of one room, and the least size of each. ``entered``: the
-    types of rooms by which a house is entered, most likely first. ``whose``: words that say whose room it is,
-    and its type only without another word. ``elements``: words for what is no room but a part of a house.
+    ``open`` has the types that may be uses of one room, with the least size of each; ``entered`` the types of
+    rooms with an entrance, most likely first. ``whose`` has words for a room's owner, such as a child: they
+    state the type only if no other word does. ``elements`` has words for parts of a house other than rooms.
     """
 
     types: dict[str, list[str]]
@@ -55,10 +56,10 @@ class WordTable(msgspec.Struct):
 
 
 def meant(words: Iterable[str], types: Collection[str] | None = None) -> tuple[str, bool]:
-    """Return the type that the first of some words means, and True if any is known.
+    """Return the type that the first known word means, and True if a word is known.
 
-    There is no type where any may be, as where ``types``, those of a grammar, do not have it. ``outside``: it
-    is no room of the house.
+    The type is empty if the word permits any type, or if ``types``, a grammar's types, lack it. The type
+    ``outside`` stands for an area that is no room of the house.
     """
     found = [uses for word in words if (uses := _uses(word))]
     kind = next((uses[0] for uses in found if uses[0]), "")
@@ -76,12 +77,12 @@ def uses(words: Iterable[str]) -> Uses:
 
 
 def least_sizes() -> dict[str, Least]:
-    """Return the types that may be uses of one room, the most needed first, and the least size of each."""
+    """Return the least size of each type that may be a use of a room, the most important type first."""
     return table().open
 
 
 def _uses(word: str) -> Uses:
-    """Return the types that a word means; none for a word that is not known."""
+    """Return the types that a word means; none for an unknown word."""
     word = unicodedata.normalize("NFC", word[:MAX_LETTERS])
     if whole := _whole(word, word[:1].isupper()):
         return whole
@@ -92,14 +93,15 @@ def _uses(word: str) -> Uses:
         return tuple(each)
     if not groups:
         return ()
-    # Of ``bedroom with bath`` the first counts; ``kitchen storage`` may be of either.
+    # In ``bedroom with bath`` the first type counts; ``kitchen storage`` may be of either type.
     first = dict.fromkeys(kind for kind in groups[0][0] if kind)
     return tuple(first) if len(first) == 1 else ("",)
 
 
 def _of_parts(parts: list[str]) -> list[list[str]]:
-    """Return the types of known words in a text, as many words at a time as are known; those that follow each
-    other together. A word that says whose room it is counts where no other does.
+    """Return the types of the known words in a text; the types of adjacent words are one group.
+
+    The longest known phrase is read first. A word for the room's owner counts only if no other word does.
     """
     runs, whose, at = [list[str]()], list[str](), 0
     while at < len(parts):
@@ -117,7 +119,7 @@ def _of_parts(parts: list[str]) -> list[list[str]]:
 
 
 def _of_words(parts: list[str]) -> Uses:
-    """Return the types of words that follow each other; of one that is unknown, those of its last part."""
+    """Return the types of a phrase; for an unknown single word, the types of its last part."""
     if (found := _whole("".join(parts), parts[0].isupper())) or len(parts) > 1:
         return found
     letters = _letters(parts[0])
@@ -127,7 +129,7 @@ def _of_words(parts: list[str]) -> Uses:
 
 
 def _whole(word: str, is_capital: bool) -> Uses:
-    """Return the types of a word in the table. An abbreviation such as ``OH`` is one in capitals alone."""
+    """Return the types of a word in the table. Abbreviations such as ``OH`` are known only in capitals."""
     letters = _letters(word)
     if len(letters) <= SHORT and not is_capital and letters not in table().types:
         return ()
@@ -135,7 +137,7 @@ def _whole(word: str, is_capital: bool) -> Uses:
 
 
 def element(word: str) -> str:
-    """Return what a word means beside rooms: ``door``, ``entrance``, ``opening``, ``window`` or ``part``."""
+    """Return the element that a word means: ``door``, ``entrance``, ``opening``, ``window`` or ``part``."""
     return _elements().get(_letters(word[:MAX_LETTERS]), "")
 
 
@@ -161,5 +163,5 @@ def _elements() -> dict[str, str]:
 
 
 def _letters(word: str) -> str:
-    """Return a word alike for ``Living_Room``, ``living room 2`` and ``LivingRoom``, without its accents."""
+    """Return a word in normal form, without accents: the same for ``Living_Room`` and ``LivingRoom 2``."""
     return "".join(each for each in unicodedata.normalize("NFKD", word).casefold() if each.isalpha())

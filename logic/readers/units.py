@@ -1,4 +1,4 @@
-"""Units of plans, as people say them (``--plan-unit``), and degrees on the earth, made metres."""
+"""Conversion of the units of plans (``--plan-unit``), and of degrees of longitude and latitude, to metres."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -12,14 +12,14 @@ from shapely import Geometry
 from logic.errors import RequestError
 
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
-"""Metres to a unit."""
+"""Metres per unit."""
 
 MOST = 1e8
-"""Metres to a unit, at most."""
+"""Greatest number of metres per unit."""
 
 
 EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
-"""Of WGS 84: the radius, metres, and the square of the first eccentricity."""
+"""Equatorial radius, metres, and squared first eccentricity of the ellipsoid WGS 84."""
 
 WEB_MERCATOR = re.compile(r"(?:^|\D)(?:3857|3785|900913|102100|102113)$")
 """How the name of the projection of the web's maps ends: ``urn:ogc:def:crs:EPSG::3857``. Its metres grow with
@@ -28,7 +28,7 @@ the latitude.
 
 
 def metres_to(unit: str) -> float:
-    """Metres to a unit of ``UNITS``, or as a number. Raises ``RequestError`` for another word."""
+    """Return the metres per unit: one of ``UNITS`` or a number. Raises ``RequestError`` for other words."""
     if unit in UNITS:
         return UNITS[unit]
     try:
@@ -41,9 +41,9 @@ def metres_to(unit: str) -> float:
 
 
 def plane(shapes: Sequence[Geometry]) -> Any:
-    """Return what makes metres east and north of the midst of shapes: exact to a millimetre within a house.
+    """Return a function that converts degrees to metres east and north of the centre of shapes.
 
-    Raises ``ValueError`` for what are no degrees.
+    Within a house the error is below a millimetre. Raises ``ValueError`` if coordinates are not degrees.
     """
     lon, lat = shapely.union_all(shapes).centroid.coords[0]
     if not (abs(lon) <= 180 and abs(lat) < 89):

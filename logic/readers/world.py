@@ -52,7 +52,7 @@ def read_world(content: bytes, path: Path) -> House | None:
     as thick as their ``thickness`` says. By the property ``kind`` polygons are solid (``wall``, ``piece``),
     and lines and polygons are doors, open where they join two polygons of floor. Windows are shut; points and
     features without a geometry are passed over. Warns (``PlanWarning``) of doors that are shut, but for those
-    of our own files to the outside. Raises ``HouseFileError`` where there is no floor or another unit, and
+    of our own files to the outside. Raises ``HouseFileError`` if there is no floor or another unit, and
     for more cells or walls than a house may have.
     """
     try:

@@ -1,1 +1,3 @@
-"""Shapes of rooms: along the axes, cut at doorways and to boxes, with walls without a thickness."""
+"""Operations on shapes of rooms: align walls with the axes, cut at doorways and into boxes, and merge the
+two faces of a wall.
+"""

@@ -1,4 +1,4 @@
-"""Polygons along the axes: noisy corners become right ones, and what has several corners is cut to boxes."""
+"""Polygons along the axes: noisy corners become right angles, and polygons are cut into boxes."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -12,16 +12,18 @@ from shapely import Geometry, Polygon
 from logic.errors import RequestError
 
 CHAMFER = 0.5
-"""Metres: a diagonal wall that is no longer becomes a corner."""
+"""Greatest length of a diagonal wall that becomes a corner, metres."""
 
 MOST_CORNERS = 200
-"""Of a room, those of steps that are noise among them."""
+"""Number of corners of a room, including steps that are noise."""
 
 GRID = 1e-4
-"""Metres: places of walls are rounded to it, so that sides stay along the axes."""
+"""Rounding of the places of walls, metres, which keeps sides along the axes."""
 
 LEAN, STRAIGHT = 0.05, 0.08
-"""How far a wall may lean from end to end: a share of its length, beside noise, and in any case metres."""
+"""Greatest lean of a wall from end to end: a share of its length, in addition to noise, and metres in any
+case.
+"""
 
 Point = tuple[float, float]
 
@@ -35,9 +37,9 @@ class Side(NamedTuple):
 
 
 def squared(name: str, shape: Polygon, noise: float) -> Polygon:
-    """A polygon of walls along the axes. Corners may be ``noise`` metres beside their places.
+    """Return the polygon with all walls along the axes. Corners may be off by ``noise`` metres.
 
-    Raises ``RequestError`` for a diagonal wall and for an arc, by the room's name and where it is.
+    Raises ``RequestError`` for a diagonal wall and for an arc, with the room's name and the place.
     """
     rings = [shape.exterior, *(each for each in shape.interiors if Polygon(each).area > (4 * noise) ** 2)]
     plain = [shapely.simplify(ring, 2 * noise) for ring in rings]
@@ -59,7 +61,7 @@ def _ring(name: str, corners: Sequence[Point], noise: float) -> list[Point]:
         )
     jog = max(0.05, 3 * noise)
     while len(sides) > 4:
-        # A step as small as noise is none: its walls are one.
+        # A step no larger than noise is no step: the walls beside it are one wall.
         least = min(range(len(sides)), key=lambda at: _reach(sides, at))
         if _reach(sides, least) > jog:
             break
@@ -73,12 +75,12 @@ def _ring(name: str, corners: Sequence[Point], noise: float) -> list[Point]:
 
 
 def _reach(sides: Sequence[Side], at: int) -> float:
-    """How long a side is between those beside it."""
+    """Return the length of a side between its neighbours."""
     return abs(sides[at - 1].place - sides[(at + 1) % len(sides)].place)
 
 
 def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
-    """The walls between corners; a short diagonal one is two."""
+    """Return the walls between corners; a short diagonal becomes two walls."""
     found, diagonals = list[Side](), list[tuple[Point, Point]]()
     for one, other in pairwise([*corners, corners[0]]):
         x, y = abs(other[0] - one[0]), abs(other[1] - one[1])
@@ -106,7 +108,7 @@ def _diagonal(diagonals: Sequence[tuple[Point, Point]]) -> str:
 
 
 def _along(sides: Sequence[Side]) -> list[Side]:
-    """Sides that follow each other along one axis as one, at the mean of their places."""
+    """Merge consecutive sides along one axis into one side, at the mean of their places."""
     found: list[Side] = []
     for side in sides:
         if found and found[-1].axis == side.axis:
@@ -124,7 +126,7 @@ def _joined(one: Side, other: Side) -> Side:
 
 
 def parts_of(shape: Geometry) -> list[Polygon]:
-    """The polygons of a geometry as they are."""
+    """Return the polygons of a geometry, without its lines and points."""
     return [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
 
 
@@ -135,7 +137,7 @@ def size_of(box: Polygon) -> str:
 
 
 def moved(shape: Polygon, lines: tuple[Mapping[float, float], Mapping[float, float]]) -> Polygon:
-    """A polygon with its corners on other lines: by its own in x and in y."""
+    """Return the polygon with its corners moved: new places by old places, in x and in y."""
 
     def ring(corners: Iterable[Sequence[float]]) -> list[Point]:
         return [(lines[0][x], lines[1][y]) for x, y in corners]
@@ -144,7 +146,7 @@ def moved(shape: Polygon, lines: tuple[Mapping[float, float], Mapping[float, flo
 
 
 def boxes(shape: Polygon) -> Iterator[Polygon]:
-    """The boxes of a polygon along the axes: the largest that is in it, then the largest of the rest ..."""
+    """Yield the boxes of an axis-aligned polygon: the largest, then the largest in the rest, and so on."""
     rest = shape
     while rest.area > 1e-6:
         box = _largest(rest)
@@ -153,7 +155,7 @@ def boxes(shape: Polygon) -> Iterator[Polygon]:
 
 
 def _largest(shape: shapely.Geometry) -> Polygon:
-    """The largest box in a polygon, or in several, whose sides lie on lines of its corners."""
+    """Return the largest box in one or several polygons, with its sides on lines of their corners."""
     corners = shapely.get_coordinates(shape)
     xs, ys = (sorted({round(float(each), 9) for each in corners[:, k]}) for k in (0, 1))
     middles = ([(a + b) / 2 for a, b in pairwise(each)] for each in (xs, ys))
@@ -171,7 +173,7 @@ def _largest(shape: shapely.Geometry) -> Polygon:
 
 
 def _runs(free: Sequence[bool]) -> Iterator[tuple[int, int]]:
-    """Where runs of free columns begin and end."""
+    """Yield the start and end of each run of free columns."""
     start = None
     for at, is_free in enumerate([*free, False]):
         if is_free and start is None:

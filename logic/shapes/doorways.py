@@ -1,4 +1,4 @@
-"""Doorways of a floor that is drawn as one outline: gaps before the ends of walls, which divide rooms."""
+"""Doorways of a floor that is drawn as one outline: gaps between the end of a wall and the next wall."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -11,46 +11,47 @@ from shapely.geometry.polygon import orient
 from logic.shapes.corners import parts_of
 
 NOISE = 0.03
-"""Metres: outlines are simplified by as much, so that bevels are corners."""
+"""Tolerance of the simplified outlines, metres, which turns bevels into corners."""
 
 DEPTH = 0.04, 0.4
-"""Metres: between them is the thickness of a wall that ends in the floor."""
+"""Least and greatest thickness of a wall that ends in the floor, metres."""
 
 WIDTH = 0.45, 3.0
-"""Metres: between them is the width of a gap from the end of a wall to the next wall."""
+"""Least and greatest width of a gap from the end of a wall to the next wall, metres."""
 
 SAME = 1e-3
-"""Metres within which lines are one."""
+"""Distance of two lines that count as one, metres."""
 
 SMALLEST = 0.5
-"""Square metres: the least room."""
+"""Least area of a room, square metres."""
 
 LONG = 1.5
-"""Metres: a wall that stands so far between two rooms divides them, however they are open before it."""
+"""Length of a wall that divides two rooms, whatever the gap at its end, metres."""
 
 REACH = 0.05
-"""Metres: doorways reach as far into the walls beside them, past their bevels."""
+"""Distance that a doorway reaches into the walls beside it, past their bevels, metres."""
 
 
 class Doorway(NamedTuple):
-    """A gap before the end of a wall, also with what it cuts off at bevels, and how wide it is, metres."""
+    """A gap at the end of a wall. ``shape`` is the gap extended past the bevels; ``width`` is in metres."""
 
     gap: Polygon
     shape: Polygon
     width: float
     is_facing: bool
-    """Whether another wall ends at its other side."""
+    """True if another wall ends on the other side of the gap."""
     beside: tuple[Point, Point]
     """Points on both sides of the wall, ``LONG`` metres from its end."""
 
 
 IsOne = Callable[[Polygon, Polygon, Doorway], bool]
-"""Whether two rooms beside a doorway are one room all the same."""
+"""Predicate that is True if the two rooms beside a doorway are one room."""
 
 
 def cut(floor: Geometry, is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
-    """Return the rooms of a floor and the doorways between them: of those that lead from a room to itself, or
-    to less than a room, none is a doorway.
+    """Return the rooms of a floor and the doorways between them.
+
+    A gap that leads from a room to itself, or to a floor smaller than a room, is not a doorway.
     """
     doorways = _doorways(floor)
     rooms = parts_of(shapely.difference(floor, shapely.union_all([each.shape for each in doorways])))
@@ -83,14 +84,15 @@ def cut(floor: Geometry, is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
 
 
 def _divides(doorway: Doorway, one: Polygon, other: Polygon) -> bool:
-    """Whether a long wall before a doorway stands between the two rooms."""
+    """Return True if a long wall, at whose end the doorway is, stands between the two rooms."""
     left, right = doorway.beside
     return any(one.contains(a) and other.contains(b) for a, b in ((left, right), (right, left)))
 
 
 def _doorways(floor: Geometry) -> list[Doorway]:
-    """The gaps before the ends of all walls; of those that overlap, as one does that is seen from both of its
-    sides, the narrowest.
+    """Return the gaps at the ends of all walls.
+
+    Of gaps that overlap, only the narrowest is returned: a gap between two ends is found from both.
     """
     found = list[Doorway]()
     for part in parts_of(floor):
@@ -114,13 +116,13 @@ def _doorways(floor: Geometry) -> list[Doorway]:
 
 
 def _tree(lines: np.ndarray) -> shapely.STRtree:
-    """The spatial index of segments (S, 2, 2)."""
+    """Return the spatial index of segments (S, 2, 2)."""
     segments: Any = shapely.linestrings(lines)
     return shapely.STRtree(segments)
 
 
 def _of_ring(corners: np.ndarray, walls: shapely.STRtree) -> list[Doorway]:
-    """The gaps before the ends of walls along a closed ring (C + 1, 2), metres, the floor to its left."""
+    """Return the gaps at the ends of walls along a ring (C + 1, 2), metres, with the floor to its left."""
     sides = np.diff(corners, axis=0)
     length = np.hypot(*sides.T)
     before = np.roll(sides, 1, 0)
@@ -128,7 +130,7 @@ def _of_ring(corners: np.ndarray, walls: shapely.STRtree) -> list[Doorway]:
     ends = (turn < -0.7) & (np.roll(turn, -1) < -0.7) & (length > DEPTH[0]) & (length < DEPTH[1])
     start, along, thick = corners[:-1][ends], sides[ends], length[ends]
     way = np.stack([-along[:, 1], along[:, 0]], 1) / thick[:, None]
-    # A short side leans by its noise, and walls run along the axes.
+    # Noise tilts short sides, but walls run along the axes.
     way = np.where(abs(way).max(1, keepdims=True) > 0.95, np.round(way), way)
     reach = np.stack([_reach(start + share * along, way, walls) for share in (0.15, 0.85)])
     is_gap = (reach.min(0) > WIDTH[0]) & (reach.max(0) < WIDTH[1]) & (np.ptp(reach, 0) < DEPTH[1])
@@ -146,13 +148,13 @@ def _of_ring(corners: np.ndarray, walls: shapely.STRtree) -> list[Doorway]:
 
 
 def _beside(start: np.ndarray, along: np.ndarray, way: np.ndarray, near: float, far: float) -> Polygon:
-    """The rectangle before the end of a wall, from ``near`` to ``far`` metres off."""
+    """Return the rectangle in front of the end of a wall, from ``near`` to ``far`` metres away."""
     low, high = start + near * way, start + far * way
     return Polygon([low, low + along, high + along, high])
 
 
 def _reach(start: np.ndarray, way: np.ndarray, walls: shapely.STRtree) -> np.ndarray:
-    """How far it is from points (P, 2) that way (P, 2) to a wall, metres, shape (P,); no more than WIDTH."""
+    """Return the distances (P,) from points (P, 2) to walls along directions (P, 2), metres, up to WIDTH."""
     rays: Any = shapely.linestrings(np.stack([start + 0.01 * way, start + WIDTH[1] * way], 1))
     ray, wall = walls.query(rays, "intersects")
     met = shapely.intersection(rays[ray], walls.geometries[wall])

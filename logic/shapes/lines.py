@@ -1,4 +1,4 @@
-"""Lines of walls: the two faces of a wall between rooms, and all that lies on one line, get one place."""
+"""Common lines of walls: both faces of a wall, and all faces on one line, move to one place."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -9,22 +9,23 @@ import shapely
 from shapely import Polygon
 
 MOST_WALL = 0.4
-"""Metres: the thickest wall between two rooms."""
+"""Greatest thickness of a wall between two rooms, metres."""
 
 OVERLAP = 0.05
-"""Metres: rooms that overlap by no more are side by side."""
+"""Greatest overlap of two rooms that count as side by side, metres."""
 
 THIN, FACING = 0.2, 0.1
-"""Metres: of two faces of a wall that is thicker, so much must be opposite each other."""
+"""Metres: the two faces of a wall thicker than ``THIN`` must be opposite each other over ``FACING``."""
 
 
 Places = dict[float, float]
-"""Where lines are, metres, and where they lie then."""
+"""New place of each line by its old place, metres."""
 
 
 class Face(NamedTuple):
-    """A wall of a room as seen from it: where it is, from where to where it runs, and whether the room lies
-    behind it, at lesser places.
+    """A wall seen from its room: its place across, its start and end along the wall, metres.
+
+    ``is_far`` is True if the room lies at lesser places, west or north of the wall.
     """
 
     room: int
@@ -35,11 +36,10 @@ class Face(NamedTuple):
 
 
 def common_lines(shapes: Sequence[Polygon], noise: float) -> tuple[list[tuple[Places, Places]], float]:
-    """Of each room, for its lines at an x and for those at a y, where they lie when walls have no thickness;
-    and how thick walls are in the median, metres.
+    """Return the new places of each room's lines in x and in y, and the median thickness of walls, metres.
 
-    Two faces at most ``MOST_WALL`` apart, with no room between them, are one wall, in its middle; what lies
-    ``2 * noise`` metres beside each other is one line. Outer walls are as thick as those between rooms are.
+    Two faces at most ``MOST_WALL`` apart, with no room between them, are one wall and move to its middle.
+    Faces within ``2 * noise`` metres of each other share a line. Outer walls get the median thickness.
     """
     walls = [_walls(shapes, axis, noise) for axis in (0, 1)]
     thick = [_thickness(wall) for each in walls for wall in each if len({face.is_far for face in wall}) == 2]
@@ -54,13 +54,13 @@ def common_lines(shapes: Sequence[Polygon], noise: float) -> tuple[list[tuple[Pl
 
 
 def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face]]:
-    """The faces of each wall, on both of its sides."""
+    """Return the faces of each wall, on both of its sides."""
     tree = shapely.STRtree(list(shapes))
     faces = sorted(
         (face for room, shape in enumerate(shapes) for face in _faces(room, shape, axis)),
         key=lambda face: face.place,
     )
-    # Faces of either side by themselves: those of other walls may lie on one line, off by a wall's thickness.
+    # The two sides are grouped apart: a face of another wall may lie on the line of the opposite face.
     sides = [[face for face in faces if face.is_far == side] for side in (True, False)]
     groups = [group for side in sides for group in _groups(side, 2 * noise + 1e-6)]
     joined = list(range(len(groups)))
@@ -105,7 +105,7 @@ def _faces(room: int, shape: Polygon, axis: int) -> list[Face]:
 
 
 def _groups(faces: Sequence[Face], within: float) -> list[list[Face]]:
-    """Faces that lie on one line, but for noise."""
+    """Return groups of the faces that lie on one line, up to noise."""
     groups: list[list[Face]] = []
     for face in faces:
         last = groups[-1] if groups else []
@@ -116,7 +116,7 @@ def _groups(faces: Sequence[Face], within: float) -> list[list[Face]]:
 
 
 def _is_wall(one: Face, other: Face, noise: float) -> bool:
-    """Whether there is a wall from a room to another at greater places."""
+    """Return True if the faces are the two sides of one wall: ``one`` of the room at lesser places."""
     if not one.is_far or other.is_far or one.room == other.room:
         return False
     along, apart = min(one.end, other.end) - max(one.start, other.start), other.place - one.place
@@ -125,7 +125,7 @@ def _is_wall(one: Face, other: Face, noise: float) -> bool:
 
 
 def _between(one: Face, other: Face, axis: int, shapes: Sequence[Polygon], tree: shapely.STRtree) -> bool:
-    """Whether another room lies between two faces."""
+    """Return True if another room lies between two faces."""
     low, high = max(one.start, other.start), min(one.end, other.end)
     ends = (one.place, low, other.place, high) if axis == 0 else (low, one.place, high, other.place)
     gap = shapely.box(*ends)
@@ -136,7 +136,7 @@ def _between(one: Face, other: Face, axis: int, shapes: Sequence[Polygon], tree:
 
 
 def _middle(wall: Sequence[Face], half: float) -> float:
-    """Halfway between the faces on the one side of a wall and on the other; outwards, where it has one."""
+    """Return the middle of a wall; without an opposite face, the middle lies ``half`` metres outwards."""
     far, near = (_mean([face for face in wall if face.is_far == side]) for side in (True, False))
     ends = [*([far] if far is not None else []), *([near] if near is not None else [])]
     if len(ends) == 2:
@@ -150,6 +150,6 @@ def _thickness(wall: Sequence[Face]) -> float:
 
 
 def _mean(faces: Sequence[Face]) -> float | None:
-    """The mean place of faces, by their lengths."""
+    """Return the mean place of faces, weighted by their lengths."""
     length = sum(face.end - face.start for face in faces)
     return sum(face.place * (face.end - face.start) for face in faces) / length if faces else None

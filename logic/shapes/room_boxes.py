@@ -1,6 +1,6 @@
-"""Rooms of several corners as boxes side by side: the largest is the room, the others are its parts.
+"""Rooms with more than four corners as boxes side by side: the largest is the room, the others are its parts.
 
-Rooms take the gaps beside them that are too narrow for a room, such as niches that were left out.
+A gap that is too narrow for a room, such as a niche, goes to a room beside it.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,16 +15,16 @@ from logic.house.promises import PASSAGE
 from logic.shapes.corners import GRID, boxes, parts_of, size_of
 
 NARROW = 0.6
-"""Metres: a part of a room that is narrower, such as a niche, is no room."""
+"""Least width of a part of a room, metres; a narrower part is a niche."""
 
 Named = Sequence[tuple[str, str, Polygon]]
-"""Rooms: the name, the type and the shape along the axes of each."""
+"""Name, type and axis-aligned shape of each room."""
 
 
 def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[str, str]]]:
-    """Return the boxes of rooms, and which of them are parts of one room beside each other.
+    """Return the boxes of rooms, and the pairs of boxes that are adjacent parts of one room.
 
-    A niche is left out; where other rooms lie beside it, one of them takes it, or it is a part.
+    A niche is left out. If other rooms lie beside a niche, one of them takes it, or it becomes a part.
     """
     split = [list(boxes(shape)) for _, _, shape in rooms]
     every = [(number, part, _is_niche(part, each)) for number, each in enumerate(split) for part in each]
@@ -60,7 +60,7 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
         own = [part for of, part in parts if of == number]
         names = [name, *_more(name, len(own) - 1, taken)]
         for part, each in zip(own, names, strict=True):
-            # Of a room of several corners the largest part is of its type.
+            # The largest part of a room has the room's type.
             whole = name if each != name and touch(part, own[0]) else UNSET
             found.append(room_of(part, each, kind if each == name else "", whole))
         joints += [
@@ -77,7 +77,7 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
 
 
 def room_of(box: Polygon, name: str, kind: str, whole: str | UnsetType) -> Room:
-    """A room as a box says it, to a tenth of a millimetre."""
+    """Return the room that a box describes, rounded to a tenth of a millimetre."""
     west, north, east, south = (round(edge, 4) for edge in box.bounds)
     size = round(east - west, 6), round(south - north, 6)
     return Room(west, north, *size, name=name, type=kind, part_of=whole)
@@ -89,7 +89,7 @@ def _is_niche(part: Polygon, parts: Sequence[Polygon]) -> bool:
 
 
 def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
-    """Names of the other parts of a room."""
+    """Yield names for the further parts of a room."""
     place = 1
     for _ in range(number):
         while (own := f"{name[: LONGEST_NAME - 5]} {place}") in taken or place == 1:
@@ -99,16 +99,16 @@ def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
 
 
 def touch(one: Polygon, other: Polygon) -> bool:
-    """Whether boxes share a wall that is wide enough to walk through."""
+    """Return True if the boxes share a wall that is wide enough to walk through."""
     return shapely.intersection(one, other).length > NARROW
 
 
 def taken_up(
     rooms: Sequence[Polygon], niches: Sequence[Polygon], say: Callable[[int, Polygon], None]
 ) -> list[Polygon]:
-    """Return boxes of rooms with the narrow gaps between them, as far as these run along a whole side of one.
+    """Return the boxes of rooms, enlarged by each narrow gap that runs along a whole side of a room.
 
-    ``say(room, strip)`` hears what each takes.
+    ``say(room, strip)`` is called for each strip of floor that a room takes.
     """
     found = list(rooms)
     for gap in gaps(found, niches):
@@ -127,7 +127,7 @@ def taken_up(
 
 
 def gaps(rooms: Sequence[Polygon], niches: Sequence[Polygon] = ()) -> list[Polygon]:
-    """The gaps between boxes of rooms, and niches, that are no wider than ``NARROW``."""
+    """Return the gaps between boxes of rooms, and the niches, that are no wider than ``NARROW``."""
     floor = shapely.union_all(list(rooms), grid_size=GRID)
     hulls = shapely.union_all([Polygon(each.exterior) for each in parts_of(floor)])
     closed = hulls.buffer(PASSAGE / 2, join_style="mitre").buffer(-PASSAGE / 2, join_style="mitre")
@@ -136,7 +136,7 @@ def gaps(rooms: Sequence[Polygon], niches: Sequence[Polygon] = ()) -> list[Polyg
 
 
 def _strip(room: Polygon, side: int, gap: Geometry) -> Polygon:
-    """The largest box beside a whole side of a room (west, north, east or south) that lies in a gap."""
+    """Return the largest box in a gap along a whole side of a room (west, north, east or south)."""
     if shapely.distance(room, gap) > GRID:
         return Polygon()
     edges = [*room.bounds]

@@ -1,4 +1,4 @@
-"""Shapes of rooms without slivers and without walls that stand into them, and where they are open."""
+"""Removal of slivers and of walls that project into a room, and search for open borders between rooms."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -11,17 +11,17 @@ from logic.shapes.corners import GRID, parts_of, size_of, squared
 from logic.shapes.lines import MOST_WALL
 
 SLIVER = 0.2
-"""Metres: floor that is narrower is none."""
+"""Greatest width of a sliver, metres; narrower floor is removed."""
 
 SCRAP = 0.5
-"""Square metres: a part of a room that hangs on slivers alone is no room if it is smaller."""
+"""Area, square metres, up to which a part is removed that only slivers join to the rest of its room."""
 
 TOUCHING = 0.06
-"""Metres: there is no wall between rooms that are so near to each other."""
+"""Greatest distance of two rooms without a wall between them, metres."""
 
 
 def without_slivers(shape: Polygon) -> list[Polygon]:
-    """The parts of a room that no strip of less than ``SLIVER`` joins; the room itself if it has no strip."""
+    """Return the parts of a room after strips narrower than ``SLIVER`` are removed."""
     wide = shape.buffer(-SLIVER / 2, join_style="mitre").buffer(SLIVER / 2, join_style="mitre")
     if shapely.difference(shape, wide).area < SLIVER**2:
         return [shape]
@@ -31,7 +31,7 @@ def without_slivers(shape: Polygon) -> list[Polygon]:
 def without_stubs(
     names: Sequence[str], shapes: Sequence[Polygon], noise: float, notes: list[str]
 ) -> list[Polygon]:
-    """Rooms along the axes without the walls that stand into them: such a wall has both faces in one room."""
+    """Remove walls that project into rooms along the axes: such a wall has both faces in one room."""
     found, half = list(shapes), MOST_WALL / 2
     tree = shapely.STRtree(found)
     for place, shape in enumerate(shapes):
@@ -51,7 +51,7 @@ def without_stubs(
 
 
 def open_borders(shapes: Sequence[Polygon]) -> Iterator[Box]:
-    """Yield the longest straight border of each two rooms along the axes without a wall between them."""
+    """Yield the longest straight border of each pair of rooms that have no wall between them."""
     tree = shapely.STRtree(list(shapes))
     for one, other in tree.query(list(shapes), "dwithin", TOUCHING).T.tolist():
         if one < other:
