@@ -57,7 +57,7 @@ class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_default
     """A part of a brief's JSON."""
 
     comment: str = ""
-    """A note for readers, without effect."""
+    """A note for people, which the reader ignores."""
 
 
 class BriefRoom(Part, frozen=True):
@@ -113,17 +113,17 @@ class Brief(Part, frozen=True):
     next_to: tuple[Pair, ...] = ()
     """Rooms that share a wall, with a door in it or without."""
     apart: tuple[Pair, ...] = ()
-    """Rooms that share none."""
+    """Rooms that do not share a wall."""
     other_doors: bool = False
-    """Whether there may be other doors than ``doors``, as the grammar's rules permit. By default there are
-    none but one into each group of rooms that ``doors`` join, and those that the rules require."""
+    """True permits doors that are not in ``doors``, as far as the grammar's rules do. By default there are
+    only one more door into each group of rooms that ``doors`` join, and the doors that the rules require."""
     entrance: Name | Entrance | None = None
     outline: Outline = Outline()
     area: Span | None = None
-    """Of all within the outline but the voids, square metres."""
+    """Area within the outline without the voids, square metres."""
     tolerance: Tolerance = TOLERANCE
     schema_: str = msgspec.field(default="", name="$schema")
-    """The schema by which an editor checks the file, without effect."""
+    """Address of the schema by which an editor checks the file; the reader ignores it."""
 
     @property
     def names(self) -> list[str]:
@@ -260,7 +260,7 @@ def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> Non
 
 
 def _require_span(where: str, span: Span | None, largest: float = LONGEST, *, is_place: bool = False) -> None:
-    """Refuse lengths, areas with ``largest``, and places, which may be 0."""
+    """Raise ``RequestError`` for a range out of bounds; only a place may be 0, and areas have a ``largest``."""
     if span is None:
         return
     least, most = span if isinstance(span, tuple) else (span, span)

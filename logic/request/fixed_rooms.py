@@ -35,7 +35,7 @@ class FixedRoom:
 def fixed_rooms(house: House) -> list[FixedRoom]:
     """All rooms of a house as fixed rooms, clockwise from the north-west corner.
 
-    Raises ``RequestError`` where it is no star of ours or a door is on no wall of its room.
+    Raises ``RequestError`` if it is no star of ours or a door is on no wall of its room.
     """
     if house.kind is Kind.SHARED_WALLS:
         raise RequestError(f"keep: only rooms of a star can be fixed, not of the topology {house.topology!r}")

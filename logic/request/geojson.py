@@ -1,4 +1,4 @@
-"""Rooms of a plan from GeoJSON: as they are, where they are rectangles side by side, else made regular."""
+"""Plan from GeoJSON: rectangles side by side stay unchanged; all other rooms are made regular."""
 
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations, pairwise
@@ -21,11 +21,11 @@ from logic.readers.units import metres_to
 from logic.shapes.lines import FACING, MOST_WALL
 
 LEAST_WALL = 0.04
-"""Metres: rooms that lie nearer to each other are meant to touch."""
+"""Least thickness of a wall, metres; rooms nearer to each other are meant to touch."""
 
 
 class Plan(NamedTuple):
-    """Rooms, doors and windows of GeoJSON; by how many metres these may be off: 0 where they are as drawn."""
+    """Rooms, doors and windows of GeoJSON. Places may be off by ``noise`` metres; 0 if they are as drawn."""
 
     drawn: Regular
     noise: float
@@ -38,11 +38,11 @@ def from_geojson(
     storey: str | None = None,
     types: Collection[str] | None = None,
 ) -> Plan:
-    """Return the rooms of GeoJSON, and what is to be said of what was passed over.
+    """Return the rooms, doors and windows of GeoJSON, with notes on the features that were ignored.
 
-    Its y grows north: the plan's north-west corner becomes (0, 0). Rectangles along the axes, to ``snap``
-    metres, stay as they are, unless walls lie between them; all else is made regular. Arguments and errors
-    are those of ``read_geojson`` and ``regular``.
+    In GeoJSON y grows north; the plan's north-west corner becomes (0, 0). If all rooms are rectangles along
+    the axes, within ``snap`` metres, and no walls lie between them, they stay unchanged; otherwise
+    ``regular`` converts the plan. Arguments and errors are those of ``read_geojson`` and ``regular``.
     """
     sketch, notes = read_geojson(record, unit, storey, types)
     sketch, more = divided(sketch)
@@ -60,8 +60,9 @@ def from_geojson(
 def _tiles(
     sketch: Sketch, snap: float, types: Collection[str] | None, half: float | None = None
 ) -> Regular | None:
-    """Return rooms that are rectangles, each grown by ``half`` a wall; None for others, and where walls lie
-    between the rooms that no ``half`` is of.
+    """Return the plan if all rooms are rectangles, each grown by ``half`` a wall; otherwise None.
+
+    Without ``half``, also return None if walls lie between the rooms.
     """
     spaces, kinds = sketch.spaces, [kind_of(each, types)[0] for each in sketch.spaces]
     is_room = [kind != OUTSIDE for kind in kinds]
@@ -100,13 +101,13 @@ def _tiles(
 
 
 def _has_walls(boxes: Sequence[Box]) -> bool:
-    """Return True if most rooms beside each other are a wall's thickness apart."""
+    """Return True if most adjacent rooms are a wall's thickness apart."""
     gaps = [gap for one, other in combinations(boxes, 2) if (gap := _gap(one, other)) is not None]
     return bool(gaps) and median(gaps) > LEAST_WALL
 
 
 def _gap(one: Box, other: Box) -> float | None:
-    """Return how far two boxes are apart that face each other, at most a wall; None for others."""
+    """Return the gap between two boxes that face each other at most a wall apart, metres; otherwise None."""
     for k in (0, 1):
         off = max(one[k], other[k]) - min(one[k + 2], other[k + 2])
         along = min(one[3 - k], other[3 - k]) - max(one[1 - k], other[1 - k])
@@ -116,9 +117,7 @@ def _gap(one: Box, other: Box) -> float | None:
 
 
 def _is_rectangle(shape: shapely.Polygon, box: Box, near: float) -> bool:
-    """Return True if the corners go round the box; some may lie between its corners, and each ``near`` metres
-    beside its place.
-    """
+    """Return True if the shape is its box, within ``near`` metres; its sides may have additional corners."""
     west, south, east, north = box
     ring = [(x - west, y - south) for x, y in shape.exterior.coords]
     steps = list(pairwise(ring))

@@ -41,10 +41,10 @@ MOST_BYTES = 1 << 24
 """What is read of a file, unpacked."""
 
 SNAP, MOST_SNAP = 0.01, 0.5
-"""Metres within which edges are one wall, and how much that may be."""
+"""Default and greatest distance of edges that count as one wall, metres."""
 
 MORE_SNAP = 0.02, 0.05, 0.1
-"""Metres: what is proposed where it does."""
+"""Values of ``--snap`` that an error message may propose, metres."""
 
 HINT = "draw all rooms to the middle of their walls, or all of them from wall to wall"
 
@@ -54,7 +54,7 @@ HINT_OF_WALLS = (
 
 
 class Fault(NamedTuple):
-    """Why rooms are no plan: in words; how far off walls are, metres, and how far ``--snap`` may reach."""
+    """Reason why rooms are not a plan, distance of walls that should meet, greatest ``--snap``, metres."""
 
     said: str
     off: float
@@ -68,12 +68,12 @@ def read_plan(
     storey: str | None = None,
     types: Collection[str] | None = None,
 ) -> OwnPlan:
-    """A plan from a house, from GeoJSON or one of ResPlan's plans, or from a file, known by its content.
+    """Return the plan in a house, in GeoJSON, in a plan of ResPlan, or in a file recognised by its content.
 
-    ``unit``: see ``metres_to``; by default what the file says, or metres. ``snap``: metres within which edges
-    are one wall. ``storey``: the one of several that is read, by name. ``types``: those of the grammar that
-    the file's words may mean, if they are known. Warns (``PlanWarning``) of what was moved or passed over.
-    Raises ``HouseFileError`` for a file that cannot be read, ``RequestError`` for what is no plan.
+    ``unit`` is a unit of ``metres_to``; by default the file's, or metres. Edges within ``snap`` metres are
+    one wall. ``storey`` names the storey to read. ``types`` are the grammar's types, if known. Warns
+    (``PlanWarning``) of walls that moved and features that were ignored. Raises ``HouseFileError`` for a file
+    that cannot be read, ``RequestError`` for rooms that are not a plan.
     """
     if not 0 <= snap <= MOST_SNAP:
         raise RequestError(f"snap must be 0 to {MOST_SNAP:g} m, not {snap!r}")
@@ -132,7 +132,7 @@ def _plan(
 def _snap_that_does(
     found: Sketch, unit: str | None, snap: float, types: Collection[str] | None
 ) -> float | None:
-    """The least of ``MORE_SNAP`` with which a drawing is a plan, if any is."""
+    """Return the least value of ``MORE_SNAP`` with which the drawing is a plan; None if there is none."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PlanWarning)
         for more in MORE_SNAP:
@@ -146,7 +146,7 @@ def _snap_that_does(
 def keeping(plan: OwnPlan, house: House) -> OwnPlan:
     """The plan in which all rooms of a house are as they are there, with their types and furniture.
 
-    Raises ``RequestError`` where the plan has another room in the place of one of them, or no doors: what is
+    Raises ``RequestError`` if the plan has another room in the place of one of them, or no doors: what is
     kept stands clear of the doors that there were.
     """
     rooms = {room.name: room for room in house.tiles}
@@ -223,7 +223,7 @@ def _require_rooms(rooms: Sequence[Room]) -> None:
 
 
 def _require_plan(plan: OwnPlan, wall: float | None = None) -> None:
-    """Refuse rooms that are no plan, each by its name. ``wall``: how thick a drawing's walls are, metres."""
+    """Raise ``RequestError`` if rooms are not a plan. ``wall``: thickness of the drawing's walls, metres."""
     thick = wall or 0.0
     for fault in _covers(plan):
         raise RequestError(f"plan: {fault}")
@@ -237,7 +237,7 @@ def _require_plan(plan: OwnPlan, wall: float | None = None) -> None:
 
 
 def _covers(plan: OwnPlan) -> Iterator[str]:
-    """Rooms that stand twice, and outlines drawn as rooms."""
+    """Yield a message for each room that is drawn twice, and for each outline that is drawn as a room."""
     for room in plan.rooms:
         held = [each for each in plan.rooms if each is not room and _within(each.box, room.box)]
         if same := next((each.name for each in held if _within(room.box, each.box)), ""):
@@ -261,7 +261,7 @@ def _overlaps(plan: OwnPlan, wall: float) -> Iterator[Fault]:
 
 
 def _apart(plan: OwnPlan, wall: float) -> Iterator[Fault]:
-    """The nearest of the rooms that no way by shared walls leads to from the first."""
+    """Yield the room nearest to the first room's group of those that no chain of shared walls joins to it."""
     reached, waiting = {0}, [0]
     while waiting:
         number = waiting.pop()
@@ -281,7 +281,7 @@ def _apart(plan: OwnPlan, wall: float) -> Iterator[Fault]:
 
 
 def _gaps(plan: OwnPlan) -> Iterator[Fault]:
-    """What lies between rooms and is none, as the check finds it too."""
+    """Yield the gaps between rooms, by the same function as ``check``."""
     for gap in shapely.get_parts(gaps(House(plan.rooms, (), ()))):
         if gap.area > 1e-4:
             west, north, east, south = gap.bounds
@@ -292,7 +292,7 @@ def _gaps(plan: OwnPlan) -> Iterator[Fault]:
 
 
 def _misplaced(plan: OwnPlan) -> Iterator[str]:
-    """Doors and windows that lie in no wall of their rooms, and all but one door between the same rooms."""
+    """Yield a message for each opening in no wall of its rooms, and for a second door between two rooms."""
     joined: set[frozenset[str]] = set()
     for door in plan.doors:
         one, other = door.between

@@ -19,24 +19,24 @@ ROUND = 0.05
 """Metres: doors are so many of them wide, where noise is all that is between."""
 
 ALL = 0.2
-"""Metres by which an opening may be shorter than the wall that all of it opens."""
+"""Metres by which an opening without a leaf may be shorter than its wall and still open the whole wall."""
 
 LEAST = 0.4
-"""Metres: what is shorter is no door and no window."""
+"""Least width of a door or a window, metres."""
 
 
 class Placed(NamedTuple):
-    """Doors and windows in the walls of a plan, and what is to be said of the others."""
+    """Doors and windows in the walls of a plan, and notes on those that are in no wall."""
 
     doors: tuple[Door, ...]
     windows: tuple[Window, ...]
     has_more: bool
-    """Whether there are rooms that no door leads to."""
+    """True if no drawn door leads to some room, so that the house may have more doors."""
     notes: list[str]
 
 
 def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
-    """The doors and windows of a drawing in the walls beside them, in a plan of its rooms.
+    """Return the doors and windows of a drawing, moved into the nearest walls of a plan of its rooms.
 
     Where a drawing does not know its entrance, that is one of the doors that lead outside, by the types of
     their rooms; the others are garden doors. A door that is known to be no entrance, or is before a balcony,
@@ -87,7 +87,7 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
 def _entrance_first(
     doors: Sequence[Door], in_front: Sequence[Door], plan: OwnPlan, notes: list[str]
 ) -> Sequence[Door]:
-    """Return the doors, of those that lead outside the entrance first: that of a hall, a corridor ..."""
+    """Return the doors with the entrance before the garden doors: a door of a hall, else of a corridor ..."""
     types, order = {room.name: room.type for room in plan.rooms}, table().entered
 
     def rank(door: Door) -> tuple[bool, int]:
@@ -108,12 +108,12 @@ def _entrance_first(
 
 
 def _inner(door: Door) -> str:
-    """Return the room of a door that leads outside."""
+    """Return the name of the room whose door leads outside."""
     return next(name for name in door.between if name != OUTSIDE)
 
 
 def _pieces(opening: Opening, inner: Sequence[Wall]) -> Iterator[Opening]:
-    """Yield an opening, or a piece of it for each wall, where floor is open along several walls."""
+    """Yield an opening, or one piece for each wall if an opening without a leaf spans several walls."""
     box, axis = opening.box, int(opening.box[2] - opening.box[0] > opening.box[3] - opening.box[1])
     low, high = box[1 - axis], box[3 - axis]
     spans = [

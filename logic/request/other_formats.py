@@ -37,13 +37,13 @@ BEGINNINGS = (
         "write one plan of it as JSON",
     ),
 )
-"""Regular expressions of how files begin, what they are, and what to do."""
+"""Beginning of the files of each format (a regular expression), the format in words, and a remedy."""
 
 XML = {b"svg": "an SVG picture", b"kml": "KML", b"gml": "GML", b"mxfile": "a diagram", b"html": "HTML"}
-"""What XML is, by its first element."""
+"""Formats of XML, by the first element."""
 
 JSON = {"Topology": "TopoJSON", "CityJSON": "CityJSON"}
-"""What JSON is, by its ``type``."""
+"""Formats of JSON, by the value of ``type``."""
 
 YAML = re.compile(rb"(?m)^(?:levels|floors|rooms|hallways)[ \t]*:[ \t]*(?:#.*)?\r?$")
 """A line of a floor plan in YAML."""
@@ -52,7 +52,7 @@ READ = "a plan is a house file of one house, GeoJSON, or of HouseExpo, ResPlan, 
 
 
 def named(content: bytes) -> str | None:
-    """What a file's content is and what to do, if it is a known format that is no plan."""
+    """Return the format of a file and a remedy, in words; None for a format that is not known."""
     content = content.removeprefix(b"\xef\xbb\xbf").lstrip()
     found = next(((what, do) for begins, what, do in BEGINNINGS if begins.match(content)), None)
     found = found or _xml(content) or _json(content) or _yaml(content) or _table(content)
@@ -85,14 +85,14 @@ def _json(content: bytes) -> tuple[str, str] | None:
 
 
 def _yaml(content: bytes) -> tuple[str, str] | None:
-    """YAML that names levels, floors or rooms, and no picture, as a map of ROS does."""
+    """Recognise YAML that names levels, floors or rooms, but no picture as a map of ROS does."""
     if YAML.search(content[:65536]) is None or re.search(rb"(?m)^image[ \t]*:", content[:65536]):
         return None
     return "a floor plan in YAML, as of Open-RMF, PyRoboSim or ESPresense", GEOJSON
 
 
 def _table(content: bytes) -> tuple[str, str] | None:
-    """Lines of as many commas, semicolons or tabs each, and no JSON."""
+    """Recognise lines with equally many commas, semicolons or tabs each that are not JSON."""
     lines = content[:4096].splitlines()[:3]
     if len(lines) < 2 or lines[0].lstrip()[:1] in (b"{", b"["):
         return None

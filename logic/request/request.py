@@ -73,24 +73,25 @@ class Request:
     fixed: tuple[FixedRoom, ...] = ()
     """Rooms of another house, clockwise."""
     plan: OwnPlan | None = None
-    """All rooms, if they have their places already."""
+    """Plan of all rooms, if their places are given."""
     brief: Brief | None = None
-    """What is wanted of each room by its name."""
+    """Requirements of each room by its name."""
 
     @property
     def states_rooms(self) -> bool:
-        """Whether it says what the rooms are, and so which typical rules give way."""
+        """True if the request states what the rooms are, so that typical rules may give way to it."""
         return bool(self.types or self.given)
 
     @property
     def given(self) -> Brief | OwnPlan | None:
-        """What it says of each room by its name, if anything."""
+        """Return the brief or the plan, which states rooms by name; None without either."""
         return self.brief or self.plan
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
-        """Read a request from its JSON form, which may come from a file. Raises ``RequestError`` for a form
-        that makes no sense.
+        """Return the request of a JSON form, which may come from a file.
+
+        Raises ``RequestError`` for an invalid form.
         """
         try:
             found = msgspec.convert(record, Stated)
@@ -164,7 +165,7 @@ class Request:
 
 
 def as_range(name: str, count: Any) -> Range:
-    """A count as a range; raises ``RequestError`` where it is none."""
+    """A count as a range; raises ``RequestError`` if it is none."""
     count = plain(count)
     least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
     if type(least) is not int or not (most is None or type(most) is int):

@@ -30,7 +30,7 @@ def snapped(
     """The edges of rooms that lie ``within`` metres of each other on one line, that of most of them, where
     any two rooms nearly share a wall. Else nothing moves: the ends of walls may lie as near as that.
 
-    Doors and windows go with their walls. Raises ``RequestError`` where lines follow each other so that an
+    Doors and windows go with their walls. Raises ``RequestError`` if lines follow each other so that an
     edge would move further than that.
     """
     if not _nearly_shared(rooms, within):
