@@ -129,7 +129,7 @@ def connected(address: str | None = None, workers: int | None = None) -> Iterato
     at most so many tasks at once. Without an address, one of so many processors, by default all of this
     machine, is started here, and ends with the block.
 
-    Raises ``RequestError`` for what is no address, and ``MissingProgram`` where no cluster answers there.
+    Raises ``RequestError`` for what is no address, and ``MissingProgram`` if no cluster answers there.
     """
     os.environ.update(ENVIRONMENT)
     import ray

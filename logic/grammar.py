@@ -153,7 +153,7 @@ def find_shipped(name: str) -> Grammar:
 def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
-    Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
+    Raises ``GrammarError`` if there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
     that lie elsewhere, cannot be read, are devices or pipes, are copies of others, hold more than
     ``MOST_BYTES``, or include what they may not.
     """
@@ -250,7 +250,7 @@ def _is_utf8(path: Path) -> bool:
 
 
 def folder(grammar: str | Path) -> Path:
-    """The directory of a grammar, whatever is in it. Raises ``GrammarError`` where there is none."""
+    """The directory of a grammar, whatever is in it. Raises ``GrammarError`` if there is none."""
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if str(grammar) == "-":
         raise GrammarError("-: a grammar is a folder of rule files, and not read from the standard input")

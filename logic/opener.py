@@ -194,7 +194,7 @@ def archive_of(content: bytes, most: int, members: int = MAX_MEMBERS) -> zipfile
 
 
 def member_of(archive: zipfile.ZipFile, name: str) -> bytes:
-    """Return the content of a file of an archive. Raises ``ValueError`` where the file is damaged."""
+    """Return the content of a file of an archive. Raises ``ValueError`` if the file is damaged."""
     try:
         return archive.read(name)
     except (*DAMAGED, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:

@@ -28,7 +28,7 @@ def least_area(star: Star, room_gap: float = math.inf) -> float:
     room; but where the side around the corner has rooms too, it may do so only if it does so in this star.
     The main room is no smaller than any room and at most twice as long as wide.
 
-    Raises ``ValueError`` where a door is not on the main room's wall.
+    Raises ``ValueError`` if a door is not on the main room's wall.
     """
     sides: dict[str, list[StarRoom]] = {wall: [] for wall in WALLS}
     for index, room in enumerate(star.rooms):

@@ -67,7 +67,7 @@ def schema() -> Any:
 def written(path: Path, files: Files) -> Iterator[Callable[[list[Row]], None]]:
     """Write rows, some at a time, beside their place; at the end the file is flushed to disk and renamed.
 
-    Raises ``OSError`` where that fails: then nothing is left.
+    Raises ``OSError`` if that fails: then nothing is left.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
@@ -112,7 +112,7 @@ def in_groups(rows: Iterable[Row]) -> Iterator[list[Row]]:
 def read(path: Path, first: int = 0) -> Iterator[Row]:
     """Yield the rows of a file from number ``first`` on, one group at a time.
 
-    Raises ``OSError`` where the file cannot be read, and ``ValueError`` where it is too large or holds no
+    Raises ``OSError`` if the file cannot be read, and ``ValueError`` if it is too large or holds no
     rows of a set.
     """
     if path.suffix == ".jsonl":

@@ -31,7 +31,7 @@ DATA, INDEX, DICTIONARY, DATA_2 = range(4)
 def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]]:
     """Yield the rows of a file from number ``first`` on, one row group at a time.
 
-    Raises ``OSError`` where the file cannot be read, and ``ValueError`` where it is no Parquet file of these
+    Raises ``OSError`` if the file cannot be read, and ``ValueError`` if it is no Parquet file of these
     columns or exceeds a bound.
     """
     import pyarrow as pa
@@ -56,7 +56,7 @@ def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]
 
 
 def _require_footer(file: BinaryIO | GzipFile) -> None:
-    """Raise ``ValueError`` where the footer is larger than the file or than its bound."""
+    """Raise ``ValueError`` if the footer is larger than the file or than its bound."""
     size = file.seek(0, 2)
     file.seek(max(0, size - 8))
     length = int.from_bytes(file.read(8)[:4], "little")
@@ -113,7 +113,7 @@ def _pages(file: BinaryIO | GzipFile, column: Any) -> Iterator[tuple[int, int]]:
 
 
 def _require_texts(table: Any) -> None:
-    """Raise ``ValueError`` where the texts of a table, read as dictionary indices, are too long together."""
+    """Raise ``ValueError`` if the texts of a table, read as dictionary indices, are too long together."""
     if sum(map(_length, table.columns)) > MAX_GROUP_BYTES:
         raise ValueError(f"a row group holds more than {MAX_GROUP_BYTES >> 20} MiB of texts")
 
@@ -141,7 +141,7 @@ class Thrift:
         self.content, self.place = content, 0
 
     def struct(self) -> dict[int, Any]:
-        """Return the fields of a record by number. Raises ``IndexError`` where the record is truncated."""
+        """Return the fields of a record by number. Raises ``IndexError`` if the record is truncated."""
         fields, number = dict[int, Any](), 0
         while head := self._byte():
             number = number + (head >> 4) if head >> 4 else self._whole()

@@ -47,7 +47,7 @@ class HouseSet(Sequence[House]):
     """
 
     def __init__(self, folder: str | Path, *splits: str) -> None:
-        """Read the manifest. Raises ``HouseFileError`` where there is none, ``RequestError`` for a split that
+        """Read the manifest. Raises ``HouseFileError`` if there is none, ``RequestError`` for a split that
         it does not have.
         """
         self.folder = Path(folder)
@@ -131,7 +131,7 @@ class HouseSet(Sequence[House]):
         """Yield the rows of a shard from number ``first`` on.
 
         The file is compared with the manifest before the first row, the rows after the last one. Raises
-        ``HouseFileError`` where they differ.
+        ``HouseFileError`` if they differ.
         """
         path = self.folder / shard.file
         try:
@@ -148,7 +148,7 @@ class HouseSet(Sequence[House]):
             raise HouseFileError(f"{path}: is no shard of a set: {error}") from None
 
     def _compare(self, shard: Held) -> None:
-        """Compare the file of a shard with the manifest, once. Raises ``ValueError`` where they differ."""
+        """Compare the file of a shard with the manifest, once. Raises ``ValueError`` if they differ."""
         if shard.file in self._compared:
             return
         path = inside(self.folder, shard.file)

@@ -42,18 +42,18 @@ class Columns(msgspec.Struct, frozen=True):
     house: dict[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` where the verdict contradicts the rest of the row."""
+        """Raise ``ValueError`` if the verdict contradicts the rest of the row."""
         if (self.verdict == HOUSE) != (self.house is not None):
             raise ValueError(f"its verdict is {self.verdict}, but it has {'a' if self.house else 'no'} house")
 
     @property
     def asked(self) -> dict[str, Any]:
-        """Return the request. Raises ``ValueError`` where it is no JSON."""
+        """Return the request. Raises ``ValueError`` if it is no JSON."""
         return from_json(self.request.encode(), dict[str, Any])
 
 
 def columns_of(row: Row) -> Columns:
-    """Return the columns of a row. Raises ``ValueError`` where it is no row of a set."""
+    """Return the columns of a row. Raises ``ValueError`` if it is no row of a set."""
     return msgspec.convert(row, Columns)
 
 
@@ -109,7 +109,7 @@ def limit_row(said: Row, why: str) -> Row:
 def house_of(row: Row, versions: dict[str, str], promises: Promises | None) -> House | None:
     """The house of a row, None where it ended in a limit; what made it, and what it promises, its set says.
 
-    Raises ``ValueError`` where it is no row of a set.
+    Raises ``ValueError`` if it is no row of a set.
     """
     columns = columns_of(row)
     if columns.house is None:

@@ -134,7 +134,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def series(self, folder: Path) -> HouseSeries:
         """What its houses are made by: the rules that travel with it, or shipped ones that are the same.
 
-        Raises ``GrammarError`` where those are not the rules that made it.
+        Raises ``GrammarError`` if those are not the rules that made it.
         """
         return HouseSeries(self.rules(folder), self.request, self.inferences, self.seconds)
 
@@ -234,7 +234,7 @@ def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
     """Write what the set is of, and its rules, unless that is there; another one goes with ``replace``.
 
     What it is of comes first: of several processes that begin at once, each finds it before anything else.
-    Raises ``RequestError`` where another set or something else is there.
+    Raises ``RequestError`` if another set or something else is there.
     """
     others = _others(folder)  # Before what the set is of: what another process writes comes after that.
     there = _there(folder)

@@ -31,7 +31,7 @@ def make(
 ) -> bool:
     """Make a shard; whether it was not there. ``report`` hears of rows as they are made.
 
-    Raises ``RequestError`` where its place holds something else (which goes with ``replace``), and what
+    Raises ``RequestError`` if its place holds something else (which goes with ``replace``), and what
     ``generate`` raises but for limits of a house, which are rows.
     """
     path = folder / shard.place
@@ -56,7 +56,7 @@ def make(
 
 
 def make_on_node(folder: Path, of: Set, replace: bool, shard: Shard) -> bool:
-    """``make`` by another machine. Raises ``MissingProgram`` where it would make something else."""
+    """``make`` by another machine. Raises ``MissingProgram`` if it would make something else."""
     if read_set(folder) != of:
         raise MissingProgram(f"{folder}: the set is not there: the folder must be one that all nodes share")
     series = of.series(folder)
@@ -89,7 +89,7 @@ def _why(said: str, late: str) -> str:
 
 
 def held(folder: Path, of: Set, shard: Shard) -> Held:
-    """What a shard's file holds. Raises ``ValueError`` where that is not what it is to hold."""
+    """What a shard's file holds. Raises ``ValueError`` if that is not what it is to hold."""
     path = folder / shard.place
     limits, number, digest = list[int](), 0, hashlib.sha256()
     for number, row in enumerate(read(path), 1):
@@ -125,7 +125,7 @@ def missing(folder: Path, of: Set) -> list[Shard]:
 
 
 def verified(folder: Path, of: Set, shard: Shard) -> Held:
-    """``held``. Raises ``HouseFileError`` where a shard's file is not what it is to be."""
+    """``held``. Raises ``HouseFileError`` if a shard's file is not what it is to be."""
     try:
         return held(folder, of, shard)
     except ValueError as error:

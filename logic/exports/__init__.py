@@ -40,7 +40,7 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     """Write each house into the folder ``out`` in a format of ``FORMATS``; return the first file of each.
 
     House 0 is ``house-0``. Each file appears whole or not at all. Raises ``ValueError`` for another format
-    and for no house, ``RequestError`` for a house that the format cannot hold, ``ImportError`` where its
+    and for no house, ``RequestError`` for a house that the format cannot hold, ``ImportError`` if its
     library is missing.
     """
     if format not in FORMATS:

@@ -47,7 +47,7 @@ def to_mjcf(house: House, name: str = "house") -> Element:
     The robot stands in the middle of the largest free place of the room where bodies start. It slides along
     ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east), each driven by a
     velocity. Sensor ``ray_i`` is the distance along ray i, metres, or -1 where nothing is. Raises
-    ``RequestError`` where no room has a free place for the robot.
+    ``RequestError`` if no room has a free place for the robot.
     """
     root = Element("mujoco", model=name)
     SubElement(root, "compiler", angle="radian")

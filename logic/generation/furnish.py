@@ -240,7 +240,7 @@ def furnished(
 
     With what a ``request`` asks for, if there is one. ``how`` gets how each room got its furniture.
 
-    Raises ``Unfurnishable`` where it is proved that a room cannot have what its type needs, ``LimitReached``
+    Raises ``Unfurnishable`` if it is proved that a room cannot have what its type needs, ``LimitReached``
     past this number of Prolog inferences.
     """
     frames = [Frame(room) for room in rooms]

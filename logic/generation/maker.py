@@ -28,7 +28,7 @@ class Maker(ABC):
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house, a function of the rules, the request and the random numbers.
 
-        Raises ``NoLayout`` where it is proved that there is none, ``OutOfInferences`` past this number of
+        Raises ``NoLayout`` if it is proved that there is none, ``OutOfInferences`` past this number of
         Prolog inferences, ``LimitReached`` past others.
         """
 

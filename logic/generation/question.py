@@ -22,7 +22,7 @@ class Question:
     def layout(self, some: Sequence[Statement], most: float = math.inf) -> list[Symbol] | None:
         """A layout under these statements; None where there is none.
 
-        Raises ``TooMany`` where stage 2 refutes so many, or clingo searches for too long (``Relaxed.model``).
+        Raises ``TooMany`` if stage 2 refutes so many, or clingo searches for too long (``Relaxed.model``).
         """
         refuted = self.refuted
         if refuted is None:

@@ -25,7 +25,7 @@ OF_PLANS = ("rooms", "doors", "windows")
 
 
 def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar) -> None:
-    """Raise ``GrammarError`` where the rooms of a layout are no plan, at the rules that lay them out so."""
+    """Raise ``GrammarError`` if the rooms of a layout are no plan, at the rules that lay them out so."""
     for fault in faults(house, Promises(), OF_PLANS):
         named = {*fault.rooms}
         edges = [atom for atom in layout if atom.name == "edge"]

@@ -143,7 +143,7 @@ def require_folder(path: Path | None) -> None:
 
 
 def _require_place(folder: Path, out: Path) -> None:
-    """Raise ``RequestError`` where no file can be made in a folder, or in the one above that is there."""
+    """Raise ``RequestError`` if no file can be made in a folder, or in the one above that is there."""
     there = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.exists())
     try:
         TemporaryFile(dir=there).close()  # permissions do not say it of every file system

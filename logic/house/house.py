@@ -73,7 +73,7 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def main(self) -> Room:
-        """The hub. Raises ``ValueError`` where the house names none."""
+        """The hub. Raises ``ValueError`` if the house names none."""
         return self.room(self.hub)
 
     @property
@@ -124,7 +124,7 @@ class House(msgspec.Struct, frozen=True):
         return self.counted if room is self.main_room else ()
 
     def room(self, name: str) -> Room:
-        """The room of this name. Raises ``ValueError`` where there is none."""
+        """The room of this name. Raises ``ValueError`` if there is none."""
         for room in self.rooms:
             if room.name == name:
                 return room
@@ -171,7 +171,7 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def star(self) -> Star:
-        """The house as a star. Raises ``ValueError`` where it is none."""
+        """The house as a star. Raises ``ValueError`` if it is none."""
         if self.kind not in STARS:
             raise ValueError(f"its topology is {self.topology or 'not named'}: only a star has a main room")
         return Star.of(self.rooms, self.doors, self.hub)
@@ -245,7 +245,7 @@ class House(msgspec.Struct, frozen=True):
     def to_dict(self) -> dict[str, Any]:
         """Write the house in its JSON form, in metres; ``from_dict`` gives the same house back.
 
-        Raises ``ValueError`` where it is no star, or has free walls, and its format is of stars alone.
+        Raises ``ValueError`` if it is no star, or has free walls, and its format is of stars alone.
         """
         if self.format != FORMAT:
             if self.free_walls:

@@ -138,7 +138,7 @@ def read_looks(file: Path, under: Looks) -> tuple[Looks, list[GrammarError]]:
 
 
 def _text(file: Path) -> str:
-    """The text of a file of looks. Raises ``GrammarError`` where it is not to be read."""
+    """The text of a file of looks. Raises ``GrammarError`` if it is not to be read."""
     try:
         content = content_of(file, MOST_BYTES, unpack=False)
     except OSError as error:

@@ -85,7 +85,7 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """The map of cells ``times`` as wide: occupied where one of them is, free where all of them are. What
         lies beyond the east and the south edge is unknown.
 
-        Raises ``ValueError`` where no free cell is left, or ``times`` is below 1.
+        Raises ``ValueError`` if no free cell is left, or ``times`` is below 1.
         """
         if times < 1:
             raise ValueError(f"cells {times} times as wide: 1 or more")

@@ -21,7 +21,7 @@ MARK = ".vitruvius-study"
 
 
 def require_same_series(out: Path, first: House, last: int) -> int:
-    """How many houses a file holds. Raises ``RequestError`` where they are others than those from ``first``
+    """How many houses a file holds. Raises ``RequestError`` if they are others than those from ``first``
     to index ``last``.
 
     A series is named by grammar, request and seed: what is made again is no loss, and a file that ended
@@ -38,7 +38,7 @@ def require_same_series(out: Path, first: House, last: int) -> int:
 
 
 def require_same_houses(out: Path, houses: Sequence[House]) -> None:
-    """Raise ``RequestError`` where a file holds other houses than these."""
+    """Raise ``RequestError`` if a file holds other houses than these."""
     held = _held(out)
     if held and [house.converted() for house in held] != list(houses):
         raise _refused(out)
@@ -54,7 +54,7 @@ def require_free(out: Path, replace: bool) -> None:
 def unless_other(out: Path, replace: bool) -> Iterator[Path]:
     """A place for what is to become ``out``, a file or files of a folder: in the end it does.
 
-    Raises ``RequestError`` where a file of other content is there, unless it is to be lost.
+    Raises ``RequestError`` if a file of other content is there, unless it is to be lost.
     """
     with TemporaryDirectory() as beside:
         made = Path(beside, out.name or "made")
@@ -92,7 +92,7 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
 def alone_in(folder: Path) -> Iterator[None]:
     """Hold a folder, which is made, as the only command that draws there. It goes again if nothing is drawn.
 
-    Raises ``RequestError`` where another one does: their pictures would be mixed.
+    Raises ``RequestError`` if another one does: their pictures would be mixed.
     """
     is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
@@ -112,7 +112,7 @@ def alone_in(folder: Path) -> Iterator[None]:
 
 
 def require_drawn(folder: Path, ending: str, replace: bool) -> None:
-    """Raise ``RequestError`` where a folder has files in the place of pictures, ``house-0.svg`` and so on,
+    """Raise ``RequestError`` if a folder has files in the place of pictures, ``house-0.svg`` and so on,
     that nothing of ours drew, unless they are to be lost.
     """
     names = re.compile(rf"((house|diff)-\d+|contact-sheet|plans)\.{ending}")
@@ -145,7 +145,7 @@ def _series(source: Provenance) -> tuple[object, ...]:
 
 
 def _held(out: Path) -> list[House]:
-    """The houses of a file that is there. Raises ``RequestError`` where it holds something else."""
+    """The houses of a file that is there. Raises ``RequestError`` if it holds something else."""
     if not out.is_file() or not out.stat().st_size:
         return []
     try:

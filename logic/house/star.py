@@ -45,7 +45,7 @@ class Star(msgspec.Struct, frozen=True):
 
     @classmethod
     def of(cls, rooms: Sequence[Room], doors: Sequence[Door], hub: str) -> Star:
-        """The star of these parts. Raises ``ValueError`` where they are none, for the first room amiss."""
+        """The star of these parts. Raises ``ValueError`` if they are none, for the first room amiss."""
         doors_of: dict[str, list[Door]] = {room.name: [] for room in rooms}
         if hub not in doors_of:
             raise ValueError("a star has a hub, its main room")

@@ -90,7 +90,7 @@ class Placer:
 
         Conflicts are ``minimal``, or else found five times as quickly.
 
-        Raises ``Infeasible`` where the constraints have no solution, ``Misfit`` where the rooms do not fit
+        Raises ``Infeasible`` if the constraints have no solution, ``Misfit`` if the rooms do not fit
         together, ``LimitReached`` past this number of inferences, ``GrammarError`` for a
         clause that does not end.
         """

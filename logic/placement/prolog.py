@@ -50,7 +50,7 @@ def ask(predicate: str, *arguments: Any, module: str = "core") -> Any:
     """What a predicate answers: JSON, in the argument that follows these.
 
     An argument is a number, a name, a symbol of clingo, a ``Term``, or some of these in order: a list. Raises
-    ``PrologError`` where the predicate raises an error.
+    ``PrologError`` if the predicate raises an error.
     """
     return json.loads(_called(module, predicate, arguments, answers=True))
 

@@ -11,7 +11,7 @@ from logic.request.request import Request
 
 
 def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
-    """Return the house of ``Builder.house``. Raises ``Unsatisfiable`` where it finds no layout.
+    """Return the house of ``Builder.house``. Raises ``Unsatisfiable`` if it finds no layout.
 
     Typical rules that contradict what the request states of the rooms give way to it.
     A proof that rests on the areas of rooms covers only a part of the sizes that these areas allow. In that

@@ -116,7 +116,7 @@ def _in_conflict(
     typical: Sequence[Statement],
 ) -> list[Statement] | None:
     """Typical rules without which there may be a ``layout``, the last one of each conflict; None if the other
-    rules have none. Raises ``TooMany`` where it is not soon found out whether there is a conflict.
+    rules have none. Raises ``TooMany`` if it is not soon found out whether there is a conflict.
     """
 
     def possible(some: Sequence[Statement]) -> bool:

@@ -40,7 +40,7 @@ class Witness(ABC):
     def __init__(self, builder: Builder, house: House, inferences: int) -> None:
         """Make the house again from its provenance.
 
-        Raises ``HouseFileError`` where it comes out another.
+        Raises ``HouseFileError`` if it comes out another.
         """
         made = house.provenance
         assert made is not None

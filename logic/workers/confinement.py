@@ -101,7 +101,7 @@ def summary() -> str:
 def confine(readable: Iterable[Path]) -> None:
     """Take from this process, for good, all that ``measures`` says can be taken.
 
-    ``readable``: folders whose files may be read. Raises ``OSError`` where the kernel does not do as it said.
+    ``readable``: folders whose files may be read. Raises ``OSError`` if the kernel does not do as it said.
     """
     has = measures()
     if has["seccomp"] or has["landlock"]:
@@ -123,7 +123,7 @@ def limit() -> None:
 
 
 def require_files() -> None:
-    """Raise ``LimitReached`` where a process may open fewer files at once than the solvers do, who then take
+    """Raise ``LimitReached`` if a process may open fewer files at once than the solvers do, who then take
     a library that they cannot open for a rule that cannot be solved.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -145,7 +145,7 @@ def allow_seconds(seconds: float) -> None:
 
 
 def require_seconds() -> None:
-    """Raise ``LimitReached`` where processes have a bound of processor time from outside: then it is that,
+    """Raise ``LimitReached`` if processes have a bound of processor time from outside: then it is that,
     and perhaps no rule, that ends them.
     """
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
@@ -218,7 +218,7 @@ def _program() -> Iterator[tuple[int, int, int, int]]:
 
 
 def _done(result: int) -> int:
-    """What a call of the kernel gives. Raises ``OSError`` where that is an error."""
+    """What a call of the kernel gives. Raises ``OSError`` if that is an error."""
     if result < 0:
         code = ctypes.get_errno()
         raise OSError(code, f"a solver process cannot be confined: {os.strerror(code)}")

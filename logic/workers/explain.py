@@ -31,7 +31,7 @@ def explain_house(
 
     Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
     provenance, or where the rules make another one: they or the house changed; ``GrammarError`` for wrong
-    rules; ``LimitReached`` where the house is not made again in ``MAKING``. ``seconds`` end the search for
+    rules; ``LimitReached`` if the house is not made again in ``MAKING``. ``seconds`` end the search for
     what could be instead, which follows, and then the answer's ``limit`` says so.
     """
     parts = explained(house, target, grammar=grammar, seconds=seconds)

@@ -220,7 +220,7 @@ def _layouts(
 def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]:
     """Find the mistakes in a grammar's files that clingo and SWI-Prolog pass over, without running its code.
 
-    ``generate`` refuses a grammar with an error. Raises ``GrammarError`` where there is no such grammar, and
+    ``generate`` refuses a grammar with an error. Raises ``GrammarError`` if there is no such grammar, and
     ``LimitReached`` past these seconds.
     """
     opening = Open(grammar=str(find(grammar).directory), errors=True)

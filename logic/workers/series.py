@@ -51,7 +51,7 @@ class HouseSeries:
     def described(self) -> tuple[dict[str, str], Promises]:
         """The versions of what makes its houses, and what they promise.
 
-        Raises as ``generate`` does, and ``RequestError`` where houses of a range promise different things.
+        Raises as ``generate`` does, and ``RequestError`` if houses of a range promise different things.
         """
         opening, key = self._opening()
         worker = _idle.take(key) or Solver(opening)

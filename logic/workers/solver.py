@@ -135,7 +135,7 @@ class Solver:
             pass
 
     def prepared(self) -> None:
-        """Wait until it is ready to load a grammar. Raises ``MissingProgram`` where a solver is missing."""
+        """Wait until it is ready to load a grammar. Raises ``MissingProgram`` if a solver is missing."""
         self.answer(
             Prepared, START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?"
         )

@@ -74,7 +74,7 @@ def standard(named: Standard) -> Callable[[House], Promises]:
     """What judges a house: promises; a mapping or a JSON file, which replaces some of the house's own; or a
     grammar, by its name or its folder, with all that its houses promise.
 
-    Raises ``RequestError`` for a promise that there is not, ``HouseFileError`` where it stands in a file,
+    Raises ``RequestError`` for a promise that there is not, ``HouseFileError`` if it stands in a file,
     ``GrammarError`` for a grammar that is absent or wrong.
     """
     if isinstance(named, Promises):

@@ -26,8 +26,8 @@ PACKAGES = {
 def write(folder: Path) -> None:
     """Write the playground into a folder, which appears whole or not at all.
 
-    Raises ``RequestError`` where something is in the folder, ``MissingProgram`` where npm is needed and
-    missing, ``VitruviusError`` where it cannot fetch the packages.
+    Raises ``RequestError`` if something is in the folder, ``MissingProgram`` if npm is needed and
+    missing, ``VitruviusError`` if it cannot fetch the packages.
     """
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise RequestError(f"--out {folder}: is there already and not empty: name a new folder")

@@ -21,8 +21,8 @@ SECONDS = 600
 def installed(folder: Path, what: str) -> Path:
     """The folder ``node_modules`` with the packages of a folder's lock, which npm fetches once.
 
-    ``what`` names them in errors. Raises ``MissingProgram`` where npm is needed and missing,
-    ``VitruviusError`` where it cannot fetch the packages.
+    ``what`` names them in errors. Raises ``MissingProgram`` if npm is needed and missing,
+    ``VitruviusError`` if it cannot fetch the packages.
     """
     lock = [(folder / name).read_bytes() for name in LOCK]
     kept = _cache() / f"{folder.name}-{hashlib.sha256(b''.join(lock)).hexdigest()[:16]}"

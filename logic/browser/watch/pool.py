@@ -44,7 +44,7 @@ class Spares:
         self.refill()
 
     def check(self) -> None:
-        """Raise ``MissingProgram`` where the solvers are not installed."""
+        """Raise ``MissingProgram`` if the solvers are not installed."""
         worker = self.take()
         try:
             worker.prepared()
