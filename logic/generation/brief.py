@@ -28,7 +28,7 @@ from logic.request.request import Request
 from logic.spelling import numbered
 
 MAX_UNDECIDED_LAYOUTS = 16
-"""Undecided layouts of a house, after which all are decided thoroughly, which takes longer."""
+"""Number of undecided layouts of a house before all layouts are decided thoroughly, which takes longer."""
 
 
 class BriefMaker(SharedWallsMaker):
@@ -73,9 +73,9 @@ class BriefMaker(SharedWallsMaker):
             self._few_doors = loaded.programs_of(rules, [*symbols, ASKED_DOORS])
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """A furnished house; see ``Maker.made``.
+        """Return a furnished house; see ``Maker.made``.
 
-        Doors that the brief does not ask for are left out, where the rules of the grammar permit that.
+        The house has no doors that the brief does not ask for, if the grammar's rules permit that.
         """
         if self._few_doors:
             with suppress(NoLayout):
@@ -90,7 +90,7 @@ class BriefMaker(SharedWallsMaker):
         return super().made(request, rng, inferences)
 
     def stated(self, request: Request) -> Program:
-        """That of the last house, where there is one: no other is ground for its facts."""
+        """Return the program of the last house, if there is one: no other program has its facts."""
         return self._one_house or super().stated(request)
 
     def _layout(
@@ -102,7 +102,7 @@ class BriefMaker(SharedWallsMaker):
     ) -> list[Symbol]:
         """Return a layout as for any plan.
 
-        Undecided layouts come again, to be decided thoroughly, once they are many or no others are left.
+        Undecided layouts return, to be decided thoroughly, when there are many or no others are left.
         """
         if self._thorough or len(self._undecided) < MAX_UNDECIDED_LAYOUTS:
             try:

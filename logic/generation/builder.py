@@ -53,7 +53,7 @@ class Builder:
         self.account = self.placer.account
         self._gave_way: dict[tuple[Reason, ...], Builder] = {}
         self.at_work = self
-        """The builder that answers: this one, or one without some typical rules."""
+        """Builder that made the last house: this builder, or one without some typical rules."""
         if cell and self.loaded.depths:
             raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
         shared = UnitsMaker if self.loaded.depths else SharedWallsMaker
@@ -90,8 +90,8 @@ class Builder:
 
         ``thorough`` considers all sizes that areas allow, and requires ``decides_areas``.
 
-        Raises ``RequestError`` for an unknown type, ``NoLayout`` where it is proved that there is no such
-        house, ``LimitReached`` past this number of Prolog inferences.
+        Raises ``RequestError`` for an unknown type, ``NoLayout`` if there is provably no such house,
+        ``LimitReached`` past this number of Prolog inferences.
         """
         self.account.begin()
         try:

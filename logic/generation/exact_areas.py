@@ -1,7 +1,7 @@
 """Plans whose rooms may have any size that their areas allow.
 
-Other plans use a convex part of these sizes (``areas.pl``), which takes less time. Where that part contains
-no house, this module searches all sizes.
+Other plans use a convex part of these sizes (``areas.pl``), which takes less time. If that part contains no
+house, this module searches all sizes.
 """
 
 from collections.abc import Collection

@@ -97,7 +97,7 @@ class Feasibility:
         return relaxed, statements
 
     def is_furnishable(self, request: Request, type_: str, most: float = math.inf) -> bool:
-        """Whether a room of this type can have what is asked for; raises as ``Question.layout``."""
+        """Return True if a room of this type can have its requested furniture; see ``Question.layout``."""
         asked = tuple(request.furniture_of(type_))
         if (type_, asked) not in self._furnishable:
             question, statements = self.furniture(request, type_)
@@ -105,7 +105,7 @@ class Feasibility:
         return self._furnishable[type_, asked]
 
     def depends_on_doors(self, type_: str) -> bool:
-        """Whether a rule of the grammar's speaks of the doors of a room of this type: it may ask for more."""
+        """Return True if a rule of the grammar mentions the doors of this room type: it may require doors."""
         of_others = re.compile(rf"this_room\s*=\s*(?!{type_}\b)[a-z]")
         rules = self.source.conditional(self.source.files, laws=False).reasons
         return any("doorway(" in rule.text and not of_others.search(rule.text) for rule in rules)
@@ -113,9 +113,9 @@ class Feasibility:
     def furniture(
         self, request: Request, type_: str, laws: bool = False, room: Refuted | None = None
     ) -> tuple[Question, list[Statement]]:
-        """What can be asked of a room's furniture, and all that may be left out of it.
+        """Return the question whether a room can be furnished, and the statements that a proof may leave out.
 
-        Of a ``room`` of a plan or of one of any size with one door. With ``laws``, see ``Relaxed``.
+        The room is ``room`` of a plan, or a room of any size with one door. For ``laws`` see ``Relaxed``.
         """
         facts = [(fact, clause) for fact, clause in self._lengths[type_] if not room or fact.name != "reach"]
         pieces = {fact.arguments[0].name for fact, _ in facts if fact.name == "extent"}

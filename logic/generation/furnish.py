@@ -56,19 +56,19 @@ class GivenRoom:
     pieces: Pieces | None = None
     """The furniture of a room that is furnished already."""
     drawn_windows: bool = False
-    """Whether windows may be nearer to corners than the grammar's margin."""
+    """True if a user drew the windows, which may be nearer to corners than the grammar's margin."""
 
     def __str__(self) -> str:
-        """Its type, size and doors."""
+        """Return the room's type, size and number of doors."""
         size = f"{self.rect.width:.2f} by {self.rect.height:.2f} m"
         return f"{article(self.type)} of {size} with {numbered(len(self.doors), 'door')}"
 
 
 class Unfurnishable(Exception):
-    """A room of a plan cannot have the furniture that its type needs. ``place``: which one."""
+    """Error for the room number ``place`` of a plan, which cannot have the furniture that its type needs."""
 
     def __init__(self, place: int, room: GivenRoom, decided: bool = True) -> None:
-        """Keep the room and its place in the plan. Unless ``decided``, that is likely, but not proved."""
+        """Keep the room and its number in the plan. Unless ``decided``, the room is likely unfurnishable."""
         found = f"{room} cannot have the furniture that it needs"
         super().__init__(found if decided else f"no furniture is soon found for {room}")
         self.place, self.room, self.decided = place, room, decided

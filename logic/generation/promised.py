@@ -20,11 +20,11 @@ def promised(
     shares_walls: bool,
     stated: bool = False,
 ) -> Promises:
-    """The promises of the houses of a program, by its facts; ``stated``: a brief or a plan may state their
-    doors.
+    """Return the promises of the houses of a program, by its facts.
 
-    ``extremes`` are those of sizes, on the houses' grid, see ``Placer.lengths``; ``metres`` are lengths and
-    areas as they are written, see ``Placer.metres``.
+    ``extremes`` are the extreme sizes on the houses' grid (``Placer.lengths``); ``metres`` are lengths and
+    areas as the grammar states them (``Placer.metres``). ``stated`` is True if a brief or a plan may state
+    doors.
     """
     lengths = dict(metres["lengths"])
     opens = _pairs(program, "opens") if shares_walls else {}
@@ -175,7 +175,7 @@ def _sizes(extremes: Iterable[float]) -> Sizes:
 
 
 def _even_rows(program: Program) -> dict[str, tuple[str, ...]]:
-    """Return the pieces of even rows, without rooms where a piece may stand at a wall as well."""
+    """Return the pieces of even rows by room type, without types whose pieces may also stand at a wall."""
     stands, found = _pairs(program, "stands"), {}
     for type_ in _required(program, "even_rows"):
         pieces = [piece for owner, piece, *_ in _atoms(program, "may", 4) if owner == type_]
@@ -186,6 +186,6 @@ def _even_rows(program: Program) -> dict[str, tuple[str, ...]]:
 
 
 def _at_wall(program: Program) -> tuple[str, ...]:
-    """Pieces that stand nowhere but at walls."""
+    """Return the piece types that stand only at walls."""
     stands = _pairs(program, "stands")
     return tuple(piece for piece, places in sorted(stands.items()) if "middle" not in places)

@@ -30,7 +30,7 @@ from logic.request.request import Request
 from logic.spelling import article
 
 MOST_TRIES = 200
-"""How often a house may have a room that cannot be furnished at its size, though it might at others."""
+"""Number of layouts of a house with a room that cannot be furnished at its size, but might at others."""
 
 FREE_FROM = 11
 """From so many rooms on a dissection has a program of its own, which begins with the sampled picks and goes
@@ -38,16 +38,14 @@ on in an order that clasp learns: to take the picks one after the other is up to
 """
 
 MOST_REFUTED = 60
-"""How many layouts are refuted to see if a room that is undecided at its size is impossible at any size."""
+"""Number of layouts to refute in a proof that a room, undecided at its size, is impossible at any size."""
 
 S = TypeVar("S", Plan, UnitRange)
 R = TypeVar("R", bound=Rect)
 
 
 class Making(NamedTuple):
-    """How a plan was made: by which program and layout of stage 1, and how each room, by its number, got its
-    furniture.
-    """
+    """Origin of a plan: the program and layout of stage 1, and the origin of the furniture by room number."""
 
     program: Program
     layout: list[Symbol]

@@ -22,7 +22,7 @@ Metres = Annotated[float, Meta(ge=0, le=1000)]
 
 
 class Thickness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """How thick walls are, metres: between rooms, and to the outside. Outer ones are no thinner."""
+    """Thickness of walls between rooms and of outer walls, metres. Outer walls are no thinner."""
 
     inner: Metres
     outer: Metres
@@ -36,36 +36,36 @@ Relation = tuple[float, float, float]
 
 
 class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """What a grammar promises; left empty, it promises nothing more. Lengths in metres."""
+    """Promises of a grammar. A field that is empty promises nothing. Lengths in metres."""
 
     door_width: Metres | None = None
-    """Metres: the width of a star's every door (None where it need only be the same throughout a house), the
-    least width of others.
+    """Width of every door of a star (None: any width that is the same in the whole house), and least width of
+    doors in other houses, metres.
     """
     door_widths: dict[str, dict[str, Metres]] = {}
-    """For room types, and those of the other room or ``outside``: the width of doors, metres."""
+    """Width of doors by room type and by the type of the other room or ``outside``, metres."""
     door_clearance: Metres = CLEARANCE
-    """Metres: nothing stands nearer to a door."""
+    """Least distance of furniture from a door, metres."""
     passage: Metres = PASSAGE
-    """Metres: a square this wide gets everywhere that one has room for it."""
+    """Side of a square that can move to every place where it fits, metres."""
     front: Metres | None = None
-    """Metres: how deep it is free in front of a piece that is used from there; None: as a passage is wide."""
+    """Depth of free floor in front of a piece that is used from there, metres; None for ``passage``."""
     room_gap: Metres | None = None
-    """Metres: as near as rooms may come to each other."""
+    """Least distance of two rooms, metres."""
     basic: tuple[str, ...] = ()
     """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
     a_side: int | None = None
     """From four rooms on at most ``rooms // a_side + 1`` of them are on one side of the main room."""
     room_size: dict[str, Sizes] = {}
-    """Of each room type; in a star its width runs along the wall with its door, elsewhere either way."""
+    """Sizes by room type. In a star the width runs along the wall with the door; elsewhere either way."""
     room_relations: dict[str, tuple[Relation, ...]] = {}
     """Relations of width and depth, by room type; not on a grid."""
     room_area: dict[str, tuple[float, float]] = {}
-    """Of each room type in other houses: least and greatest area, square metres."""
+    """Least and greatest area by room type in other houses, square metres."""
     whole_area: dict[str, tuple[float, float]] = {}
-    """Of each room type, with the parts of such a room: least and greatest area, square metres."""
+    """Least and greatest area of a room with its parts, by room type, square metres."""
     house_area: tuple[float, float] | None = None
-    """Of all rooms of a house together, with a star's main room: least and greatest area, square metres."""
+    """Least and greatest area of all rooms of a house, including a star's main room, square metres."""
     house_size: tuple[Relation, ...] = ()
     """Relations of the width, from west to east, and the depth of the box around all rooms, or around each
     unit in a house of units.
@@ -73,9 +73,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     same_size: dict[str, bool] = {}
     """Room types whose rooms are equally large in other houses, or in a unit: whether some may lie across."""
     narrowest: dict[str, float] = {}
-    """Of each room type in other houses: the least of its shorter side, metres."""
+    """Least shorter side by room type in other houses, metres."""
     wall_thickness: Thickness | None = None
-    """Metres: how thick walls are; None for any thickness."""
+    """Thickness of walls; None for any thickness."""
     opens: dict[str, tuple[str, ...]] = {}
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
     degree: dict[str, tuple[int, int]] = {}
@@ -83,35 +83,35 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     count.
     """
     openings: dict[str, tuple[str, ...]] = {}
-    """Between rooms of which types alone, the first and others, a door may be without a leaf."""
+    """Room types, by room type, towards which a door may have no leaf."""
     parts: dict[str, tuple[str, ...]] = {}
-    """Of rooms of which types rooms of a type are parts: without a wall between them, each of one room."""
+    """Room types of the rooms that a room of a type belongs to, without a wall between them."""
     entrance: bool = False
-    """Whether a house has a door to the outside."""
+    """True if a house has a door to the outside."""
     public: tuple[str, ...] = ()
     """Room types that units are entered from: without such rooms, each part of a house that doors join has
     one door to them, and none to the outside.
     """
     courts: int = 0
-    """Of plans: how many boxes between rooms may be no room's, a metre or more both ways."""
+    """Number of boxes between rooms that may belong to no room, at least a metre both ways."""
     lit: tuple[str, ...] = ()
     """Room types that have a window."""
     outdoor: tuple[str, ...] = ()
     """Room types that are outside: they have no window and no part in ``house_area``, and light others."""
     turning: dict[str, float] = {}
-    """Of each room type: how wide a square is free in it, metres."""
+    """Side of a square that is free in each room, by room type, metres."""
     even_rows: dict[str, tuple[str, ...]] = {}
-    """Of each room type whose rows are even: the piece types that stand in them."""
+    """Piece types in the even rows, by room type."""
     hides: tuple[str, ...] = ()
     """Piece types that do not stand before a window."""
     empty: tuple[str, ...] = ()
     """Room types of a star that may have no furniture."""
     piece_size: dict[str, Sizes] = {}
-    """Of each piece type: its length runs along its back."""
+    """Sizes by piece type; the length runs along the back."""
     piece_relations: dict[str, tuple[Relation, ...]] = {}
     """Relations of length and depth, by piece type; not on a grid."""
     counts: dict[str, dict[str, tuple[int, int]]] = {}
-    """For each room type there is, the pieces that it has: from the first to the second number of each."""
+    """Least and greatest number of pieces, by room type and piece type. There are no other room types."""
     companions: dict[str, dict[str, tuple[int, int]]] = {}
     """For each piece type with companions, how many it has; turned at a wall none, but for ``at_head``."""
     at_head: tuple[str, ...] = ()

@@ -70,16 +70,16 @@ class Account:
 
     @property
     def tried(self) -> tuple[int, int]:
-        """How many layouts of the rooms were found, and how many of these were refuted."""
+        """Numbers of layouts of the rooms that were found, and that were refuted."""
         return self._layouts, self._plans
 
     def unfurnished(self, type_: str, decided: bool = True) -> None:
-        """A room of this type, at its size and with its doors, has no furniture, or none is soon found."""
+        """Count a room of this type, at its size and with its doors, for which no furniture was found."""
         (self._unfurnished if decided else self._undecided)[type_] += 1
 
     @property
     def refutations(self) -> str:
-        """What was refuted, and by what, as far as anything was."""
+        """Report of the refuted layouts and the reasons; empty if none was refuted."""
         said = []
         if self._plans:
             said.append(f"{self._plans:,} of {self._layouts:,} layouts of the rooms were refuted.")
@@ -97,7 +97,7 @@ class Account:
         return "\n".join([" ".join(said), *lines]).strip()
 
     def __str__(self) -> str:
-        """The stage at work, what was refuted by what, and what to ease."""
+        """Return the current stage, the refuted layouts with reasons, and a remedy."""
         if not self.stage:
             return ""
         said = f"It was at work on {self._at}."

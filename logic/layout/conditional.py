@@ -29,7 +29,7 @@ LEFT_OUT = RULES / "why" / "left_out.lp"
 Signature = tuple[str, int]
 
 ABSENT = " is not stated"
-"""Words for a fact that a grammar lacks, at the first of its facts with the same first argument, or kind."""
+"""Words after a fact that a grammar lacks, placed at the first fact with the same first argument, or kind."""
 
 FAR = 1_000_000
 """Millimetres, more than anything measures; small enough for clingo to add up."""
@@ -39,14 +39,14 @@ class Source:
     """Rule files, which are parsed once for all the programs that are made of them."""
 
     def __init__(self, files: Sequence[Path], left_out: Places = frozenset()) -> None:
-        """Know the files, without some of their typical rules: the core's own are read beside them."""
+        """Keep the files, without the typical rules at ``left_out``; the core is added when needed."""
         self.files, self._left_out = tuple(files), left_out
         self._read: dict[tuple[Any, ...], Conditional] = {}
 
     def conditional(self, files: Sequence[Path], laws: bool) -> "Conditional":
-        """The statements of some of the files, each rule with its condition.
+        """Return the statements of some files, each rule with its condition.
 
-        Of the core's rules, with ``laws``, those alone that require something.
+        With ``laws``, add those of the core's rules that require something.
         """
         key = tuple(files), laws
         if key not in self._read:
@@ -55,8 +55,11 @@ class Source:
 
 
 class Conditional(NamedTuple):
-    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first: by the
-    name of the fact, and by its name with its first argument, as in ``opens(hall``."""
+    """Rules with conditions, and a reason for each condition.
+
+    ``first`` has the place of the first fact of some kinds, by the fact's name, and by its name with its
+    first argument, as in ``opens(hall``.
+    """
 
     rules: list[ast.AST]
     reasons: list[Reason]
@@ -116,7 +119,7 @@ def _signature(found: ast.AST) -> Signature | None:
 
 
 def _beginning(head: ast.AST) -> str:
-    """The beginning of a fact up to its first argument, as in ``opens(hall``."""
+    """Return the beginning of a fact up to its first argument, as in ``opens(hall``."""
     return str(head).partition(",")[0]
 
 

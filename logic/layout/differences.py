@@ -41,9 +41,10 @@ class Differences:
         remark: Callable[[str], None],
         left_out: Places = frozenset(),
     ) -> None:
-        """Register it, for a program of which these parts are to be ground. ``remark`` gets what clingo
-        remarks while it reads. ``files`` are those to be read then, without the typical rules that are
-        ``left_out``: furniture has no differences.
+        """Register the theory with a control, unless ``parts`` are of furniture, which has no differences.
+
+        ``load`` reads ``self.files`` without the typical rules at ``left_out``, and passes messages of clingo
+        to ``remark``.
         """
         self._control, self._remark, self._left_out = control, remark, left_out
         furniture = any(name == ROOM for name, _ in parts)

@@ -70,18 +70,18 @@ program first takes as long as the search that it shortens.
 """
 
 SOON = 1000
-"""After so many conflicts of a search that takes sampled picks, one of clasp's own finds out if there is any
-layout. Where there is none, it ends up to a hundred times sooner.
+"""Number of conflicts after which a search by sampled picks stops, and clasp searches for any layout in its
+own order. If there is none, clasp proves that up to a hundred times sooner.
 """
 
 BOUNDS = (500, 1000, 2000)
-"""Most conflicts of clingo in each search of a bounded program, which begins with other picks."""
+"""Number of conflicts in each search of a bounded program; each search begins with other picks."""
 
 PATIENCE = 200
-"""How often such a search branches on the sampled picks before it goes its own way."""
+"""Number of branches on the sampled picks before such a search continues in clasp's order."""
 
 LAYOUTS = 1000
-"""After as many, a program forgets all that it has learnt, since even so that grows slowly."""
+"""Number of layouts after which a program forgets all learnt nogoods, which grow slowly."""
 
 LEMMAS, NOTHING = 8, 0
 """What clasp's option ``forget_on_step`` can say."""
@@ -103,12 +103,11 @@ class Program:
         bounded: bool = False,
         left_out: Places = frozenset(),
     ) -> None:
-        """Ground these parts of the core and the grammar's files, with these constants, without the typical
-        rules at some places.
+        """Ground parts of the core and the grammar's files, without the typical rules at ``left_out``.
 
         With a ``seed`` the program is for one house (``FREE``), and may be ``bounded`` (``BOUNDS``). A layout
-        is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the way.
-        Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
+        is the list of shown atoms that hold. ``remarks`` keeps clingo's messages. Raises ``GrammarError`` for
+        the first error, ``Endless`` past ``most`` ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.left_out = left_out
@@ -203,9 +202,9 @@ class Program:
         without: Iterable[Symbol] = (),
         nogoods: Iterable[Nogood] = (),
     ) -> list[Symbol] | None:
-        """Sample a layout with all assumed atoms, without any of the others, and outside the nogoods.
+        """Sample a layout with all ``assumed`` atoms, with none of ``without``, and with no nogood.
 
-        Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
+        Return its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout. A ``bounded`` program raises ``TooMany`` past ``BOUNDS``.
         """
         holds, excluded = self._literals(assumed, without), [self._excluded(nogood) for nogood in nogoods]
@@ -228,7 +227,7 @@ class Program:
         return layout
 
     def _order(self, rng: np.random.Generator) -> tuple[list[int], list[int]]:
-        """Sample the order of the options, and where in it to go on after each that is taken."""
+        """Sample the order of the options, and the next place in that order after each chosen option."""
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         places = rng.permutation(len(self._counts))
@@ -236,7 +235,7 @@ class Program:
             places = np.argsort(np.lexsort((places, self._turns)))
         ranks = np.repeat(places, self._counts)
         order = np.lexsort((keys, ranks))
-        # Where a variable picks one value, the first that is taken settles its others.
+        # If a variable has one value, the first chosen option decides the others.
         ends = np.cumsum(self._counts[np.argsort(places)])[places]
         then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
         return order.tolist(), then.tolist()
@@ -249,10 +248,11 @@ class Program:
         excluded: list[list[int]],
         bound: int | None = None,
     ) -> clingo.Model | None:
-        """The first model by the picks in this order; None too past a bound of conflicts (``_is_undecided``).
+        """Return the first model by the picks in this order; None if there is none.
 
-        To begin a search costs clasp nearly as much as to find a model. So one search goes on for many
-        layouts, as long as these assume the same and have no nogoods.
+        Also return None past the bound of conflicts: then ``_is_undecided`` is True. Starting a search costs
+        clasp nearly as much as finding a model, so one search continues for many layouts, as long as these
+        have the same assumptions and no nogoods.
         """
         self._sampled += 1
         if excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
@@ -274,7 +274,7 @@ class Program:
 
     @property
     def _is_undecided(self) -> bool:
-        """Return True if the search that samples has ended at its bound."""
+        """Return True if the sampling search ended at its bound."""
         if self._handle is None or self._handle.model() is not None:
             return False
         return not self._handle.get().exhausted
@@ -286,7 +286,7 @@ class Program:
         return bool(self._control.solve(assumptions=assumed).satisfiable)
 
     def end_search(self) -> None:
-        """End the search that samples, if there is one: the program can be solved in another way."""
+        """End the sampling search, if there is one, so that the program can be solved in another way."""
         if self._handle is not None:
             self._search.close()
             self._handle = None

@@ -28,14 +28,14 @@ GIVEN = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room/room.lp`` for rooms of given sizes."""
 
 CROWD = 6
-"""A type of room is crowded from so many pieces on, of one kind or that must be there. Picks that are sampled
-one by one may lead to a proof that so many do not fit in a few rows, which takes exponential time. So crowded
-rooms have a program of their own in each house (``program.FREE``).
+"""Least number of pieces, of one type or required together, in a crowded room. For such rooms, picks that are
+sampled one by one may lead to a proof of exponential length that the pieces do not fit in a few rows. So
+crowded rooms have a separate program for each house (``program.FREE``).
 """
 
 
 def crowded(may: Iterable[Symbol]) -> set[str]:
-    """The types of room that are crowded, by the facts ``may/4``."""
+    """Return the crowded room types, by the facts ``may/4``; see ``CROWD``."""
     needed, most = Counter[str](), Counter[str]()
     for type_, _, fewest, number in (fact.arguments for fact in may):
         needed[str(type_)] += fewest.number
@@ -44,7 +44,7 @@ def crowded(may: Iterable[Symbol]) -> set[str]:
 
 
 class Programs:
-    """Grounds each program once and keeps it."""
+    """Ground programs of a grammar, each ground once and kept."""
 
     def __init__(
         self,
@@ -55,9 +55,9 @@ class Programs:
         walls: Iterable[Symbol] = (),
         crowded: Collection[str] = (),
     ) -> None:
-        """Know a grammar's files, the pieces of each of its room types, their lengths, and those of walls.
+        """Keep a grammar, the pieces of each room type, the facts of their lengths, and the facts of walls.
 
-        ``account`` hears what is ground. ``crowded``: types of room, see ``CROWD``.
+        ``account`` records the program that is being ground. ``crowded`` are room types; see ``CROWD``.
         """
         self._account, self._crowded = account, crowded
         self._of_all: dict[tuple[object, ...], Program] = {}
@@ -68,7 +68,7 @@ class Programs:
     def rooms(
         self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
     ) -> Program:
-        """The program of a house's rooms, with these requirements and arguments for clingo."""
+        """Return the program of a house's rooms, with these requirements and arguments for clingo."""
         self._account.at(GROUNDING, f"grounding the rules for {rooms} rooms (clingo)")
         return Program(
             self._grammar.asp,
@@ -79,7 +79,7 @@ class Programs:
         )
 
     def house(self, request: Request, seed: int) -> Program:
-        """The program of one house's rooms, which searches at random by a seed: see ``program.FREE``."""
+        """Return the program of one house's rooms, with a random search by a seed: see ``program.FREE``."""
         self._account.at(GROUNDING, f"grounding the rules for {request.rooms} rooms (clingo)")
         stages = [*HOUSE, *parts(self._walls), *parts(room_requirements(request))]
         constants, left_out = {"rooms": request.rooms}, self._grammar.left_out
@@ -89,13 +89,13 @@ class Programs:
     def units(
         self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
     ) -> Program:
-        """The program of the units of a house, for a topology that has units: as ``rooms``."""
+        """Return the program of the units of a house, for a topology with units, as ``rooms`` does."""
         stages = [("units", []), *parts(required)]
         self._account.at(GROUNDING, f"grounding the rules for units of {rooms} rooms in all (clingo)")
         return Program(self._grammar.asp, {"rooms": rooms}, stages, arguments=arguments)
 
     def unit_sizes(self, rooms: int) -> list[int]:
-        """How many rooms the units of a house may have; none where it has no units."""
+        """Return the possible numbers of rooms of a unit; empty for a topology without units."""
         return sorted({atom.arguments[1].number for atom in self.units(rooms).atoms("unit", 2)})
 
     def furniture(
@@ -105,9 +105,9 @@ class Programs:
         arguments: tuple[str, ...] = (),
         rng: np.random.Generator | None = None,
     ) -> Program:
-        """The program of a room's furniture, with the extremes of its lengths as facts.
+        """Return the program of a room's furniture, with the extremes of its lengths as facts.
 
-        That of the house which is made, seeded by ``rng``, where the type of room is crowded.
+        For a crowded room type the program belongs to the current house and has a seed from ``rng``.
         """
         facts = [fact for fact, _ in self._lengths[type_]]
         return self._furnishing(type_, "capacity", (*facts, *required), arguments, rng)
@@ -119,7 +119,7 @@ class Programs:
         required: tuple[Symbol, ...],
         rng: np.random.Generator,
     ) -> Program:
-        """Return that of a room whose size and ``openings`` (``Frame.facts``) are given: ``doors.lp``."""
+        """Return the program of a room of given size and ``openings`` (``Frame.facts``): ``doors.lp``."""
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
         return self._furnishing(type_, "plan", (*facts, *openings, *required), (), rng)
 
@@ -150,24 +150,24 @@ class Programs:
         self._of_house.clear()
 
     def has_furniture(self, type_: str) -> bool:
-        """Whether there is anything that a room of this type may have."""
+        """Return True if a room of this type may have furniture."""
         return bool(self._furniture[type_])
 
     def rooms_for(self, request: Request, arguments: tuple[str, ...] = ()) -> tuple[Program, list[Symbol]]:
-        """The program of a request's rooms, and what to assume in it."""
+        """Return the program of a request's rooms, and the atoms to assume."""
         required = room_requirements(request)
         return self.rooms(request.rooms, tuple(required), arguments), [granted(each) for each in required]
 
     def units_for(
         self, request: Request, barred: Iterable[Symbol] = (), arguments: tuple[str, ...] = ()
     ) -> tuple[Program, list[Symbol]]:
-        """The program of the units of a request's house, and what to assume in it."""
+        """Return the program of the units of a request's house, and the atoms to assume."""
         required = [*shared_requirements(request), *barred]
         program = self.units(request.rooms, tuple(required), arguments)
         return program, [granted(each) for each in required]
 
     def unit_for(self, request: Request) -> tuple[Program, list[Symbol]]:
-        """The program of a unit's rooms, whatever the numbers of some types, and what to assume in it."""
+        """Return the program of a unit's rooms for any numbers of these types, and the atoms to assume."""
         numbers = range(request.rooms + 1)
         each_number = [dict.fromkeys(request.types, (number, number)) for number in numbers]
         possible = [each for types in each_number for each in requirements("among", types)]
@@ -181,28 +181,26 @@ class Programs:
         arguments: tuple[str, ...] = (),
         rng: np.random.Generator | None = None,
     ) -> tuple[Program, list[Symbol]]:
-        """The program that furnishes a room of this type for a request, as ``furniture``, and what to assume
-        in it.
-        """
+        """Return the program that furnishes a room of this type for a request, and the atoms to assume."""
         required = self.required_in(type_, request)
         return self.furniture(type_, required, arguments, rng), [granted(each) for each in required]
 
     def required_in(self, type_: str, request: Request) -> tuple[Symbol, ...]:
-        """What a request requires of the furniture of a room of this type."""
+        """Return the requirements of a request for the furniture of a room of this type."""
         asked = request.pieces_of(type_)
         return tuple(
             requirements("has", {name: n for name, n in asked.items() if name in self._furniture[type_]})
         )
 
     def all_furniture(self, request: Request) -> list[Program]:
-        """The programs that furnish rooms for a request, of each type."""
+        """Return the programs that furnish rooms for a request, one for each type."""
         return [self.furniture_for(type_, request)[0] for type_ in sorted(self._furniture)]
 
     def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool | None]]:
-        """How many layouts there are: of the rooms, and of the furniture of each type of room.
+        """Yield the running counts of layouts of the rooms, and of the furniture of each room type.
 
-        A name, the number, and whether it is all of them: False where its share of the seconds ran out, None
-        where the count goes on.
+        Each item is a name, the number so far, and its state: True if complete, False if the share of the
+        seconds ran out, None if the count continues.
         """
         end = time.monotonic() + seconds
         named = [(str(request), self.rooms_for(request, EVERY))]
@@ -217,9 +215,9 @@ class Programs:
                 yield (name, *count)
 
     def remarks(self) -> Iterator[GrammarError]:
-        """What clingo only remarks on, and passes over, in the grammar's files.
+        """Yield clingo's messages about the grammar's files that are not errors.
 
-        That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
+        The message that an atom is in no rule's head is left out: a program holds the rules of one stage.
         """
         own = tuple(f"{file}:" for file in self._grammar.own)
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}

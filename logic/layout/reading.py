@@ -33,8 +33,9 @@ def parse(
     logger: Logger = lambda *_: None,
     left_out: Places = frozenset(),
 ) -> None:
-    """Give all statements of these files, in order, but the typical rules at these places; raises
-    ``RuntimeError`` as ``parse_files`` does.
+    """Pass the statements of these files to ``take``, in order, except the typical rules at ``left_out``.
+
+    Raises ``RuntimeError`` as ``parse_files`` does.
     """
     take = _without(left_out, take) if left_out else take
     for includes, some in groupby(files, _includes):
@@ -46,7 +47,7 @@ def parse(
 
 
 def load(control: Control, files: Sequence[Path], logger: Logger, left_out: Places = frozenset()) -> None:
-    """Load these files without the typical rules at these places."""
+    """Load these files without the typical rules at ``left_out``."""
     changed = {file for file, *_ in left_out}
     for file in files:
         if not (_includes(file) or str(file) in changed):
@@ -57,7 +58,7 @@ def load(control: Control, files: Sequence[Path], logger: Logger, left_out: Plac
 
 
 def _without(left_out: Places, take: Callable[[AST], None]) -> Callable[[AST], None]:
-    """Take what is not left out."""
+    """Return a function that passes statements to ``take``, except the typical rules at ``left_out``."""
     program = ""
 
     def taken(statement: AST) -> None:

@@ -90,21 +90,21 @@ def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
 
 
 ASKED_DOORS = Function("asked_doors", [])
-"""No other doors than those that a brief asks for: see ``rules/brief/brief.lp``."""
+"""Fact that excludes doors that a brief does not ask for: see ``rules/brief/brief.lp``."""
 
 
 def brief_requirements(brief: Brief) -> list[tuple[str, list[Symbol]]]:
-    """What a brief requires, each line in words: see ``rules/brief/brief.lp``."""
+    """Return the requirements of a brief, each line in words: see ``rules/brief/brief.lp``."""
     return [(line.reason, [_term(*term) for term in line.terms]) for line in brief_lines(brief)]
 
 
 def brief_facts(brief: Brief, on_request: bool, lengths: Iterable[Symbol] = ()) -> list[Symbol]:
-    """What stage 1 is told of a brief beside what it requires: voids, areas as stairs, and of a brief alone
-    that there are no other doors.
+    """Return the facts of a brief for stage 1 besides its requirements: voids, and areas as stairs.
 
-    ``on_request``: only of rooms that the brief asks about it is found out whether they share a wall. Stairs
-    go as far as the sides of boxes may, by the brief and by ``lengths``, facts of ``wall_facts``; without
-    these, as far as any sides may: whatever is left out of a proof.
+    A brief without a grammar also excludes other doors. With ``on_request``, stage 1 derives shared walls
+    only for rooms that the brief asks about. Stairs end at the longest sides that the brief and ``lengths``
+    (facts of ``wall_facts``) permit; without ``lengths``, at the longest sides of any room, so that a proof
+    may leave lengths out.
     """
     found = [_term("void", number) for number in void_numbers(brief)]
     found += [Function("on_request", [])] if on_request else []
@@ -124,7 +124,7 @@ def brief_facts(brief: Brief, on_request: bool, lengths: Iterable[Symbol] = ()) 
 
 
 def _sides(brief: Brief, lengths: Iterable[Symbol]) -> Iterator[tuple[int | str, tuple[Span, Span]]]:
-    """How long boxes may be along x and y, millimetres, by what is not left out."""
+    """Yield the least and greatest sides of boxes in x and y, millimetres, by ``lengths`` and the brief."""
     reach = {
         fact.arguments[0].name: [each.number for each in fact.arguments[1:]]
         for fact in lengths

@@ -13,9 +13,8 @@ from logic.request.request import Request
 def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
     """Return the house of ``Builder.house``. Raises ``Unsatisfiable`` if it finds no layout.
 
-    Typical rules that contradict what the request states of the rooms give way to it.
-    A proof that rests on the areas of rooms covers only a part of the sizes that these areas allow. In that
-    case all sizes are searched.
+    Typical rules that contradict the request's statements about rooms give way. A proof that uses the areas
+    of rooms covers only a part of the sizes that these areas allow; in that case all sizes are searched.
     """
     builder.begin()
     if request.given and (rules := unlike_stated_sizes(builder, request)):
@@ -36,7 +35,7 @@ def house_or_proof(builder: Builder, request: Request, seed: int, index: int, in
 
 
 def unsatisfiable(found: NoLayout) -> Unsatisfiable:
-    """Why a request has no house, by the evidence that there is no layout."""
+    """Return the proof that a request has no house, by the evidence that there is no layout."""
     try:
         return (
             no_house(found) if isinstance(found, NoUnits) else Prover(found.feasibility).unsatisfiable(found)

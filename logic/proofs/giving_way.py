@@ -1,4 +1,4 @@
-"""The typical rules of a grammar that give way: those that contradict what a request states of its rooms."""
+"""Search for the typical rules of a grammar that give way: those that contradict the rooms of a request."""
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
@@ -18,22 +18,22 @@ from logic.request.brief import bounds, tolerance_of
 from logic.request.request import Request
 
 MAX_REFUTED = 60
-"""Layouts that stage 2 refutes to find which typical lengths contradict a request; past them all give way."""
+"""Number of layouts that stage 2 refutes in a search for typical lengths that contradict a request."""
 
 MAX_CONFLICTS = 3_000
-"""Conflicts of clingo's in each search for typical rules that contradict a request."""
+"""Number of conflicts of clingo in each search for typical rules that contradict a request."""
 
 Span = tuple[float, float]
-"""From the least to the greatest, metres or square metres."""
+"""Least and greatest value, metres or square metres."""
 
 
 def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
-    """Return the typical sizes and areas of room types, and the door width, that differ from a request's."""
+    """Return the typical sizes, areas and door width that exclude the sizes, areas and doors of a request."""
     types = builder.loaded.extremes["rooms"]
     areas = {name: (least, most) for name, least, most in metres(builder.placer, types)["areas"]}
     names: dict[str, set[str]] = {"size": set(), "room_area": set()}
     for type_, sides, area in _stated(request):
-        if type_ not in types:  # The maker refuses it.
+        if type_ not in types:  # The maker refuses the type.
             continue
         width, depth = types[type_][:2], types[type_][2:]
         fits = not sides or any(_within(a, width) and _within(b, depth) for a, b in (sides, sides[::-1]))
@@ -49,7 +49,7 @@ def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
 
 
 def _stated(request: Request) -> Iterator[tuple[str, tuple[Span, ...], Span | None]]:
-    """The sides and the area of each room of a stated type, as far as they are stated."""
+    """Yield the type, the sides and the area of each room whose type a request states."""
     for room in request.plan.rooms if request.plan else ():
         if room.type:
             sides = (room.width, room.width), (room.height, room.height)
@@ -70,11 +70,12 @@ def _within(stated: Span, typical: Sequence[float]) -> bool:
 
 
 def giving_way(found: NoLayout) -> list[Reason]:
-    """Return typical rules that have to go, for a request that has no house with them.
+    """Return the typical rules that give way to a request without a house.
 
-    Nothing where the request states nothing of its rooms, or where the other rules refute it. Of each
-    conflict the rule goes that stands last in its file; where none is soon found, the last of the lengths; of
-    a house of units go all. A function of the request and of the evidence.
+    Return none if the request states nothing of its rooms, or if the other rules alone refute it. In each
+    conflict the last rule of the file gives way. If no conflict is found within the limits, the last quarter
+    of the lengths gives way. In a house of units all typical rules give way. The result depends only on the
+    request and the evidence.
     """
     if not found.request.states_rooms:
         return []
@@ -98,7 +99,7 @@ def giving_way(found: NoLayout) -> list[Reason]:
 
 
 def _is_about(statement: Statement, request: Request) -> bool:
-    """Return True unless it is of the size of a type that no room of the request has."""
+    """Return True unless the statement is about the size of a type that no room of the request has."""
     types = {room.type for room in request.given.rooms} if request.given else {""}
     clause = statement.clause
     about = clause.arguments if clause and clause != DOOR_WIDTH else ()
@@ -115,8 +116,10 @@ def _in_conflict(
     must: Sequence[Statement],
     typical: Sequence[Statement],
 ) -> list[Statement] | None:
-    """Typical rules without which there may be a ``layout``, the last one of each conflict; None if the other
-    rules have none. Raises ``TooMany`` if it is not soon found out whether there is a conflict.
+    """Return the last typical rule of each conflict; without these rules there may be a ``layout``.
+
+    Return None if the other rules alone have no layout. Raises ``TooMany`` if the search for a first conflict
+    reaches its limit.
     """
 
     def possible(some: Sequence[Statement]) -> bool:
@@ -146,9 +149,9 @@ def _in_conflict(
 
 
 def without(builder: Builder, request: Request, gave_way: Collection[str]) -> Builder:
-    """Return the builder without the typical rules that gave way to a request, as a house file cites them.
+    """Return the builder without the typical rules that a house file cites as having given way to a request.
 
-    Without any citation, as in a row of a set, return the one without those that counts refute.
+    Without citations, as for a row of a set, leave out the rules that contradict the request's counts.
     """
     if not request.states_rooms:
         return builder

@@ -62,8 +62,9 @@ class LoosePlanMaker(GivenPlanMaker):
 
 
 def moved_plan(builder: Builder, request: Request, seed: int) -> OwnPlan | None:
-    """See ``LoosePlanMaker.moved``; raises ``Unsatisfiable`` for what no lengths can mend. Typical rules give
-    way, all of the lengths among them.
+    """Return the plan with its walls moved by the least sum; see ``LoosePlanMaker.moved``.
+
+    Typical rules give way, including all typical lengths. Raises ``Unsatisfiable`` if no lengths help.
     """
     builder.maker_of(request)  # refuses what is no plan of this grammar
     assert request.plan

@@ -43,7 +43,7 @@ class Prover:
         self._of = feasibility
 
     def unsatisfiable(self, found: NoLayout) -> Unsatisfiable:
-        """Why a request has no house, by the evidence that stage 1 has found no layout for it."""
+        """Return the proof that a request has no house, by the evidence that stage 1 has no layout."""
         request = found.request
         self._of.placer.account.at(
             PROOF, f"why there is no house with {request}: that there is none is proved"
@@ -52,11 +52,11 @@ class Prover:
         if request.states_rooms:  # Typical rules have given way.
             statements = [each for each in statements if not each.reason.typical]
         if question.possible(statements):
-            if request.brief or self._of.thorough:  # with fewer lines, a search may decide less
+            if request.brief or self._of.thorough:  # A search with fewer lines may decide less.
                 raise LimitReached(
                     f"there is no house with {request}, but the search did not find which lines exclude it"
                 )
-            raise VitruviusError(f"{request} was proved infeasible that has walls")
+            raise VitruviusError(f"{request} was proved infeasible, but has walls")
         if request.plan:
             own = map(Reason, own_requirements(request.plan).values())
             needed = least_of_plan(question, statements, [*own])
@@ -92,14 +92,14 @@ class Prover:
         return Unsatisfiable(self._of.grammar.name, str(request), unique, advice, types)
 
     def conflict(self, request: Request) -> list[Reason]:
-        """Why there are no such rooms, without what would do: the request's own choices among the reasons."""
+        """Return the reasons why there are no such rooms, among them choices of the request."""
         relaxed, statements = self._of.house(request)
         return [each.reason for each in least(self._of.of_rooms(relaxed, request), statements)]
 
     def _number_of_rooms(
         self, request: Request, unfurnishable: Iterable[str], conflict: Collection[Reason]
     ) -> tuple[bool, int | None]:
-        """Whether another number of rooms would end the conflict, and one that does for everything."""
+        """Return True if another number of rooms would end the conflict, and a number with a house."""
         named = False
         first, then = _others(request, far=not self._of.grammar.shares_walls)
         for rooms in (*first, *then):
@@ -136,31 +136,32 @@ class Prover:
         return False
 
     def _room(self, request: Request, type_: str) -> list[Reason]:
-        """Why no room of this type can be furnished."""
+        """Return the reasons why no room of this type can be furnished."""
         question, statements = self._of.furniture(request, type_)
         alone = Question(question.relaxed)
-        if not alone.possible(statements):  # Without stage 2 a smallest conflict is soon found.
+        if not alone.possible(statements):  # Without stage 2 a minimal conflict is found quickly.
             statements = least(alone, statements)
             question.relaxed.prefer_none()
         if question.possible(statements):
-            raise VitruviusError(f"{article(type_)} was proved infeasible that can be furnished")
+            raise VitruviusError(f"{article(type_)} was proved infeasible, but can be furnished")
         return [each.reason for each in least(question, statements)]
 
     def _rooms(self, request: Request, refuted: Sequence[Refuted]) -> list[Reason]:
-        """Why a room of a plan cannot be furnished, with any of these doors."""
+        """Return the reasons why a room of a plan cannot be furnished with any of these doors."""
         if not refuted:
             return []
         each = [self._of.furniture(request, one.room.room.type, room=one) for one in refuted]
         statements = each[0][1]
         question = AnyOf([asked for asked, _ in each], [some for _, some in each])
         if question.possible(statements):
-            raise VitruviusError(f"{refuted[0].name} was proved infeasible, and can be furnished")
+            raise VitruviusError(f"{refuted[0].name} was proved infeasible, but can be furnished")
         return [statement.reason for statement in least(question, statements)]
 
 
 def asked(found: NoLayout) -> tuple[Question, list[Statement], Mapping[Reason, Sequence[Refuted]]]:
-    """What can be asked of a request's rooms with this evidence, all statements, and the rooms of a plan that
-    have no furniture, by those of the statements that say so.
+    """Return the question whether a request has rooms, given the evidence, its statements, and refuted rooms.
+
+    The refuted rooms are those of a plan that cannot be furnished, by the reason of the statement about them.
     """
     request, feasibility = found.request, found.feasibility
     relaxed, statements = feasibility.house(request, found.unfurnishable)
@@ -170,7 +171,7 @@ def asked(found: NoLayout) -> tuple[Question, list[Statement], Mapping[Reason, S
     for reason, rooms_ in refuted.items():
         nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
         statements.append(relaxed.proved(reason, nogoods))
-    # The user's plan or brief says more than rules from which the same follows: it is left out last.
+    # A line of the user's plan or brief explains more than a rule: it is left out last.
     if request.given:
         statements.sort(key=lambda each: each.reason.file is not None)
     fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
@@ -180,7 +181,7 @@ def asked(found: NoLayout) -> tuple[Question, list[Statement], Mapping[Reason, S
 
 
 def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] | None:
-    """A layout; None where there is none, or none is soon found."""
+    """Return a layout; None if there is none, or none is found within ``MOST_TRIED``."""
     try:
         return question.layout(statements, MOST_TRIED)
     except TooMany:
@@ -188,11 +189,10 @@ def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] |
 
 
 def _others(request: Request, far: bool) -> tuple[list[int], list[int]]:
-    """Other numbers of rooms, near this one and near the sum of types: those to try first, and the rest; the
-    nearest first.
+    """Return other numbers of rooms to try first, and to try later, each sorted by distance.
 
-    With ``far``, all are first, with powers of two: the rules of walls that rooms share are too many for a
-    large house.
+    The numbers are near the request's number and near the sum of its types. With ``far``, all are tried
+    first, and powers of two in addition; without it, large houses have too many rules of shared walls.
     """
     wanted = sum(least for least, _ in request.types.values())
     near = NEAR if far else NEXT
@@ -208,7 +208,7 @@ def _others(request: Request, far: bool) -> tuple[list[int], list[int]]:
 
 
 def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
-    """Each choice of the request's, and the request without it."""
+    """Yield each choice of the request, and the request without that choice."""
     for name in request.types:
         fewer = {other: wanted for other, wanted in request.types.items() if other != name}
         yield option("--type", name, request.types), replace(request, types=fewer)

@@ -260,7 +260,7 @@ def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> Non
 
 
 def _require_span(where: str, span: Span | None, largest: float = LONGEST, *, is_place: bool = False) -> None:
-    """Raise ``RequestError`` for a range out of bounds; only a place may be 0, and areas have a ``largest``."""
+    """Raise ``RequestError`` for a range out of bounds; only a place may be 0, and areas have ``largest``."""
     if span is None:
         return
     least, most = span if isinstance(span, tuple) else (span, span)
