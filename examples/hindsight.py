@@ -1,5 +1,5 @@
-"""Hindsight experience replay (Andrychowicz et al. 2017) by Stable-Baselines3: an episode that misses its
-target is learnt from as if its target had been where the body came to.
+"""Hindsight experience replay (Andrychowicz et al. 2017) by Stable-Baselines3: the agent also learns from an
+episode that misses its target, as if the target had been where the body ended.
 
 ./run python examples/hindsight.py houses.jsonl --steps 200000
 """
@@ -25,7 +25,7 @@ REACH_M = (max(CONFIG.body) + CONFIG.target) / 2
 
 
 class Goals(gymnasium.vector.VectorWrapper):
-    """Observations with the place of the eye as the achieved goal, and the target as the desired one."""
+    """Observations with the eye's place as the achieved goal and the target's place as the desired goal."""
 
     def __init__(self, env: gymnasium.vector.VectorEnv) -> None:
         super().__init__(env)
@@ -34,7 +34,7 @@ class Goals(gymnasium.vector.VectorWrapper):
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
 
     def compute_reward(self, achieved: np.ndarray, desired: np.ndarray, info: Any) -> np.ndarray:
-        """Return 1 where a body at a place overlaps a target: the buffer asks for it by this name."""
+        """Return 1 for each body that overlaps its target; the replay buffer calls this method by name."""
         return (np.abs(achieved - desired).max(axis=-1) < REACH_M).astype(np.float32)
 
     def goals(self, seen: np.ndarray, info: dict[str, Any]) -> dict[str, np.ndarray]:
@@ -47,7 +47,7 @@ class Goals(gymnasium.vector.VectorWrapper):
         return self.goals(seen, info), info
 
     def step(self, actions: Any) -> tuple[Any, ...]:
-        """Step; last observations have their goals, too."""
+        """Step the environments; final observations have goals, too."""
         seen, *outcome, info = self.env.step(actions)
         if "final_obs" in info:
             info["final_obs"] = self.goals(info["final_obs"], info["final_info"])

@@ -79,7 +79,7 @@ class Reason(msgspec.Struct, frozen=True):
     line: int | None = None
     column: int | None = None
     typical: bool = False
-    """True of a rule that gives way to what the user states of the rooms."""
+    """True for a rule that gives way to the user's statements about rooms."""
 
     def __str__(self) -> str:
         """As in ``rooms.lp:8:1: :- rooms >= 3, basic(T), not room(_,T).``."""

@@ -38,22 +38,22 @@ STATED = SHARED_WALLS / "stated.lp"
 """What a topology states, and no other file of a grammar."""
 
 ACCESS, OWN = SHARED_WALLS / "access.lp", SHARED_WALLS / "own.lp"
-"""What a plan of the user's has in the place of a topology."""
+"""Files that replace the topology for a plan of the user's."""
 
 DISSECTION, BRIEF = TOPOLOGIES / "dissection.lp", RULES / "brief" / "brief.lp"
-"""What a house by a brief has in the place of its grammar's topology."""
+"""Files that replace the grammar's topology for a house by a brief."""
 
 Places = frozenset[tuple[str, int, int]]
-"""File, line and column at which rules begin."""
+"""Places of rules: file, line and column at which each begins."""
 
 TYPICAL = "typical"
-"""The ``#program`` of rules of a house's rooms that give way to what the user states of these."""
+"""Name of the ``#program`` whose rules give way to the user's statements about rooms."""
 
 COMMENT = re.compile(r"%\*.*?(?:\*%|\Z)|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
 
 TYPES = re.compile(r"\btype\s{0,9}\(([\w\s;()]{0,999})\)\s{0,9}\.")
-"""A fact that names room types."""
+"""Fact that names room types."""
 
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
@@ -86,7 +86,7 @@ class Grammar:
     """The ``.pl`` files, likewise."""
     hash: str
     gave_way: tuple[Reason, ...] = ()
-    """The typical rules that are left out, since they contradict what the user states of the rooms."""
+    """Typical rules that are left out because they contradict the user's statements about rooms."""
 
     @property
     def asp(self) -> tuple[Path, ...]:
@@ -95,31 +95,31 @@ class Grammar:
 
     @property
     def left_out(self) -> Places:
-        """The places of the typical rules that are left out."""
+        """Places of the typical rules that are left out."""
         return frozenset((str(each.file), each.line or 1, each.column or 1) for each in self.gave_way)
 
     @property
     def shares_walls(self) -> bool:
-        """Whether its houses are plans of rooms that share walls: all but stars are."""
+        """True if the rooms of its houses share walls; only the rooms of stars do not."""
         return set(PLANS) <= set(self.topology)
 
     def name_of(self, file: Path) -> str:
-        """One of its files in short: see ``name_in``."""
+        """Return the short name of one of the grammar's files: see ``name_in``."""
         return name_in(file, self.directory, SHIPPED.resolve())
 
     def cited(self, rule: Reason) -> str:
-        """One of its rules with its place, as a house file names it: without the folders of this machine."""
+        """Return a rule with its place as a house file cites it: without the folders of this machine."""
         return f"{self.name_of(Path(str(rule.file)))}:{rule.line}:{rule.column}: {rule.text}"
 
     def for_brief(self) -> "Grammar":
-        """The same rules with the topology of a brief: see ``logic.generation.brief``."""
+        """Return the grammar with the topology of a brief: see ``logic.generation.brief``."""
         own = tuple(file for file in self.own if file.stem != self.topology_name)
         topology = (*PLANS, ADJACENT, DISSECTION, BRIEF)
         return replace(self, own=own, topology=topology, topology_name=DISSECTION.stem)
 
     @property
     def types(self) -> frozenset[str]:
-        """Names of the room types that its files state as facts: read as text, as its topology is."""
+        """Room types that the grammar's files state as facts, found in the text without solving."""
         texts = (COMMENT.sub("", _content(file, MOST_BYTES).decode("utf-8", "replace")) for file in self.own)
         return frozenset(
             name for text in texts for some in TYPES.findall(text) for name in re.findall(r"\w+", some)

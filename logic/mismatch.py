@@ -1,4 +1,4 @@
-"""Words about a JSON value that is not of its type: where, what is permitted there, and what was given."""
+"""Messages for a JSON value of the wrong type: the place, the permitted values, and the given value."""
 
 import json
 import re
@@ -20,13 +20,13 @@ WORDS = {
     inspect.StrType: "a text",
     inspect.DictType: "an object",
 }
-"""Words for the types that have no parts of their own."""
+"""Words for types without parts."""
 
 BOUNDS = {"<=": "at most", ">=": "at least", "<": "below", ">": "above"}
 
 
 def mismatch(error: msgspec.ValidationError, value: Any, kind: Any) -> str:
-    """Return the words for an error of ``msgspec.convert(value, kind)``.
+    """Return the message for an error of ``msgspec.convert(value, kind)``.
 
     An example: ``rooms[0].outside[0]: there is no value South: did you mean south? There are east, north``.
     """
@@ -41,7 +41,7 @@ def mismatch(error: msgspec.ValidationError, value: Any, kind: Any) -> str:
 
 
 def _words(reason: str, value: Any, permitted: inspect.Type) -> str:
-    """Return the words for the ``reason`` that msgspec gives for a value."""
+    """Return the message for a value and msgspec's ``reason``."""
     kinds = [*_kinds(permitted)]
     if named := re.fullmatch(r"Object (contains unknown|missing required) field `(.*)`", reason):
         fields = [field for kind in kinds if isinstance(kind, inspect.StructType) for field in kind.fields]

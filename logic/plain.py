@@ -1,4 +1,4 @@
-"""Conversion of other libraries' numbers, such as NumPy's, to Python's."""
+"""Conversion of numbers of other libraries, such as NumPy, to Python's numbers."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,5 +1,7 @@
-"""Checks of doors and windows in houses whose rooms share walls: in walls that both rooms share, or in outer
-walls, and clear of corners, of each other and of furniture.
+"""Checks of doors and windows in houses whose rooms share walls.
+
+Doors and windows lie in walls that both rooms share or in outer walls, and clear of corners, of each other
+and of furniture.
 """
 
 from collections.abc import Collection, Iterator
@@ -20,7 +22,7 @@ from logic.spelling import article
 T = TypeVar("T", bound=Rect)
 
 BEFORE = 0.3
-"""Metres: what stands nearer before a window hides it."""
+"""Distance within which furniture hides a window, metres."""
 
 
 def plan_doors(house: House, promises: Promises) -> Iterator[Fault]:
@@ -113,7 +115,7 @@ def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 class _Rects(Generic[T]):
-    """Rectangles that NumPy compares with one rectangle, all at once."""
+    """Rectangles that NumPy compares with one rectangle in one operation."""
 
     def __init__(self, rects: Collection[T]) -> None:
         self._rects = [*rects]
@@ -125,16 +127,16 @@ class _Rects(Generic[T]):
         yield from (self._rects[index] for index in np.flatnonzero(mask[first:]) + first)
 
     def apart(self, box: Box) -> np.ndarray:
-        """Return the gap from each to a box along x and y (N, 2), metres; negative where they overlap."""
+        """Return the gaps from each rectangle to the box (N, 2), metres; negative if they overlap."""
         return np.maximum(self._boxes[:, :2] - box[2:], np.subtract(box[:2], self._boxes[:, 2:]))
 
     def met_by(self, opening: Rect) -> np.ndarray:
-        """Return which of these openings (N,) touch or overlap another opening in its wall."""
+        """Return a mask (N,) of the openings that touch or overlap another opening in the same wall."""
         away = np.hypot(*self.apart(opening.box).clip(0).T)
         return (away <= TOLERANCE) & (self._along == _along(opening))
 
     def shared(self, segment: Box) -> np.ndarray:
-        """Return the length of a segment in each or on its boundary (N,), metres; negative where apart."""
+        """Return the length of a segment in or on each rectangle (N,), metres; negative if they are apart."""
         along, across = (
             np.minimum(segment[k + 2], self._boxes[:, k + 2]) - np.maximum(segment[k], self._boxes[:, k])
             for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))
@@ -143,7 +145,7 @@ class _Rects(Generic[T]):
 
 
 def _at_outer_wall(house: House, tiles: _Rects[Room], room: Room) -> bool:
-    """Return whether a part of the room's boundary has no other room behind it."""
+    """Return True if a part of the room's boundary has no other room behind it."""
     whole = room.grown(house.half_wall).box
     beside = tiles.where((tiles.apart(whole) <= PASSAGE).all(axis=1))
     others = shapely.union_all([shapely.box(*other.box) for other in beside if other.name != room.name])
@@ -152,7 +154,7 @@ def _at_outer_wall(house: House, tiles: _Rects[Room], room: Room) -> bool:
 
 
 def _is_shared(door: Door, one: Room, other: Room) -> bool:
-    """Return whether a door lies on a wall of one room that is also the facing wall of the other."""
+    """Return True if a door lies on a wall of one room that is also the facing wall of the other."""
     return any(is_on_wall(door, one, wall) and is_on_wall(door, other, (wall + 2) % 4) for wall in range(4))
 
 
@@ -176,7 +178,7 @@ def _not_outer(
 
 
 def _outside(opening: Rect, room: Room, off: float) -> Box:
-    """Return a centimetre of the outside before an opening, ``off`` metres away, where its wall ends."""
+    """Return a strip of 1 cm outside an opening, at the outer face of its wall, ``off`` metres away."""
     box, axis = [*opening.box], 1 - _along(opening)
     way = 1 if box[axis] > (room.box[axis] + room.box[axis + 2]) / 2 else -1
     ends = sorted((box[axis] + way * off, box[axis] + way * (off + 0.01)))
@@ -190,7 +192,7 @@ def _along(opening: Rect) -> int:
 
 
 def _before(window: Window, half: float) -> Box:
-    """Return the floor before a window and behind it, in a wall of which ``half`` is so thick, metres."""
+    """Return the floor on both sides of a window; ``half`` is half the thickness of its wall, metres."""
     west, north, east, south = window.box
     by_x, by_y = (BEFORE + half, 0.0) if _along(window) else (0.0, BEFORE + half)
     return west - by_x, north - by_y, east + by_x, south + by_y

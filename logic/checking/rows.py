@@ -1,4 +1,4 @@
-"""Rows of furniture that are to be even, by the places of the pieces."""
+"""Check of even rows of furniture, by the places of the pieces."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise, product
@@ -10,7 +10,7 @@ from logic.house.promises import Promises
 
 
 def uneven_rows(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """Yield a line for a room whose rows are to be even, and are not at any of their edges."""
+    """Yield a line for a room whose rows must be even, but are even by none of the pieces' edges."""
     kinds = promises.even_rows.get(room.type, ())
     boxes = [_with_companions(piece) for piece in room.children if piece.type in kinds]
     if not any(_are_even(boxes, x, y) for x, y in product((0, 2), (1, 3))):
@@ -33,7 +33,7 @@ def _are_even(boxes: Sequence[Box], x: int, y: int) -> bool:
 
 
 def _distinct(places: Iterable[float]) -> list[float]:
-    """Return the places in order, without those that are the same within the tolerance."""
+    """Return the places in order, with places within the tolerance of each other merged."""
     ordered = sorted(places)
     return [*ordered[:1], *(after for before, after in pairwise(ordered) if after - before > TOLERANCE)]
 

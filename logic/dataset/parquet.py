@@ -1,4 +1,4 @@
-"""Reader of Parquet files from others: it checks the footer and the page headers before it unpacks a page.
+"""Reader of untrusted Parquet files, which checks the footer and the page headers before it unpacks a page.
 
 A few kilobytes of Parquet may unpack to terabytes: pages are compressed, texts of a dictionary are repeated,
 and texts share the beginning of the previous text (``DELTA_BYTE_ARRAY``). The footer may state other sizes

@@ -107,7 +107,7 @@ def limit_row(said: Row, why: str) -> Row:
 
 
 def house_of(row: Row, versions: dict[str, str], promises: Promises | None) -> House | None:
-    """The house of a row, None where it ended in a limit; what made it, and what it promises, its set says.
+    """Return the house of a row, with provenance and promises of its set; None if the row ended in a limit.
 
     Raises ``ValueError`` if it is no row of a set.
     """

@@ -132,7 +132,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return shards
 
     def series(self, folder: Path) -> HouseSeries:
-        """What its houses are made by: the rules that travel with it, or shipped ones that are the same.
+        """Return the grammar of the set's houses: the rules in the set, or identical shipped rules.
 
         Raises ``GrammarError`` if those are not the rules that made it.
         """

@@ -42,7 +42,7 @@ def write(house: House, path: Path) -> None:
 
 
 def to_mjcf(house: House, name: str = "house") -> Element:
-    """A house as the element ``mujoco``.
+    """Return a house as the element ``mujoco``.
 
     The robot stands in the middle of the largest free place of the room where bodies start. It slides along
     ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east), each driven by a

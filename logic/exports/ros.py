@@ -103,7 +103,7 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
 def _fill(
     cells: np.ndarray, shape: shapely.Polygon | shapely.LineString, west: float, north: float, cell: float
 ) -> None:
-    """Occupy the cells (H, W) that a shape touches; ``west`` and ``north`` are the corner of all cells."""
+    """Mark the cells (H, W) that a shape touches as occupied; cell (0, 0) begins at ``west``, ``north``."""
     left, top, right, bottom = shape.bounds
     (x0, x1), (y0, y1) = (
         np.clip([int((low - edge) // cell), int((high - edge) // cell) + 1], 0, most)

@@ -1,5 +1,6 @@
-"""A house as solid boxes: walls with a thickness and a height, openings cut out of them, furniture. In a map
-all cells that are not free are walls.
+"""Solid boxes of a house: walls with a thickness and a height, openings cut out of them, and furniture.
+
+In a map all cells that are not free are walls.
 
 Files of houses have no third dimension, so heights are chosen here, and those of furniture in ``looks.json``.
 """
@@ -68,11 +69,10 @@ class Solid(NamedTuple):
 
 
 def solids(house: House, thickness: float = 0.1) -> list[Solid]:
-    """The solids of a house: floors, walls around doorways and windows, panes, entrances and furniture.
+    """Return the solids of a house: floors, walls around openings, panes, entrances and furniture.
 
-    ``thickness``: metres, of walls that have none of their own; half of it lies on each side of the line
-    where a wall stands.
-    Entrances and windows are shut. Names are unique and printable, and depend on the house alone.
+    Walls without a thickness get ``thickness`` metres, half of it on each side of the wall's line. Entrances
+    and windows are shut. Names are unique and printable, and depend only on the house.
     """
     if house.occupancy:
         walls = _cells(house, thickness)
@@ -95,7 +95,7 @@ def _floors(house: House) -> Iterator[Solid]:
     below = house.rooms[0] if house.occupancy else main
     for room in house.rooms:
         colour = INKS.paper if room is main else look.fill(house.whole(room).type).colour
-        # A floor over another floor lies higher to be visible: rooms of the original, areas of a map.
+        # A floor above another floor lies higher to be visible: rooms of the original, areas of a map.
         top = 0.001 if below and room is not below else 0.0
         yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)
 

@@ -70,7 +70,7 @@ class Unfurnishable(Exception):
     def __init__(self, place: int, room: GivenRoom, decided: bool = True) -> None:
         """Keep the room and its number in the plan. Unless ``decided``, the room is likely unfurnishable."""
         found = f"{room} cannot have the furniture that it needs"
-        super().__init__(found if decided else f"no furniture is soon found for {room}")
+        super().__init__(found if decided else f"no furniture was found in time for {room}")
         self.place, self.room, self.decided = place, room, decided
 
 

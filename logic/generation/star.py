@@ -122,7 +122,7 @@ class StarMaker(Maker):
             except TooMany:
                 ease = EASE[FURNITURE]
                 raise LimitReached(
-                    f"no furniture of {article(type_)} is soon found: to ease it, {ease}"
+                    f"no furniture of {article(type_)} was found in time: to ease it, {ease}"
                 ) from None
             if furniture is None:
                 nogoods.unfurnishable.add(type_)

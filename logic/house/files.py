@@ -208,7 +208,7 @@ def _absent(path: Path) -> str:
 
 
 def _made(path: Path, words: str) -> str:
-    """Return the command that makes a house file: of this name, if houses are written into files of such."""
+    """Return the command that makes a house file, with this name if its suffix is one of house files."""
     name = path if path.name.endswith(HOUSE_FILES) else path.with_name("houses.jsonl")
     return f"vitruvius {words} --out {quoted(name)}"
 

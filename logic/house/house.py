@@ -73,7 +73,7 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def main(self) -> Room:
-        """The hub. Raises ``ValueError`` if the house names none."""
+        """Return the hub. Raises ``ValueError`` if the house names none."""
         return self.room(self.hub)
 
     @property
@@ -99,7 +99,7 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def garden_doors(self) -> tuple[Door, ...]:
-        """The doors that lead outside but for the first, the entrance."""
+        """Doors that lead outside, without the first one, which is the entrance."""
         return tuple(door for door in self.doors if door.is_entrance)[1:]
 
     @property

@@ -169,7 +169,7 @@ class _Pairs(list[tuple[str, Any]]):
 
 
 MAX_FAULTS = 20
-"""Number of faults of a file that are looked for: each may compare a name with many names."""
+"""Number of faults of a file that are reported: each may compare a name with many names."""
 
 Fault = tuple[Where, str]
 

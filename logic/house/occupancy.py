@@ -122,7 +122,7 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def _fault_of_rows(rows: tuple[str, ...]) -> str:
-    """Return why these are no rows of a map; empty if nothing is wrong."""
+    """Return the reason why these are not rows of a map; empty if they are."""
     for number, row in enumerate(rows):
         if not RUNS.fullmatch(row):
             return f"row {number} is no row of cells such as 12#30.2?"

@@ -36,7 +36,7 @@ NEGATE = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes
 
 SHORT = Repr()
 SHORT.maxlevel, SHORT.maxstring = 1, 60
-"""Shortener of values of a file for an error message."""
+"""Abbreviation of a file's values in an error message."""
 
 BAND = 256
 """Rows that are read at once."""

@@ -1,4 +1,4 @@
-"""Types of room that no house of a grammar has, and grammars that have no house, with the rules to blame."""
+"""Warnings for room types that no house of a grammar has, and for grammars without a house."""
 
 from collections.abc import Iterator, Sequence
 
@@ -12,16 +12,16 @@ from logic.layout.terms import granted, parts, requirements
 from logic.spelling import listed
 
 MAX_CONFLICTS = 2_000
-"""Number of conflicts that clingo may meet in a search: where they do not suffice, nothing is reported."""
+"""Number of conflicts of clingo in each search; a search that needs more reports nothing."""
 
 MAX_BLAMED = 3
 """Number of rules that a warning lists."""
 
 
 def absent(loaded: LoadedGrammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
-    """Yield a warning for each type that no house of these numbers of rooms has, or one for no house at all.
+    """Yield a warning for each type that no house of these numbers of rooms has, or one if there is no house.
 
-    Lengths have no part in it, and houses of units are passed over.
+    The search ignores lengths, and skips grammars of units.
     """
     if loaded.depths:
         return
@@ -54,7 +54,7 @@ def absent(loaded: LoadedGrammar, sizes: Sequence[int]) -> Iterator[GrammarError
 
 
 def _possible(relaxed: Relaxed, some: Sequence[Statement]) -> bool:
-    """Return True if there is a layout, or it is not soon known that there is none."""
+    """Return True if there is a layout, or if the search reaches its limit."""
     try:
         return relaxed.model(some, conflicts=MAX_CONFLICTS) is not None
     except TooMany:
@@ -62,7 +62,7 @@ def _possible(relaxed: Relaxed, some: Sequence[Statement]) -> bool:
 
 
 def _warning(relaxed: Relaxed, choices: Sequence[Statement], what: str) -> GrammarError:
-    """Return a warning at the last of the rules that leave no layout with these choices, with the others."""
+    """Return a warning at the last rule of a conflict with these choices; the text names the other rules."""
 
     def core(some: Sequence[Statement]) -> list[Statement]:
         found = relaxed.core([*some, *choices])

@@ -31,7 +31,7 @@ LARGER = (5, 7, 10, 12, 14, 16, 20, 27, 40, 53, 64, 90, 128)
 """Numbers for which the rules are looked at that bind in none of these, if the topology allows them."""
 
 SOLVED = (6, 8, 3, 1, 10, 14)
-"""Numbers of rooms of which houses are looked for, in this order."""
+"""Numbers of rooms of the houses that ``lint`` searches for, in this order."""
 
 MOST_INSTANCES = 1_500_000
 """Ground rules that are looked at in all, which takes three seconds; shipped grammars take 100,000."""
@@ -54,7 +54,7 @@ def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
 
 
 def _beside_typical(grammar: Grammar, loaded: LoadedGrammar) -> list[GrammarError]:
-    """What is wrong with the lengths that stand behind typical ones."""
+    """Return the errors of the limits that replace typical lengths when these give way."""
     typical = typical_lengths(loaded.placer, loaded.furniture).values()
     if not typical:
         return []

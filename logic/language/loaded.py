@@ -95,12 +95,12 @@ class LoadedGrammar:
             self.errors = list(self.programs.remarks())
 
     def programs_of(self, grammar: Grammar, walls: Iterable[Symbol]) -> Programs:
-        """Return the programs of stage 1, with what it knows of walls."""
+        """Return the programs of stage 1, with its facts about walls."""
         account = self.placer.account
         return Programs(grammar, self.furniture, self.lengths, account, walls, self.crowded)
 
     def _readable(self) -> Iterator[Mistake]:
-        """What is wrong with statements by themselves."""
+        """Yield the mistakes of single statements."""
         if self._illegible:
             yield from map(Mistake, self._illegible)
             return
@@ -225,7 +225,7 @@ class LoadedGrammar:
         return [*walls, *areas, *((step, ()) for step in depths)]
 
     def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
-        """What is wrong where a grammar states that there are units, which its topology has if ``known``."""
+        """Yield errors of a grammar that states units; its topology has units if ``known``."""
         self.depths = unit_depths(self.placer)
         self.most_in_unit = stated.arguments[1].number
         if not known:
@@ -237,8 +237,8 @@ class LoadedGrammar:
             yield GrammarError(why, self.grammar.prolog[-1], 1, 1)
 
     def _unlikely(self) -> Iterator[GrammarError]:
-        """What is hardly meant."""
-        # What an included file says of other pieces is not the user's to mend.
+        """Yield warnings for statements that are probably mistakes."""
+        # The user cannot mend statements of an included file about other pieces.
         own = self.grammar.directory
         yield from (each for each in self._of_no_room if own in Path(str(each.file)).parents)
         yield from unlikely(self.extremes, self.placer.origins)
@@ -246,7 +246,7 @@ class LoadedGrammar:
         yield from contradictory(self.rules.words)
 
     def _probe(self, constants: dict[str, Any], stages: Sequence[Part]) -> Program:
-        """Stages without furniture: a rule that has very many instances in them is refused."""
+        """Return the program of these stages. Raises ``GrammarError`` for a rule with too many instances."""
         rules = (constants, stages)
         try:
             return Program(self.grammar.asp, *rules, most=MOST_INSTANCES, left_out=self.grammar.left_out)

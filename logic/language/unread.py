@@ -1,4 +1,4 @@
-"""Files of a grammar's folder that hold rules and are not read, as ``rooms.LP`` or ``rules.txt``."""
+"""Warnings for files of a grammar's folder that hold rules but are not read, such as ``rooms.LP``."""
 
 import re
 from collections.abc import Iterator
@@ -13,13 +13,13 @@ TEXT = {".txt", ".asp", ".clingo", ".dl", ".pro", ".prolog"}
 """Suffixes of files that may hold rules."""
 
 MAX_BYTES = 1 << 20
-"""Size of a file that is looked at."""
+"""Size of a file that is searched for rules."""
 
 RULE = re.compile(rb"(?m)^\s*:-\s|\)\s*:-\s|^[a-z]\w*\([^()\n]*\)\.\s*$")
 
 
 def unread(directory: Path) -> Iterator[GrammarError]:
-    """Yield a warning for each file that is likely to be meant as a rule file."""
+    """Yield a warning for each file that is probably meant as a rule file."""
     for file in sorted(directory.iterdir()):
         suffix = file.suffix.lower()
         if file.name.startswith(".") or file.suffix in SUFFIXES or not file.is_file():

@@ -85,7 +85,7 @@ class Account:
             said.append(f"{self._plans:,} of {self._layouts:,} layouts of the rooms were refuted.")
         if self._rooms:
             said.append(f"{self._rooms:,} layouts of furniture were refuted.")
-        for what, counted in (("fitted in", self._unfurnished), ("was soon found for", self._undecided)):
+        for what, counted in (("fitted in", self._unfurnished), ("was found in time for", self._undecided)):
             types = ", ".join(
                 f"{article(str(type_))} {number:,} times" for type_, number in counted.most_common(MOST)
             )

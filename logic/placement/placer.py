@@ -59,7 +59,7 @@ class Placer:
     """The Prolog engine of this process with one grammar's lengths."""
 
     _loaded: "ClassVar[Placer | None]" = None
-    """The one whose lengths the engine has."""
+    """Placer whose lengths the Prolog engine has loaded."""
 
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
         """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
@@ -75,7 +75,7 @@ class Placer:
         self.load()
 
     def load(self) -> None:
-        """Load the grammar's ``.pl`` files, in the place of those of another grammar."""
+        """Load the grammar's ``.pl`` files, which replace those of another grammar."""
         if Placer._loaded is not self:
             files = [_below_its_includes(file) for file in self._grammar.prolog]
             left_out = [Term("-", file, line) for file, line, _ in self._grammar.left_out]
@@ -239,7 +239,7 @@ class Placer:
         return None if reasons is None else _conflict(reasons)
 
     def reason(self, file: str, line: int) -> Reason:
-        """The clause at a line, and whether it is typical."""
+        """Return the clause at a line, and True if the clause is typical."""
         return replace(located(file, line), typical=(file, line) in self._typical)
 
     def version(self) -> str:

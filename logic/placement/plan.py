@@ -50,7 +50,7 @@ class Plan(msgspec.Struct):
     hub: str = ""
     wall_thickness: Thickness | None = None
     drawn_windows: bool = False
-    """Whether a user drew the windows, which may be nearer to corners than the grammar's margin."""
+    """True if a user drew the windows, which may be nearer to corners than the grammar's margin."""
 
     @property
     def half_wall(self) -> float:

@@ -261,7 +261,7 @@ def _geometry(opening: Feature) -> Geometry:
             raise ValueError
         return found
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
-        raise RequestError(f"plan: features[{opening.number}]: its geometry is none") from None
+        raise RequestError(f"plan: features[{opening.number}]: its geometry is invalid") from None
 
 
 def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, list[str], float]:
@@ -282,7 +282,7 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
         return (lambda some: shapely.transform(some, project)), [said], _rounding(shapes)
     if middle < SMALLEST:
         size = f"half of the rooms' sides are shorter than {middle:.2g} {unit or 'm'}"
-        raise RequestError(f"plan: {size}: these are no rooms in metres: say --plan-unit")
+        raise RequestError(f"plan: {size}: these are not rooms in metres: say --plan-unit")
     if middle > LARGEST:
         size = f"half of the rooms' sides are longer than {middle / factor:,.0f}"
         guess = {"mm": middle > 700, "cm": middle > 100}
@@ -291,7 +291,7 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
         like = f"these look like {words[found] if found else 'pixels'}"
         metres = f" {found}, or" if found else ""
         raise RequestError(
-            f"plan: {like} ({size}): say --plan-unit{metres} how many metres one is, as in --plan-unit 0.02"
+            f"plan: {like} ({size}): say --plan-unit{metres} the metres per unit, as in --plan-unit 0.02"
         )
     if factor == 1:
         return (lambda some: some), [], 0.0

@@ -204,7 +204,7 @@ def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: 
     middle = median(sides)
     if not SIZES[0] <= middle <= SIZES[1]:
         off = "shorter" if middle < 1 else "longer"
-        why = f"{unit} is not its unit: say another" if unit else "these are no rooms in metres: say"
+        why = f"{unit} is not its unit: say another" if unit else "these are not rooms in metres: say"
         raise RequestError(
             f"plan: half of the sides of rooms of {format} are {off} than {middle:.2g} m: {why} --plan-unit"
         )

@@ -87,7 +87,7 @@ def read_plan(
         return _plan(found, unit, snap, storey, types)
     except RequestError as error:
         if isinstance(found, Sketch) and (more := _snap_that_does(found, unit, snap, types)):
-            raise RequestError(f"{error}, or say --snap {more:g}, which reads it") from None
+            raise RequestError(f"{error}, or pass --snap {more:g}, with which this plan is read") from None
         raise
 
 
@@ -230,7 +230,7 @@ def _require_plan(plan: OwnPlan, wall: float | None = None) -> None:
     for fault in chain(_overlaps(plan, thick), _apart(plan, thick), _gaps(plan)):
         hint = HINT_OF_WALLS if wall is not None else HINT
         more, which = figure(fault.off + 0.001, digits=3), TOLERANCE < fault.off < fault.snap - 0.001
-        by_snap = f" (--snap {more} takes these walls for one)" if which and wall is None else ""
+        by_snap = f" (--snap {more} merges these walls)" if which and wall is None else ""
         raise RequestError(f"plan: {fault.said}{by_snap}: {hint}")
     for fault in _misplaced(plan):
         raise RequestError(f"plan: {fault}")

@@ -1,8 +1,8 @@
-"""The house that breaks fewest lines of a brief, where none keeps all of them.
+"""Search for the house that breaks the fewest lines of a brief, if no house keeps all lines.
 
-Each proof is a conflict: one of its lines must change. So the fewest lines that hit all conflicts found so
-far are as few as can be, if there is a house without them; and if there is none, its proof is another
-conflict.
+Each proof is a conflict: one of its lines must change. The search drops the fewest lines that hit all
+conflicts found so far. If a house exists without these lines, no smaller number suffices; otherwise the proof
+that there is none is a new conflict.
 """
 
 from collections.abc import Callable, Mapping

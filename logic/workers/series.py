@@ -156,7 +156,7 @@ class HouseSeries:
                     worker.end()
 
     def _say_what_gave_way(self, house: House, said: set[str]) -> None:
-        """Warn of each typical rule that gave way to the request, once."""
+        """Warn once of each typical rule that gave way to the request."""
         assert house.provenance
         for rule in house.provenance.gave_way:
             if rule not in said:

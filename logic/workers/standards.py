@@ -61,8 +61,9 @@ def promises_of(house: House) -> Promises:
 
 
 def _beside_what_is_stated(made: Provenance, said: Promises) -> Promises:
-    """Return what is said of a grammar without what gives way to a brief, a plan or counts: the promises that
-    travel with the house say that.
+    """Return the grammar's promises without the rules that gave way to a brief, a plan or counts.
+
+    The promises in the house file state these.
     """
     ways = ("opens",) if {"brief", "plan"} & made.request.keys() else ()
     typical = ("door_width", "room_size", "room_area", "narrowest", "lit") if made.gave_way else ()
@@ -71,10 +72,10 @@ def _beside_what_is_stated(made: Provenance, said: Promises) -> Promises:
 
 
 def standard(named: Standard) -> Callable[[House], Promises]:
-    """What judges a house: promises; a mapping or a JSON file, which replaces some of the house's own; or a
-    grammar, by its name or its folder, with all that its houses promise.
+    """Return a function from a house to the promises that judge it.
 
-    Raises ``RequestError`` for a promise that there is not, ``HouseFileError`` if it stands in a file,
+    ``named`` is promises, a mapping or a JSON file that replaces some of the house's promises, or a grammar's
+    name or folder. Raises ``RequestError`` for an unknown promise, ``HouseFileError`` for one in a file,
     ``GrammarError`` for a grammar that is absent or wrong.
     """
     if isinstance(named, Promises):

@@ -24,7 +24,7 @@ class Statement(NamedTuple):
 
 
 def read(files: Sequence[Path]) -> list[Statement]:
-    """All statements of these files and of what they include, in order; typical ones are of the house.
+    """Return all statements of these files and of included files, in order; typical ones are of the house.
 
     Raises ``GrammarError`` for the first syntax error.
     """

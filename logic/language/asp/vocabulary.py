@@ -242,7 +242,7 @@ def capitalised(own: Words) -> Iterator[GrammarError]:
 
 
 def contradictory(own: Words) -> Iterator[GrammarError]:
-    """Rules that require a literal and its negation."""
+    """Yield an error for each rule whose body requires a literal and its negation."""
     for statement in own.rules:
         literals = {str(each) for each in statement.node.body}
         for each in sorted(literals):

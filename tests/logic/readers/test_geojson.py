@@ -334,7 +334,7 @@ def test_more_rooms_and_doors_than_are_read_are_refused_before_any_is_made() -> 
 )
 def test_a_door_without_a_place_is_named(geometry: dict[str, Any]) -> None:
     door = {"type": "Feature", "properties": {"type": "door"}, "geometry": geometry}
-    with pytest.raises(RequestError, match=r"plan: features\[1\]: its geometry is none"):
+    with pytest.raises(RequestError, match=r"plan: features\[1\]: its geometry is invalid"):
         read_plan(collection(feature(SQUARE), door))
 
 

@@ -252,7 +252,9 @@ def test_a_snap_is_proposed_where_it_does_and_only_there(tmp_path: Path) -> None
         return "Entry", [(x - off, y) for x, y in HALL[1]]
 
     living: tuple[str, Ring] = ("LivingRoom", [(0, 0), (3.9, 0), (3.9, 4), (0, 4)])
-    with pytest.raises(RequestError, match=r"by 0\.080 m: .*, or say --snap 0\.05, which reads it"):
+    with pytest.raises(
+        RequestError, match=r"by 0\.080 m: .*, or pass --snap 0\.05, with which this plan is read"
+    ):
         drawn(tmp_path, living, beside(0.18))
     assert len(read_plan(tmp_path / "plan.svg", snap=0.05).rooms) == 2
     with pytest.raises(RequestError) as refused:

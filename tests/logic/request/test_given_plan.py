@@ -200,7 +200,7 @@ def test_a_plan_that_breaks_a_rule_is_proved_impossible_by_its_room_and_the_rule
         ({"shed": (20, 0, 22, 2)}, "shed shares no wall with the rooms around hall"),
         ({"shed": (9, 3, 11, 5)}, "shed shares no wall"),
         ({"living": (0, 0, 3.9, 4)}, "m² between hall, living, bedroom are no room's"),
-        ({"bath": (5.95, 3, 8.4, 5.2)}, r"hall overlaps bath by 0.050 m \(--snap 0.051 takes"),
+        ({"bath": (5.95, 3, 8.4, 5.2)}, r"hall overlaps bath by 0.050 m \(--snap 0.051 merges"),
         ({"shed": (9, 0, 2000, 2)}, "within 1000 m"),
     ],
 )

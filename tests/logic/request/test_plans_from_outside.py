@@ -175,7 +175,7 @@ def test_what_is_no_room_is_passed_over_and_said() -> None:
         ),
         (
             {"a": (0, 0, 3, 3), "b": (3.45, 0, 6, 3)},
-            r"b shares no wall .*, 0\.450 m off \(--snap 0\.451 takes",
+            r"b shares no wall .*, 0\.450 m off \(--snap 0\.451 merges",
         ),
     ],
 )
