@@ -115,7 +115,7 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
             arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
             if device == "cuda" and not has_cuda():  # Taichi would take the CPU in its place
                 raise ValueError(
-                    "device 'cuda' cannot be had: no GPU with a CUDA driver was found here: take device 'cpu'"
+                    "device 'cuda' cannot be used: no GPU with a CUDA driver was found: use device 'cpu'"
                 )
             owner = _Owner(device)
             owner.call(lambda: _begin(arch, threads))
@@ -125,7 +125,7 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
     if device and (running == ti.cuda) != (device == "cuda"):
         names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
         now = names.get(running, running.name)
-        raise ValueError(f"device {device!r} cannot be had: {compiler.NAME} runs on {now} in this process")
+        raise ValueError(f"device {device!r} cannot be used: {compiler.NAME} runs on {now} in this process")
     return compiler.program()
 
 

@@ -136,7 +136,7 @@ def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int
     table = STUDIES if words[0] == "bench" else COMMANDS
     kind = pkgutil.resolve_name(table[words[-1]][0])
     options = options_of(kind.like(arguments) if words[0] == "train" else kind)
-    # PYTHONOPTIMIZE=2 removes docstrings, and a dataclass then has its fields' types in that place.
+    # PYTHONOPTIMIZE=2 removes docstrings: a dataclass has a list of its fields' types there.
     about = table[words[-1]][1] if sys.flags.optimize > 1 else kind.__doc__
     return help.of_command(f"vitruvius {' '.join(words)}", about, options, width)
 

@@ -1,4 +1,4 @@
-"""``vitruvius completion``: a script by which a shell completes commands, options and their values.
+"""``vitruvius completion``: a script with which a shell completes commands, options and their values.
 
 tyro writes the script from the commands' dataclasses.
 """
@@ -12,15 +12,15 @@ import tyro
 
 @dataclass(frozen=True)
 class Completion:
-    """Print a script by which your shell completes commands, options and their values.
+    """Print a script with which your shell completes commands, options and their values.
 
     bash: add eval "$(vitruvius completion bash)" to ~/.bashrc.
 
-    zsh: vitruvius completion zsh > ~/.zfunc/_vitruvius, in a folder of fpath.
+    zsh: vitruvius completion zsh > ~/.zfunc/_vitruvius, where fpath contains ~/.zfunc.
     """
 
     shell: tyro.conf.Positional[Literal["bash", "zsh"]]
-    """The shell that shall complete: bash or zsh."""
+    """Shell to write the script for: bash or zsh."""
 
     def run(self) -> int:
         """Print the script."""
@@ -31,7 +31,7 @@ class Completion:
             for name, (where, sentence) in COMMANDS.items()
             if name != "bench"
         ]
-        every: Any = Union[tuple(kinds)]  # noqa: UP007 - of a number that is known here alone
+        every: Any = Union[tuple(kinds)]  # noqa: UP007 - the number of commands is known only at run time
         tyro.cli(every, prog="vitruvius", args=["--tyro-print-completion", self.shell])
         return 0
 

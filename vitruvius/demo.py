@@ -68,8 +68,8 @@ SHOWN = 12
 """Plans on the contact sheet."""
 
 AGENT, FORESIGHT = "pqn", "foresight"
-"""The agents of this run: for the main room, and the explorer with map completion that seeks a piece. These
-are their names in all tables, plots and folders.
+"""Names of the run's agents in all tables, plots and folders: an agent that learns to find targets in the
+main room, and the explorer with map completion, which searches for a piece of furniture.
 """
 
 BASELINES = ("random + avoidance", "script", "explorer", "oracle")

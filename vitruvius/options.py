@@ -1,7 +1,7 @@
-"""The options of a command, read from its dataclass: for help, and for errors of one line.
+"""Options of a command, derived from its dataclass, for the help and for one-line errors.
 
-tyro turns arguments into the dataclass. What is here says which options there are, and refuses what is
-wrong in a word that tyro would refuse in many lines.
+tyro converts the arguments to the dataclass. This module lists the options first, and refuses a wrong
+argument in one line, for which tyro would print many.
 """
 
 import ast

@@ -23,10 +23,10 @@ from vitruvius.options import Option, options_of
 NONE = "none"
 
 MOST_BYTES = 1 << 18
-"""Size of a file, unpacked."""
+"""Size of an uncompressed file, in bytes."""
 
 MAX_DOTS, MAX_INTEGER = 256, 1 << 63
-"""Dots in a line, each of which may nest a table in the previous one; size of an integer."""
+"""Number of dots in a line, each of which may start a nested table, and absolute value of an integer."""
 
 BESIDE = "preset", "name", "houses"
 """Keys that are no fields of a config."""

@@ -48,11 +48,11 @@ class _Unheard(io.TextIOWrapper):
 
 
 def prepare() -> None:
-    """Reserve the number of each closed stream, as services close them: else the next opened file takes it.
+    """Reserve the file descriptor of each closed stream, so that the next opened file does not get it.
 
-    A closed standard input is empty, and a closed standard error discards its lines. Writing to a closed
-    standard output fails: nobody would read the answer. Characters that a terminal's encoding lacks are
-    escaped as in Python.
+    Services may start a program with closed streams. A closed standard input is empty, and a closed standard
+    error discards its lines. Writing to a closed standard output fails, because the answer would be lost.
+    Characters outside the terminal's encoding are escaped as in Python.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:

@@ -1,13 +1,13 @@
-"""Baselines of bodies that drive, in the backend ``free``, which evaluations show there in place of others.
+"""Baselines with a body that drives, for evaluations in the backend ``free``.
 
-| baseline | is |
+| baseline | behaviour |
 |---|---|
-| random drive | another v and w at each step, drawn from all |
-| pursuit | to a target in sight, else where rays go furthest, and around before walls: by rule |
-| explorer | the planner, whose paths are followed by rule (``DrivingExplorer``): knows its pose |
-| true path | knows the house and the target, and follows the shortest path by rule (``TruePath``) |
+| random drive | draws a random speed and a random turn rate at each step |
+| pursuit | drives to a visible target, or else along the longest rays, and turns in front of walls |
+| explorer | plans paths, knows its pose, and follows its paths by a rule (``DrivingExplorer``) |
+| true path | knows the house and the target, and follows the shortest path by a rule (``TruePath``) |
 
-Every score is a share of the true path's: the oracle counts steps on a lattice.
+Scores are shares of the true path's score, because the oracle counts steps on a lattice.
 """
 
 from collections.abc import Callable
@@ -98,7 +98,7 @@ DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
 """By name, what makes a baseline's policy for environments and a seed."""
 
 EXACT = (TRUE_PATH,)
-"""Those that know where they are: see ``PRIVILEGED``."""
+"""Baselines that know their exact pose: see ``PRIVILEGED``."""
 
 NO_AGENTS = (*REFERENCES, *DRIVERS)
 """Names of all that is shown beside agents."""

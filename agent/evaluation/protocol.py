@@ -56,7 +56,7 @@ class EvaluationPart:
     world: str
     episodes: int
     allow: tuple[str, ...] = field(default_factory=allowed)
-    """Classes that text may name in the process that plays, which may be another process."""
+    """Classes that text may name in the process that plays the episodes, which may be another process."""
 
 
 @keywords(targets="modes", preset="agents")
@@ -73,20 +73,20 @@ def measure(
     episodes: int = 1,
     cluster: Cluster | None = None,
 ) -> Iterator[Result]:
-    """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
+    """Yield the result of each mode: the scores of agents and baselines in the houses of a bank.
 
-    ``baselines`` names some of ``BASELINES``, by default all; figures are shares of the oracle's, which
-    must be among them. In the backend ``free`` they are some of ``DRIVERS``, and figures are shares of the
-    true path's.
-    ``world`` names the simulator's preset that all play in, each with its own sensor; those that know where
-    they are (searcher, oracle, true path) without its noise and slips. Each house is played in
-    that many ``episodes``; for a task that not all houses suit, each of the others
-    (``environments.playable``). A bank is played ``PART`` houses at a time, as tasks of a ``cluster`` where
-    there is one, which changes no figure. ``report`` follows the work.
+    ``agents`` has the training runs of each agent, by name. ``baselines`` names some of ``BASELINES``, by
+    default all; the oracle must be among them, because figures are shares of the oracle's. In the backend
+    ``free``, ``baselines`` names some of ``DRIVERS``, and figures are shares of the true path's.
+    ``world`` names the simulator's preset for all policies. Each policy keeps its own sensor; the policies
+    that know their pose (searcher, oracle, true path) play without noise and slips. ``episodes`` is the
+    number of episodes in each house in which the task can be played (``environments.playable``). ``PART``
+    houses form a part; a ``cluster`` plays the parts as its tasks, with the same figures. ``report`` receives
+    the progress.
 
-    Raises ``HouseFileError`` where a mode cannot be played in one of the houses, or where one has too many
-    corners for the true path; ``RequestError`` for an agent of another kind of motion, or one that drives by
-    other limits than they do; what ``Cluster.each`` does.
+    Raises ``HouseFileError`` if a mode cannot be played in one of the houses, or if a house has too many
+    corners for the true path; ``RequestError`` for an agent whose kind of motion or whose drive limits differ
+    from the baselines'; the errors of ``Cluster.each``.
     """
     names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
     require_motion(agents, backend)
@@ -162,24 +162,25 @@ def played(part: EvaluationPart, report: Report = lambda done, words: None) -> R
 
 
 def require_motion(agents: Mapping[str, Sequence[Checkpoint]], backend: str) -> None:
-    """Raise ``RequestError`` for an agent that drives, where bodies make steps, or the other way round."""
+    """Raise ``RequestError`` for an agent that drives in a backend of steps, and for the opposite case."""
     for name, runs in agents.items():
         drives = runs[0].config.backend == "free"
         if drives and backend != "free":
             raise RequestError(f"{name} drives: add --backend free")
         if backend == "free" and not drives:
-            raise RequestError(f"{name} is of a body on a lattice: it does not play in the backend free")
+            raise RequestError(f"{name} moves on a lattice and cannot run with --backend free")
 
 
 def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, world: str) -> None:
-    """Raise ``RequestError`` for an agent whose body drives by other limits than the baselines' bodies: the
-    true path would not be its own.
+    """Raise ``RequestError`` for an agent whose drive limits differ from the baselines'.
+
+    The true path would not be the shortest path of such an agent.
     """
     for name, runs in agents.items():
         for run in runs:
             if replace(sensor(run.config, world).drive, commands=()) != baseline.drive:
-                what = "the true path would not be its own: let it differ in commands alone"
-                raise RequestError(f"{name}: its drive is not the baselines', so {what}")
+                what = "its limits differ from the baselines': only the commands may differ"
+                raise RequestError(f"{name}: drive: {what}")
 
 
 def shortest_ways(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> np.ndarray:

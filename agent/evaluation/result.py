@@ -56,11 +56,11 @@ bootstrap over training runs and houses, but blocked and interventions, over run
 
 
 TRUE_PATH = "true path"
-"""Name of the baseline whose targets ratios are shares of where bodies drive."""
+"""Name of the baseline that ratios divide by if bodies drive."""
 
 
 def yardstick(policies: Iterable[str]) -> str:
-    """Return the name of the policy whose targets ratios are shares of, among policies of these names."""
+    """Return the name of the policy that ratios divide by, among the names of the policies."""
     return TRUE_PATH if TRUE_PATH in set(policies) else "oracle"
 
 
@@ -75,12 +75,12 @@ class Result:
     """(H,) number of secondary rooms of each house."""
 
     shortest: np.ndarray
-    """(H,) fewest steps from the start to the first target, or those of the true path where bodies drive;
-    infinite where no way leads there."""
+    """(H,) fewest steps from the start to the first target, or the true path's steps if bodies drive;
+    infinite if no path leads to the target."""
 
     policies: dict[str, tuple[EpisodeScores, ...]]
-    """By name, the scores of each training run: of one run for a baseline. The oracle is among them, or where
-    bodies drive, the true path."""
+    """Scores of each training run, by the policy's name; a baseline has one run. The oracle is a policy, or
+    if bodies drive, the true path."""
 
     episodes: int = 1
     """How many of the H episodes were in each house."""
@@ -101,12 +101,12 @@ class Result:
 
     @property
     def yardstick(self) -> str:
-        """The policy whose targets ratios are shares of: ``oracle`` or ``true path``."""
+        """Name of the policy that ratios divide by: ``oracle`` or ``true path``."""
         return yardstick(self.policies)
 
     @property
     def oracle(self) -> np.ndarray:
-        """(H,) targets that the yardstick picked up."""
+        """Targets that the yardstick picked up, (H,)."""
         return self.policies[self.yardstick][0].targets
 
     @property

@@ -22,7 +22,7 @@ from logic.errors import VitruviusError
 from logic.opener import content_of, from_json
 
 MAX_BYTES = 1 << 28
-"""Size of a file, unpacked."""
+"""Size of an uncompressed file, in bytes."""
 
 
 class Figure(TypedDict):

@@ -57,7 +57,7 @@ DRIVE_NOTE = (
     "by chance. Seen: the share of the places where targets may lie that it had looked at by that step. "
     "Rooms: the share of the secondary rooms that it was in. Blocked moves: per 1000 steps."
 )
-"""What they mean where bodies drive."""
+"""Meaning of the columns and rows if bodies drive."""
 
 
 MAX_COLUMNS = 10_000
@@ -73,7 +73,9 @@ class Table:
     rows: list[tuple[str, ...]]
 
     def terminal(self, folded: bool = False) -> RichTable:
-        """For a terminal. ``folded``: each interval stands below its figure, and names may take two lines."""
+        """Return the table for a terminal. If ``folded``, each interval is below its figure, and a long name
+        takes two lines.
+        """
         table = RichTable(
             title=Text(f"\n{self.title}"),
             title_justify="left",
@@ -106,7 +108,7 @@ def _in_cell(text: str) -> str:
 
 
 def print_tables(tables: Iterable[Table], console: Console) -> None:
-    """Print tables whose figures are whole: as wide as they are, but on a narrower terminal folded."""
+    """Print tables without truncated figures: in full width, or folded on a narrower terminal."""
     for table in tables:
         unbounded = Console(width=MAX_COLUMNS)
         whole, folded = table.terminal(), table.terminal(folded=True)

@@ -152,8 +152,8 @@ class QLearningConfig(TrainConfig):
     """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""
 
     module: str = ""
-    """A torch.nn.Module of your own, module:Class, in place of the network: it takes the numbers of rays,
-    channels, remembered signals and actions, and is called with observations and memories."""
+    """Your own torch.nn.Module, module:Class, in place of the built-in network. Vitruvius creates it with the
+    numbers of rays, channels, remembered signals and actions, and calls it with observations and memories."""
 
     gamma: float = 0.99
     """Discount per step."""

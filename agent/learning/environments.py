@@ -33,7 +33,7 @@ def make_envs(
     ``targets`` and ``backend`` may come from a file: a ``module:Class`` in them must be allowed
     (``sim.allow``).
 
-    Raises ``HouseFileError`` where the body or a target has no place in one of the houses.
+    Raises ``HouseFileError`` if one of the houses has no place for the body or for a target.
     """
     try:
         backend_class(backend)
@@ -116,7 +116,7 @@ def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generat
         raise RequestError(
             "an agent that drives plays in the backend free alone"
             if config.world == "drive"
-            else "an agent of a body on a lattice does not play in the backend free"
+            else "the agent's body moves on a lattice, which the backend free does not have"
         )
     match config.avoidance:
         case "paper":

@@ -67,7 +67,7 @@ class Progress:
     """Steps a second of the maps alone, over the whole run."""
 
     held_out: float | None = None
-    """Targets in an episode in houses that it does not learn in, where it was evaluated just now."""
+    """Mean targets in an episode in held-out houses; None if no evaluation was due at this report."""
 
 
 @dataclass

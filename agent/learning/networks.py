@@ -1,4 +1,4 @@
-"""The Q-network of a config: ours, or a module of a user's own in its place."""
+"""The Q-network of a config: the built-in network, or a user-defined module."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ from sim.allowed import imported
 def q_network(config: QLearningConfig) -> "QNetwork | OwnNetwork":
     """Return a new network; its weights are a function of the seed.
 
-    Raises ``RequestError`` for a ``module`` that is not allowed, or is none.
+    Raises ``RequestError`` for a ``module`` that is not allowed, does not exist or is no Q-network.
     """
     world = simulator(config)
     shape = world.rays, world.channels, config.half_lives
@@ -27,16 +27,16 @@ def q_network(config: QLearningConfig) -> "QNetwork | OwnNetwork":
 
 
 class OwnNetwork(nn.Module):
-    """A module of a user's own, beside the memory of what the agent did.
+    """User-defined module as a Q-network, with the memory of past actions, bumps and sightings.
 
-    It is made by ``Class(rays, channels, remembered, actions)``, whole numbers, and called with observations
-    (B, R, C) and memories (B, M) float32; it returns Q-values (B, A).
+    ``Class(rays, channels, remembered, actions)`` creates the module; the arguments are whole numbers. The
+    module maps observations (B, R, C) and memories (B, M), both float32, to Q-values (B, A).
     """
 
     def __init__(
         self, name: str, rays: int, channels: int, half_lives: tuple[float, ...], actions: int
     ) -> None:
-        """Import and make the module. Raises ``RequestError`` where that fails."""
+        """Import the class and create the module. Raises ``RequestError`` if this fails."""
         super().__init__()
         self.shape, self.actions = (rays, channels, half_lives), actions
         self.memory = Memory(half_lives, actions)
@@ -45,15 +45,17 @@ class OwnNetwork(nn.Module):
             make: Any = imported(name)
             self.judge = make(rays, channels, remembered, actions)
             if not isinstance(self.judge, nn.Module):
-                raise TypeError("it is no torch.nn.Module")
+                raise TypeError("it is not a torch.nn.Module")
             with torch.no_grad():
                 q = self.judge(torch.zeros(2, rays, channels), torch.zeros(2, remembered))
             if q.shape != (2, actions):
-                raise ValueError(f"it gives {tuple(q.shape)} for two observations, not (2, {actions})")
+                raise ValueError(
+                    f"it returns shape {tuple(q.shape)} for two observations, not (2, {actions})"
+                )
         except (ImportError, AttributeError, TypeError, ValueError, RuntimeError) as error:
             reason = str(error).partition("\n")[0]
-            raise RequestError(f"module {name} cannot be had: {reason}") from None
+            raise RequestError(f"module {name} cannot be used: {reason}") from None
 
     def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
-        """Q-values (B, A) of observations (B, R, C) and memories (B, M, S)."""
+        """Return Q-values (B, A) of observations (B, R, C) and memories (B, M, S)."""
         return self.judge(observation, memory.flatten(1))

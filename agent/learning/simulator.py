@@ -88,7 +88,7 @@ def undisturbed(world: Config) -> Config:
 
 
 def require_task(targets: str) -> None:
-    """Raise ``RequestError`` where there is no such task, or where it names a class that is not allowed."""
+    """Raise ``RequestError`` for a task that does not exist or that names a class that is not allowed."""
     try:
         task(targets)
     except ValueError as error:
@@ -105,7 +105,9 @@ def require_asked_task(targets: str) -> None:
 
 
 def allow_named(names: Iterable[str]) -> None:
-    """Let files name the classes of ``--allow``. Raises ``RequestError`` for any name but module:Class."""
+    """Allow files to name the classes of ``--allow``. Raises ``RequestError`` for a name not of the form
+    module:Class.
+    """
     try:
         allow(*names)
     except ValueError as error:

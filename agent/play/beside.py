@@ -30,7 +30,7 @@ BESIDE = "explorer", "searcher", "oracle"
 SEES = {"plan": "who saw the whole plan and the target", "seen": "who saw what the robot's rays had reached"}
 
 MAX_GAMES, MAX_STEPS, MAX_TABLES = 1 << 10, 1 << 20, 16
-"""Games that are played again, steps of their episodes together, and kinds of games."""
+"""Bounds of a file of games: number of games, total steps of their episodes, and number of kinds of games."""
 
 BESIDE_NOTE = (
     "People, agents and baselines play the same episodes: house, start and targets. Each game was played "
@@ -40,7 +40,7 @@ BESIDE_NOTE = (
 
 
 def replayable(path: Path) -> list[PlayedGame]:
-    """Return the games of a file that are few enough to be played again, else raise ``ResultsError``."""
+    """Return the games of a file. Raise ``ResultsError`` if there are too many games to play again."""
     games = load(path)
     _require_at_most(MAX_GAMES, len(games), path, "games")
     kinds = set(map(_kind, games))
@@ -55,7 +55,7 @@ def replayable(path: Path) -> list[PlayedGame]:
 
 def _require_at_most(most: int, count: int, path: Path, what: str) -> None:
     if count > most:
-        raise ResultsError(f"{path}: {count:,} {what}, of at most {most:,}: give fewer games")
+        raise ResultsError(f"{path}: {count:,} {what}, more than the limit of {most:,}: give fewer games")
 
 
 def people_tables(

@@ -19,10 +19,10 @@ ENDINGS = (".jsonl",)
 """How names of files of results end."""
 
 MAX_BYTES, MOST_GAMES = 1 << 28, 1 << 20
-"""Size of a file: bytes, unpacked, and lines."""
+"""Size of an uncompressed file, in bytes and in lines."""
 
 MAX_ACTIONS = 1 << 16
-"""Number of actions of a game: an episode of the default preset has 1500."""
+"""Number of actions in a game; an episode of the default preset has 1500."""
 
 
 class ResultsError(VitruviusError):

@@ -22,10 +22,10 @@ HEAD, GAP, EDGE = 64, 12, 16
 """Pixels above the plans for words, between two plans, and left of words."""
 
 MIN_WIDTH = 320
-"""Width of the place of a plan, in pixels: a name fits above a plan that is narrower."""
+"""Width of the column of a plan, in pixels: a policy's name also fits above a narrower plan."""
 
 LARGE, SMALL, LEAST = 40, 26, 12
-"""Sizes of letters, in pixels: of names and scores, of what to do, and of what has little room."""
+"""Font sizes, in pixels: names and scores, instructions, and the smallest size for text in a narrow space."""
 
 FRAME = 80
 """Pixels of the height of a display that a window's title and bars of the desktop may take."""
@@ -249,7 +249,7 @@ class GameWindow:
         return self.show([f"{played.player}: {played.score}", "Enter: the next game   Esc: the end"])
 
     def show(self, lines: Sequence[str]) -> bool:
-        """Show scores, and as the last line which keys go on, until Enter (True) or Esc (False)."""
+        """Show scores and, as the last line, the keys. Return True after Enter, False after Esc."""
         width, height = self.surface.get_size()
         room = width - 4 * EDGE, height // (len(lines) + 2)
         shown = [fitted(line, LARGE if line is not lines[-1] else SMALL, room, WORDS) for line in lines]
@@ -294,13 +294,14 @@ class GameWindow:
         pygame.display.flip()
 
     def _open(self, panels: Sequence[Panel]) -> None:
-        """Give the window the size of these panels side by side."""
+        """Resize the window to fit the panels side by side."""
         across = sum(max(MIN_WIDTH, panel.size[0]) for panel in panels) + GAP * (len(panels) - 1)
         self.surface = pygame.display.set_mode((across, panels[0].size[1] + HEAD))
 
 
 def fitted(words: str, size: int, room: tuple[int, int], colour: tuple[int, int, int]) -> pygame.Surface:
-    """Write words as large as they fit into a width and a height, over several lines if need be."""
+    """Return words in the largest font size that fits ``room`` (width, height), in several lines if
+    necessary."""
     for letters in range(size, LEAST - 1, -1):
         text = pygame.font.Font(None, letters).render(words, True, colour, wraplength=room[0])
         if text.get_width() <= room[0] and text.get_height() <= room[1]:

@@ -31,7 +31,7 @@ AROUND = 0.5
 """Metres around the house that pictures of a map show: planners take some of it for floor."""
 
 MOST_BYTES, MOST_NUMBERS = 1 << 26, 1 << 26
-"""Bytes of a file, and numbers of one of its arrays, both unpacked."""
+"""Size of an uncompressed file in bytes, and number of values in one of its arrays."""
 
 Count = Annotated[int, Meta(ge=0)]
 

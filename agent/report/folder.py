@@ -40,7 +40,7 @@ DEPTH = "", "*/", "*/*/"
 
 
 MAX_ABOUT_BYTES = 1 << 20
-"""Size of the file in which a run describes itself."""
+"""Size of the file in which a run describes itself, in bytes."""
 
 
 class About(msgspec.Struct):

@@ -14,7 +14,7 @@ from agent.runs.runs import MOST_METRICS, Folder
 from logic.opener import content_of, from_json, opened
 
 MAX_CONFIG_BYTES = 1 << 20
-"""Size of ``config.json``."""
+"""Size of ``config.json``, in bytes."""
 
 POINTS = 300
 """Of a curve, at most."""
@@ -54,7 +54,7 @@ class TrainingRun:
 
     name: str
     config: "AskedRun | None"
-    """Content of ``config.json``; None if the file is absent or of another program."""
+    """Content of ``config.json``; None if the file is absent or another program wrote it."""
     history: list[Progress]
 
     @classmethod
@@ -92,9 +92,9 @@ class TrainingRun:
 
 
 def _asked(content: bytes) -> AskedRun | None:
-    """Return the run that a ``config.json`` describes; None for a file of another program.
+    """Return the run that a ``config.json`` describes, or None if another program wrote the file.
 
-    Raises ``ValueError`` for a wrong file.
+    Raises ``ValueError`` for a malformed file.
     """
     found = from_json(content, dict[str, Any])
     return msgspec.convert(found, AskedRun) if "algorithm" in found else None

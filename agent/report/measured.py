@@ -53,9 +53,10 @@ def lead(files: Sequence[Path]) -> str:
 
 
 def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
-    """Return a function that names the types of a bank, by the looks of its first house if the bank is found.
+    """Return a function that maps each type in a bank to its name.
 
-    The bank's name comes from a file: only the folder of the run and the folder above it are searched.
+    If the bank's file exists, the names come from its first house. The bank's name comes from a file, so the
+    search covers only the folder of the run and the folder above it.
     """
     inside = bank.file and not Path(bank.file).is_absolute() and ".." not in Path(bank.file).parts
     beside = [folder / bank.file for folder in (path.parent, path.parent.parent)] if inside else []
@@ -69,7 +70,8 @@ def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
 def _sentence(
     words: str, mode: ModeScores, figures: dict[str, dict[str, Estimate]], agents: Collection[str]
 ) -> str:
-    """Return how the best of the agents does, beside the best baseline that knows no more."""
+    """Return a sentence that compares the best agent with the best baseline that has no privileged
+    knowledge."""
     finds = mode.ends_on_pick_up and all({"success", "spl"} <= {*each} for each in figures.values())
     key, digits = ("spl", 2) if finds else ("targets", 1)
 
@@ -85,7 +87,7 @@ def _sentence(
         said = (
             f"{agent} {does} in {figures[agent]['success'].value:.0%} of its episodes, at an SPL of {value}"
         )
-        said += ", where 1 is the shortest way each time"
+        said += ", where 1 means the shortest path in every episode"
     else:
         said = f"{agent} picks up {value} {words} in an episode"
     if figures.keys() & KNOWS.keys():
@@ -170,7 +172,7 @@ def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dic
 
 
 def estimate(figure: Figure) -> Estimate:
-    """Return a figure of a file as an estimate."""
+    """Return the estimate that a file's figure states."""
     return Estimate(figure["value"], figure["low"], figure["high"])
 
 

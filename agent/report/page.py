@@ -94,7 +94,7 @@ def table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[Cell | 
 
 
 def _heading(words: str) -> str:
-    """A heading that sorts by its column; without words it is none."""
+    """Return a heading that sorts the table by its column, or an empty cell if there are no words."""
     return f'<th scope="col"><button type="button">{markup(words)}</button></th>' if words else "<td></td>"
 
 

@@ -61,8 +61,10 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
 
 
 def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[float | None]]:
-    """Return by mode and policy the share of the yardstick's targets in each house, over all runs and
-    episodes; None where these are none.
+    """Return the ratio to the yardstick's targets in each house, by policy and mode, over all runs and
+    episodes.
+
+    The ratio is None in a house in which the yardstick has no targets.
     """
     found, houses, named = {}, len(bank), looks_of(bank[0]).name
     for mode, scored in file.targets.items():
@@ -85,7 +87,7 @@ def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[flo
 
 
 def _is_whole(policy: scores.PolicyScores, houses: int) -> bool:
-    """Return True if all runs of a policy have equally many episodes, the same number in each house."""
+    """Return True if all runs of a policy have the same number of episodes in each house."""
     lengths = {len(run.targets) for run in policy.runs}
     return len(lengths) == 1 and max(lengths) > 0 and not max(lengths) % houses
 

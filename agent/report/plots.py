@@ -29,7 +29,7 @@ LISTED = 30
 """Points of a line in the table below its plot, at most."""
 
 MIN_POSITIVE = 1e-100
-"""Bound of values on a logarithmic axis: values up to it count as 0."""
+"""Bound on a logarithmic axis: values up to this bound count as 0."""
 
 WIDTH, HEIGHT = 520, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 24, 12, 44

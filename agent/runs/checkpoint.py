@@ -19,7 +19,7 @@ from logic.house.files import write_whole
 from logic.spelling import printable
 
 MAX_LEARNT_HOUSES = 1 << 20
-"""Number of houses that a checkpoint names: as many as a house file holds."""
+"""Number of houses that a checkpoint names; a house file holds at most the same number."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def load(path: str | Path) -> Checkpoint:
         config = config_of(record["algorithm"], json.loads(record["config"]))
         try:
             network = network_of(config)
-        except RequestError as error:  # a module of a user's own, which no file may name
+        except RequestError as error:  # a user-defined module, which no file may name
             raise CheckpointError(f"{path}: {error}") from None
         learnt_in = _keys(tensors.pop(LEARNT_IN, None))
         network.load_state_dict(tensors)

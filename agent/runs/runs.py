@@ -1,14 +1,14 @@
-"""A training run in its folder: it is saved on the way, and a run that was killed goes on.
+"""A training run in its folder. The run saves its state regularly, and a killed run can resume.
 
 | file | |
 |---|---|
-| ``agent.safetensors`` | the network, never older than half a minute: for ``vitruvius evaluate`` |
-| ``config.json`` | what was asked for, in which houses, by which command, with which versions |
+| ``agent.safetensors`` | the network, saved every half minute: for ``vitruvius evaluate`` |
+| ``config.json`` | the settings, the houses, the command and the versions |
 | ``metrics.jsonl`` | a line for each report: ``agent.learning.learner.Progress`` |
 | ``tensorboard/`` | the same for TensorBoard |
-| ``best.safetensors`` | the network that was best in held-out houses, if it is evaluated in any |
-| ``checkpoints/`` | networks that are kept on the way, by their steps, if that is asked for |
-| ``state.pt.gz`` | all that the next step depends on: for ``--resume`` |
+| ``best.safetensors`` | the network with the best evaluation in held-out houses, with ``evaluate_every`` |
+| ``checkpoints/`` | networks named by their steps, with ``keep_every`` |
+| ``state.pt.gz`` | the complete state of the run: for ``--resume`` |
 """
 
 import fcntl
@@ -50,13 +50,14 @@ from logic.stopping import Terminated, at_signals
 from sim import HouseRotation
 
 NOTHING = Watching()
-"""Beside learning."""
+"""Options of a run without evaluation, checkpoints and hook."""
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
 
 MORE_STATE, MOST_METRICS, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
-"""Bytes of a run's state beyond twice those of a new run, unpacked; bytes of its reports; its tensors."""
+"""Bounds of a run's files: bytes of the uncompressed state beyond twice a new run's, bytes of the reports,
+and number of tensors."""
 
 
 @dataclass(frozen=True)
@@ -139,16 +140,16 @@ def run(
     every: float | None = None,
     watching: Watching = NOTHING,
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Train an agent in the houses, to the end of its run; its files lie in the folder ``path``. Those of a
-    ``HouseSet`` or a ``HouseStream``, of any number, rotate: see ``sim.HouseRotation``.
+    """Train an agent in the houses to the end of its run, with the run's files in the folder ``path``.
 
-    With ``resume`` a run that lies there goes on where it was last kept, bit for bit on the CPU; where there
-    is none, one begins. ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no
-    lines. ``watching`` says what is done beside learning.
+    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``sim.HouseRotation``. With ``resume``, a
+    run in the folder continues from its last saved state, bit for bit on the CPU; in an empty folder a new
+    run begins. ``every`` is the time between two lines of progress in a pipe, in seconds; None: no lines.
+    ``watching`` has the options for evaluation, checkpoints and the hook.
 
-    Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
-    number any more; the last good checkpoint is kept then. Raises what a signal is to raise
-    (``logic.stopping``) once the run is saved after it.
+    Raises ``RequestError`` for a folder in use or with another run; ``Diverged`` if the loss is NaN or
+    explodes, and keeps the last good checkpoint. After a signal, saves the run and raises the signal's error
+    (``logic.stopping``).
     """
     with ranks.joined():
         folder = Folder(Path(path))
@@ -251,7 +252,7 @@ def _saved(value: Any) -> bytes:
 
 
 def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
-    """Restore the state that was saved last; the reports up to there."""
+    """Restore the last saved state. Return the reports up to this state."""
     try:
         most = ranks.size() * 2 * len(_saved(learner.state())) + MORE_STATE
         content = content_of(folder.state, most)

@@ -1,5 +1,6 @@
-"""What is done beside learning, between two reports: evaluate, keep checkpoints, tell others. It changes
-nothing that is learnt.
+"""Work between two reports of a run: evaluation in held-out houses, checkpoints, and the user's hook.
+
+The work does not affect learning: with and without it, the trained network is the same.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,28 +26,31 @@ from sim.tasks.tasks import task
 from sim.tasks.terms import counted
 
 MAX_HELD_OUT = 1024
-"""Number of houses that an agent is evaluated in while it learns."""
+"""Number of held-out houses in which an agent is evaluated during training."""
 
 
 @dataclass(frozen=True)
 class Watching:
-    """What is asked for beside learning. Steps are environment steps of the run."""
+    """Options for evaluation, checkpoints and the hook during a run. Steps are environment steps of the
+    run."""
 
     held_out: Sequence[House] = ()
-    """Houses that the agent does not learn in: it plays an episode in each at an evaluation."""
+    """Houses for evaluation, none of which the agent learns in. An evaluation plays one episode in each."""
 
     evaluate_every: int = 0
-    """Steps between two evaluations, of which the agent of the best one is kept; 0: none."""
+    """Steps between two evaluations; 0: no evaluation. The run keeps the agent with the best evaluation."""
 
     keep_every: int = 0
-    """Steps between two checkpoints that are kept; 0: none."""
+    """Steps between two checkpoints in the folder ``checkpoints``; 0: no such checkpoints."""
 
     hook: Callable[[Progress], object] | None = None
-    """Is called with each report."""
+    """Function that the run calls with each report."""
 
     def require(self, config: TrainConfig, learnt_in: frozenset[int]) -> None:
-        """Raise ``RequestError`` for what cannot be done, before anything is learnt; ``HouseFileError`` for
-        houses that are kept for measuring.
+        """Raise ``RequestError`` for options that the run cannot follow, before the run starts.
+
+        ``learnt_in`` has the keys of the houses that the agent learns in. Raises ``HouseFileError`` for
+        held-out houses that are reserved for benchmarks.
         """
         for name in ("evaluate_every", "keep_every"):
             if getattr(self, name) < 0:
@@ -56,21 +60,21 @@ class Watching:
         if not 0 < len(self.held_out) <= MAX_HELD_OUT:
             raise RequestError(
                 f"evaluate_every needs 1 to {MAX_HELD_OUT:,} held-out houses, not {len(self.held_out):,}: "
-                "give a house file by --held-out"
+                "name a house file with --held-out"
             )
         if config.device != "cpu":
-            raise RequestError("evaluate_every: held-out houses are played in on device cpu alone")
+            raise RequestError("evaluate_every: evaluation in held-out houses needs device cpu")
         require_training(self.held_out, "held-out houses")
         for index, house in enumerate(self.held_out):
             if house_key(house) in learnt_in:
-                raise RequestError(f"held-out house {index}: the agent learns in it: give others")
+                raise RequestError(f"held-out house {index}: the agent learns in this house: choose others")
 
 
 class RunWatcher:
-    """Looks at a run after each report."""
+    """Observer of a run, which evaluates the agent and keeps checkpoints between two reports."""
 
     def __init__(self, asked: Watching, made: Checkpoint, folder: Path, history: Sequence[Progress]) -> None:
-        """Go on after these reports of a run in a folder."""
+        """Start with the reports that the run in ``folder`` has so far."""
         self.asked, self.made, self.folder = asked, made, folder
         self.steps = history[-1].steps if history else 0
         self.best = max((now.held_out for now in history if now.held_out is not None), default=float("-inf"))
@@ -83,7 +87,7 @@ class RunWatcher:
             )
 
     def look(self, now: Progress) -> Progress:
-        """Do what is due after a report; the report, with what was found."""
+        """Do the work that is due after a report. Return the report, with the result of an evaluation."""
         if self.envs is not None and (self._is_due(now, self.asked.evaluate_every) or now.fraction >= 1):
             now = replace(now, held_out=self._evaluated())
             if now.held_out is not None and now.held_out > self.best:
@@ -109,7 +113,10 @@ class RunWatcher:
         checkpoint.save(replace(self.made, steps=now.steps), path)
 
     def _evaluated(self) -> float:
-        """Targets in an episode in the held-out houses, on average: each time the same starts and targets."""
+        """Return the mean number of targets in an episode in the held-out houses.
+
+        All evaluations have the same starts and targets.
+        """
         envs: Any = self.envs
         network, count = self.made.network, envs.num_envs
         learning = network.training

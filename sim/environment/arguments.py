@@ -144,13 +144,13 @@ def backend_class(name: str) -> type[Backend]:
     try:
         make = pkgutil.resolve_name(BACKENDS[name]) if name in BACKENDS else imported(name)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
-        raise ValueError(f"backend {name!r} cannot be had: {error}") from None
+        raise ValueError(f"backend {name!r} cannot be used: {error}") from None
     if not isinstance(make, type):
-        raise ValueError(f"backend {name!r} cannot be had: it is no class")
+        raise ValueError(f"backend {name!r} cannot be used: it is no class")
     lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
     if lacking:
         raise ValueError(
-            f"backend {name!r} cannot be had: it has no {lacking}(), see sim.backends.backend.Backend"
+            f"backend {name!r} cannot be used: it has no {lacking}(), see sim.backends.backend.Backend"
         )
     return make
 

@@ -227,7 +227,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
         Nothing is compiled for it.
 
-        Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
+        Raises ``ValueError``, and changes nothing, where a house or a target cannot be used.
         """
         self._require_open()
         require_next_step(houses, self.autoreset_mode)

@@ -275,7 +275,7 @@ def task(targets: Targets) -> AnyTask:
             return replace(TARGETS[name], **arguments)
         return (TASKS.get(name) or imported(name))(**arguments)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
-        raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
+        raise ValueError(f"targets {targets!r} cannot be used: {error}") from None
 
 
 def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:

@@ -145,14 +145,14 @@ class World:
         """Load another bank, and another task if ``targets`` names one; nothing is compiled.
         Reset all environments before they are stepped again.
 
-        Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
+        Raises ``ValueError``, and keeps the bank that it has, where a house cannot be used.
         """
         self.take(self.packed(houses, targets))
 
     def packed(self, houses: Sequence[House], targets: Targets | None = None) -> PackedHouses:
         """A bank, and a task, to be taken later; in any thread, while others step.
 
-        Raises ``ValueError`` where a house cannot be had.
+        Raises ``ValueError`` where a house cannot be used.
         """
         check_lengths(houses)
         wanted = self.task if targets is None else task(targets)

@@ -125,10 +125,10 @@ def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_pa
 @pytest.mark.parametrize(
     ("name", "content", "error", "says"),
     [
-        ("notes.txt", b"some words", UnknownFileError, "nothing that Vitruvius writes or reads"),
+        ("notes.txt", b"some words", UnknownFileError, "does not know this kind of file"),
         ("empty.json", b"", UnknownFileError, "is empty"),
-        ("list.json", b"[1, 2]", UnknownFileError, "nothing that Vitruvius writes or reads"),
-        ("other.json", b'{"a": 1}', UnknownFileError, "nothing that Vitruvius writes or reads"),
+        ("list.json", b"[1, 2]", UnknownFileError, "does not know this kind of file"),
+        ("other.json", b'{"a": 1}', UnknownFileError, "does not know this kind of file"),
         ("cut.jsonl", b'{"format": "vitruvius-1", "roomN', HouseFileError, "cut.jsonl:1: not a house"),
         ("zip.jsonl.gz", gzip.compress(b"{}", mtime=0)[:-9], HouseFileError, "zip.jsonl.gz: cannot be read"),
         ("bad.safetensors", b"\x09\0\0\0\0\0\0\0{}", UnknownFileError, "no checkpoint of ours"),

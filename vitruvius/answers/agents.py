@@ -38,7 +38,7 @@ class Trained(msgspec.Struct, frozen=True):
     """Steps a second of the simulator alone; ``learner`` of all else."""
     learner: float
     held_out: float | None = None
-    """Targets in an episode in held-out houses, of the best evaluation, if there was one."""
+    """Mean targets in an episode in held-out houses, in the best evaluation; null without evaluations."""
 
 
 def schema() -> dict[str, Any]:

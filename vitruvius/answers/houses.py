@@ -41,7 +41,7 @@ class Violations(msgspec.Struct, frozen=True):
 
 
 class Checked(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Answer of ``check``: each house of the file, and for a set the numbers of the parts that were read."""
+    """Answer of ``check``: the violations of each house in a file, and for a set the counts of its parts."""
 
     file: str
     nonconforming: int
@@ -115,7 +115,7 @@ class Drawn(msgspec.Struct, frozen=True):
 
 
 class Written(msgspec.Struct, frozen=True):
-    """Of ``convert``, ``record`` and ``export``: the files, as they are named."""
+    """Answer of ``convert``, ``record`` and ``export``: the paths of the written files."""
 
     files: list[str]
 

@@ -31,9 +31,9 @@ def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
 
 
 def require_plan(plan: Path | None, unit: str | None, snap: float, storey: str | None) -> None:
-    """Raise ``RequestError`` for what is said of a plan where there is none."""
+    """Raise ``RequestError`` for options of a plan without a plan."""
     if plan is None and (unit, snap, storey) != (None, 0.01, None):
-        raise RequestError("--storey, --plan-unit and --snap are of a plan: give it by --plan FILE")
+        raise RequestError("--storey, --plan-unit and --snap need a plan: give the plan with --plan FILE")
 
 
 def print_line(text: str) -> None:

@@ -58,21 +58,22 @@ class Evaluate:
     """Seeds starts and targets, the same for every policy."""
 
     backend: str = "continuous"
-    """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class. free: for
-    agents that drive (train --preset pqn-free), beside a body that drives at random, a pursuit of what rays
-    show, the explorer, and one that knows the house and the way, of whose targets figures are shares."""
+    """Backend of the simulator: continuous, grid (for houses made with --cell), free, or module:Class. free
+    is for agents that drive (train --preset pqn-free). Its baselines are a random drive, a pursuit of visible
+    targets, the explorer, and the true path, which knows house and target; figures are shares of the true
+    path's."""
 
     world: Literal["default", "long", "noisy", "paper"] = "default"
-    """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:
-    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher, oracle
-    and true path; paper: a collision ends the episode."""
+    """Preset of the simulator for all policies; each policy keeps its own rays. long: 3000 steps an episode.
+    noisy: 2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, except for searcher,
+    oracle and true path. paper: a collision ends the episode."""
 
     episodes: int = 1
     """Episodes in each house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that the task of an agent or a game may name: its module is run.
-    Files may name no other class."""
+    """Your own class, module:Class, that the task of an agent or a game may name. Files may name no other
+    class of yours. Vitruvius imports the module, which runs its code."""
 
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
     """Scores of external agents in the same houses, seed and targets, to show in the tables: the
@@ -133,7 +134,7 @@ class Evaluate:
 
         require_folder(self.out)
         if self.beside:
-            replayable(self.beside)  # What is wrong there is said before the work.
+            replayable(self.beside)  # reports an invalid file before the evaluation starts
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
         require_motion(agents, self.backend)

@@ -78,7 +78,7 @@ class Generate:
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
 
     storey: str | None = None
-    """Name of the storey of the plan that is read, where it has several."""
+    """Name of the storey to read, for a plan with several storeys."""
 
     keep: Streamed | None = None
     """House file: a house of it keeps its rooms, and the rest is generated around them. Where rooms share

@@ -28,8 +28,8 @@ OTHERS = "; ".join(f"{name}: {each.words}" for name, each in FORMATS.items()) + 
 
 @dataclass(frozen=True)
 class Check:
-    """Check houses by plain geometry, apart from the rules that made them. Houses count from 0. The check
-    judges promises only, not window lengths and not your own rules in a grammar (docs/house-file.md).
+    """Check houses by plain geometry, independently of the rules that made them. Houses count from 0. The
+    check judges promises only, not window lengths and not your own rules in a grammar (docs/house-file.md).
     """
 
     file: tyro.conf.Positional[Streamed]

@@ -44,10 +44,10 @@ class About(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Info:
-    """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
+    """Describe a file, a folder, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
 
-    It reads house files of every format, sets of houses, plans that generate reads, checkpoints, folders of
-    train, games, scores, traces, folders of rules and TOML settings, and runs nothing.
+    The command reads house files of every format, sets of houses, plans for generate, checkpoints, folders of
+    train, games, scores, traces, folders of rules and TOML settings. It executes no code from them.
     """
 
     thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]

@@ -41,8 +41,8 @@ class Play:
     the paper's house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that the task of the agent or a game may name: its module is run.
-    Files may name no other class."""
+    """Your own class, module:Class, that the task of the agent or a game may name. Files may name no other
+    class of yours. Vitruvius imports the module, which runs its code."""
 
     seed: int = 0
     """House i is played with the start and the targets of seed + i, as evaluate plays it."""

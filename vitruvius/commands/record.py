@@ -40,8 +40,8 @@ class Record:
     """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that the task of the agent may name: its module is run.
-    Files may name no other class."""
+    """Your own class, module:Class, that the task of the agent may name. Files may name no other class of
+    yours. Vitruvius imports the module, which runs its code."""
 
     seed: int = 0
     """Seeds the start and the targets."""

@@ -55,7 +55,7 @@ class Explain:
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
 
     storey: str | None = None
-    """Name of the storey of the plan that is read, where it has several."""
+    """Name of the storey to read, for a plan with several storeys."""
 
     cell: float = 0.0
     """Side of a grid's cell in metres; 0 for none."""

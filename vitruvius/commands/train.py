@@ -1,6 +1,6 @@
 """``vitruvius train`` and ``export``: their options, and what they do.
 
-Cheap to import: torch, taichi and all that needs them are imported when a command runs.
+The commands import torch, taichi and the modules that need them only when they run, so that help is fast.
 """
 
 import os
@@ -31,10 +31,10 @@ else:
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 MOST_RUNS = 1000
-"""Of a command, one after the other."""
+"""Number of runs of one command."""
 
 HELD_OUT = 64
-"""Houses of a set's split validation that an agent is evaluated in while it learns."""
+"""Default number of held-out houses, from the split validation of a set."""
 
 
 @dataclass(frozen=True)
@@ -45,64 +45,69 @@ class Train(Generic[Kind]):
     python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
     """
 
-    groups: ClassVar = {"out": "The run", "evaluate_every": "Beside learning", "preset": "Settings"}
+    groups: ClassVar = {
+        "out": "The run",
+        "evaluate_every": "Evaluation and checkpoints",
+        "preset": "Settings",
+    }
 
     houses: tyro.conf.Positional[Streamed | None] = None
-    """House file to learn in: vitruvius generate makes one. Or the folder of a set, of whose split train 128
-    houses are held at a time, for 3000 steps of each environment; or a grammar and how many rooms, as
-    home:rooms=4..10, whose houses are made meanwhile. By default 32 houses that come with Vitruvius, for
-    preset paper the paper's house, paper-house."""
+    """House file to learn in (vitruvius generate makes one). Or the folder of a set: the run holds 128 houses
+    of its split train at a time, for 3000 steps of each environment. Or a grammar and a number of rooms, such
+    as home:rooms=4..10: the run generates the houses while it learns. By default 32 houses that come with
+    Vitruvius; for preset paper the paper's house, paper-house."""
 
     out: Path = Path("runs/train")
     """Folder for agent.safetensors, config.json, metrics.jsonl, report.html, learning-curve.png and
     tensorboard/, best.safetensors and checkpoints/."""
 
     resume: bool = False
-    """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
+    """Continue the run in the folder, if any, bit for bit on the CPU. A larger --steps extends the run."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): the last report of the run."""
 
     evaluate_every: int = 0
-    """Environment steps between two evaluations in --held-out houses, an episode in each; the best agent is
-    kept as best.safetensors. 0: none."""
+    """Environment steps between two evaluations: an episode in each --held-out house. The best agent is saved
+    as best.safetensors. 0: no evaluation."""
 
     held_out: Streamed | None = None
-    """House file of houses that the agent does not learn in, for --evaluate-every. Of a set by default the
-    first 64 houses of its split validation."""
+    """House file for --evaluate-every; the agent must not learn in these houses. For a set, the default is
+    the first 64 houses of its split validation."""
 
     keep_every: int = 0
-    """Environment steps between two checkpoints that are kept in checkpoints/. 0: none."""
+    """Environment steps between two checkpoints in the folder checkpoints/. 0: no such checkpoints."""
 
     seeds: int = 1
-    """Runs, one after the other: with --seed and the seeds after it, each in a folder seed-N of --out."""
+    """Number of runs, one after the other. The first run has --seed, the next run the next seed; each run has
+    a folder seed-N in --out."""
 
     hook: str | None = None
-    """Function of your own, module:function, that is called with each report of the run
-    (agent.learning.learner.Progress), as for a tracker of experiments."""
+    """Your own function, module:function, for example for an experiment tracker. Vitruvius calls it with each
+    report of the run (agent.learning.learner.Progress)."""
 
     preset: Preset = "pqn"
-    """Where all settings that are not given come from: train --preset NAME --help shows its values."""
+    """Preset with the values of all other settings: train --preset NAME --help shows them."""
 
     config: Streamed | None = None
-    """TOML file of settings, as --print-config prints it; what is given on the command line wins over it."""
+    """TOML file of settings, as from --print-config. Options on the command line override the file."""
 
     print_config: bool = False
-    """Train nothing, but print all settings as TOML: for --config, which trains the same."""
+    """Print all settings as TOML, and train nothing. --config with this file trains the same agent."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Class of your own, module:Class, that the file of --config may name: its module is run.
-    Files may name no other class."""
+    """Your own class, module:Class, that the file of --config may name. Files may name no other class of
+    yours. Vitruvius imports the module, which runs its code."""
 
     name: str | None = None
-    """What to call the agent in tables; by default the preset's name."""
+    """Name of the agent in tables; by default the preset's name."""
 
     learning: Annotated[Kind, tyro.conf.arg(name="")] = field(default_factory=PQNConfig)  # pyright: ignore
     """How to learn."""
 
     @staticmethod
     def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
-        """The command with the defaults of the preset and of the file of settings that the arguments name."""
+        """Return the command, with defaults from the preset and the settings file that the arguments name."""
         # Classes on the command line are allowed; classes in a file of settings are not.
         flags = "--targets", "--module", "--hook"
         if stated := [text for flag in flags for text in _given(arguments, flag) if ":" in text]:
@@ -119,7 +124,7 @@ class Train(Generic[Kind]):
         [option] = (each for each in options_of(Train()) if each.name == "config")
         option.require(files[-1])
         preset, learning, beside = read(Path(files[-1]), asked)
-        # The command line adds fields of the simulator to these, and wins.
+        # Simulator fields on the command line override those of the file.
         ours = {text.partition("=")[0] for text in _given(arguments, "--sim")}
         kept = tuple(text for text in learning.sim if text.partition("=")[0] not in ours)
         houses = Path(beside["houses"]) if "houses" in beside else None
@@ -141,27 +146,27 @@ class Train(Generic[Kind]):
         from agent.report.folder import require_report
         from logic.house.files import require_folder
 
-        network_of(self.learning)  # a module of a user's own that cannot be had is told at once
+        network_of(self.learning)  # reports a module that cannot be used before the run starts
         require_folder(self.out)
         require_report(self.out, None)
         houses, watching = self._houses(), self._watching()
         first, several = self.learning.seed, whole("--seeds", self.seeds, 1, MOST_RUNS) > 1
         if several and self.json:
-            raise RequestError("--json prints one answer: leave it out, or --seeds")
+            raise RequestError("--json prints one answer: give --json or --seeds, not both")
         for seed in range(first, first + self.seeds):
             out = self.out / f"seed-{seed}" if several else self.out
             self._train(houses, replace(self.learning, seed=seed), out, watching)
         return 0
 
     def _houses(self) -> Any:
-        """What the agent learns in: houses, a set's or a stream's."""
+        """Return the houses that the agent learns in: a list, a set or a stream."""
         from agent.banks import require_training
         from logic import HouseSet, HouseStream
         from logic.dataset.sets import SET
         from sim.environment.arguments import BANK, house_list
 
         file = self.houses or self.learning.learnt_in or BANK
-        # Seeds of sets and streams are none of those that are kept for measuring.
+        # Sets and streams never contain the seeds that are reserved for benchmarks.
         if (Path(file) / SET).is_file():
             return HouseSet(file, "train")
         if stream := HouseStream.read(str(file)):
@@ -171,7 +176,10 @@ class Train(Generic[Kind]):
         return houses
 
     def _watching(self) -> Any:
-        """What is done beside learning. Raises ``RequestError`` for a hook that cannot be had."""
+        """Return the options for evaluation, checkpoints and the hook.
+
+        Raises ``RequestError`` for a hook that does not exist or is not a function.
+        """
         from agent.runs.watching import Watching
         from logic import HouseSet, load
         from logic.dataset.sets import SET
@@ -186,13 +194,13 @@ class Train(Generic[Kind]):
             try:
                 hook = imported(self.hook)
             except (ImportError, AttributeError, ValueError) as error:
-                raise RequestError(f"--hook {self.hook}: cannot be had: {error}") from None
+                raise RequestError(f"--hook {self.hook} cannot be used: {error}") from None
             if not callable(hook):
-                raise RequestError(f"--hook {self.hook}: is no function")
+                raise RequestError(f"--hook {self.hook}: this is not a function")
         return Watching(held_out, self.evaluate_every, self.keep_every, hook)
 
     def _train(self, houses: Any, learning: TrainConfig, out: Path, watching: Any) -> None:
-        """Train with one seed, and tell how it went."""
+        """Train with one seed, and print the result."""
         from agent.evaluation.plots import learning_curve
         from agent.report.folder import write_report
         from agent.runs.runs import run
@@ -201,7 +209,9 @@ class Train(Generic[Kind]):
 
         curve = out / "learning-curve.png"
         if curve.exists() and not self.resume:
-            raise RequestError(f"{curve}: is there already, of another run: give another folder")
+            raise RequestError(
+                f"{curve}: another run wrote this file: choose another --out folder, or --resume"
+            )
         command, name = shlex.join(["vitruvius", *sys.argv[1:]]), self.name or self.preset
         made, history = run(
             houses, learning, out, name=name, command=command, resume=self.resume, watching=watching
@@ -217,7 +227,11 @@ class Train(Generic[Kind]):
             answer = Trained(str(agent), made.steps, last.seconds, last.targets, *speeds, held_out=best)
             print_answer("train", answer)
         drives = " --backend free" if learning.backend == "free" else ""
-        known = f"{best:.1f} in an episode in held-out houses, at best (best.safetensors). " if best else ""
+        known = (
+            f"Best evaluation: {best:.1f} targets per episode in held-out houses (best.safetensors). "
+            if best
+            else ""
+        )
         _say(
             f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
@@ -228,7 +242,7 @@ class Train(Generic[Kind]):
 
 @dataclass(frozen=True)
 class Export:
-    """Write an agent's network as an ONNX file, its memory an input and an output: see export.py."""
+    """Write an agent's network as an ONNX file, with the memory as an input and an output: see export.py."""
 
     agent: tyro.conf.Positional[Path]
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
@@ -237,7 +251,7 @@ class Export:
     """The file."""
 
     replace: bool = False
-    """Lose what the file holds, if anything else."""
+    """Overwrite a file that has other content."""
 
     json: bool = False
     """Print one answer as JSON: the file's name."""
@@ -260,7 +274,7 @@ class Export:
 
 
 def _given(arguments: Sequence[str], flag: str) -> list[str]:
-    """The values that arguments give an option."""
+    """Return the values of an option in the arguments."""
     found = list[str]()
     for argument, following in pairwise([*arguments, "--"]):
         if argument == flag and not following.startswith("--"):

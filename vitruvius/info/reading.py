@@ -40,7 +40,7 @@ from vitruvius.info.kinds import (
 )
 
 MOST_TEXT, MAX_METRICS_BYTES = 1 << 20, 1 << 28
-"""Bytes that are read of a run's ``config.json`` and of the end of its reports; bytes of all its reports."""
+"""Bytes to read of ``config.json`` and of the end of a run's reports; size of the file of reports."""
 
 
 class UnknownFileError(VitruviusError):

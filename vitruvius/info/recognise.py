@@ -115,7 +115,7 @@ def _file(name: str, path: Path) -> Kind:
     if suffix in DESCRIPTIONS:
         return read_houses(name, load(path))
     if suffix in PICTURES:
-        raise UnknownFileError(f"{name}: a picture: look at a map of it by its .yaml")
+        raise UnknownFileError(f"{name}: this is a picture: for a map, give its .yaml file")
     if suffix in (".lp", ".pl"):
         raise UnknownFileError(
             f"{name}: a rule file: look at its grammar, vitruvius info {quoted(path.parent)}"
@@ -146,10 +146,10 @@ def _json(name: str, path: Path) -> Kind:
             break
     if record is None or is_geojson(record):
         try:
-            record = from_text(content)  # a feature a line
+            record = from_text(content)  # GeoJSON with one feature per line
         except ValueError as error:
             if path.name.lower().endswith(HOUSE_FILES):
-                load(path)  # says where it is damaged
+                load(path)  # raises an error with the place of the damage
             raise UnknownFileError(f"{name}: is damaged: {error}") from None
     if not isinstance(record, dict):
         raise _unknown(name)
@@ -182,8 +182,8 @@ def _plan(name: str, path: Path, content: bytes, record: Any) -> Kind | None:
 
 def _unknown(name: str) -> UnknownFileError:
     return UnknownFileError(
-        f"{name}: nothing that Vitruvius writes or reads: no house file, plan, checkpoint, run, grammar, "
-        "games, scores, trace or settings"
+        f"{name}: Vitruvius does not know this kind of file: give a house file, plan, checkpoint, run, "
+        "grammar, games, scores, trace or settings"
     )
 
 

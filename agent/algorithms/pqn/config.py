@@ -43,7 +43,7 @@ class PQNConfig(QLearningConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.network == "recurrent" and self.module:
-            raise RequestError("module: takes the place of the network feedforward, not recurrent")
+            raise RequestError("module: it replaces the feedforward network, not the recurrent one")
         if self.network == "recurrent" and self.num_minibatches > self.num_envs:
             raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")
         if self.num_minibatches > self.num_envs * self.num_steps:

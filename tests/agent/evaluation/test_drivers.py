@@ -133,7 +133,7 @@ def quick() -> Checkpoint:
         ),
         (
             lambda: next(measure({"mine": [quick()]}, HOUSES[:1], ("main",), backend="free")),
-            "mine: its drive is not the baselines', so the true path would not be its own",
+            "mine: drive: its limits differ from the baselines': only the commands may differ",
         ),
         (
             lambda: Evaluate(backend="free", beside=Path("games.json")).run(),
@@ -155,7 +155,7 @@ def test_what_cannot_drive_is_refused_in_a_line(refused, message):
     ("config", "backend", "message"),
     [
         (SMALL, "continuous", "mine drives: add --backend free"),
-        (PQNConfig(), "free", "mine is of a body on a lattice: it does not play in the backend free"),
+        (PQNConfig(), "free", "mine moves on a lattice and cannot run with --backend free"),
     ],
 )
 def test_an_agent_of_the_other_kind_of_motion_is_refused_before_it_plays(config, backend, message, tmp_path):

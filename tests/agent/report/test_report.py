@@ -227,10 +227,10 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     found = modes_of([replace(one, ends_on_pick_up=True)])
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(ScoredBank("abc", "b.jsonl", 2), 0, found).json())
     page = report(tmp_path, SECTIONS).decode()
-    # Not the share of successes alone, which the oracle's equals: how far it goes.
+    # The SPL too: the share of successes alone may equal the oracle's.
     assert (
-        "In 2 houses, agent finds a coffee table in 50% of its episodes, at an SPL of 0.50, where 1 is the "
-        "shortest way each time."
+        "In 2 houses, agent finds a coffee table in 50% of its episodes, at an SPL of 0.50, where 1 means "
+        "the shortest path in every episode."
     ) in page
     assert "<h3>Find a coffee table</h3>" in page
     assert "coffeeTable" not in page

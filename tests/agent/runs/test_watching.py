@@ -1,5 +1,5 @@
-"""What is done beside learning: evaluations in held-out houses, checkpoints, hooks, several seeds; it changes
-nothing that is learnt. And a module of a user's own.
+"""Evaluations in held-out houses, checkpoints, hooks and several seeds, none of which affects learning, and
+user-defined modules.
 """
 
 import json
@@ -88,9 +88,9 @@ def test_an_agent_is_evaluated_in_held_out_houses_and_the_best_one_kept_and_lear
 
 def test_held_out_houses_are_none_that_are_learnt_in_or_kept_for_measuring(tmp_path):
     for held_out, error, message in (
-        ([*HELD_OUT, HOUSES[1]], RequestError, "held-out house 2: the agent learns in it"),
+        ([*HELD_OUT, HOUSES[1]], RequestError, "held-out house 2: the agent learns in this house"),
         (benchmark()[:1], HouseFileError, "held-out houses: house 0: its seed .* is kept for measuring"),
-        ([], RequestError, "needs 1 to 1,024 held-out houses, not 0: give a house file by --held-out"),
+        ([], RequestError, "needs 1 to 1,024 held-out houses, not 0: name a house file with --held-out"),
     ):
         with pytest.raises(error, match=message):
             run(HOUSES, CONFIG, tmp_path / "run", watching=Watching(held_out, evaluate_every=1))
@@ -136,7 +136,10 @@ def test_no_file_names_a_module(tmp_path, nothing_allowed):
 @pytest.mark.parametrize(
     ("module", "message"),
     [
-        ("tests.agent.runs.test_watching:Narrow", r"it gives \(2, 2\) for two observations, not \(2, 3\)"),
+        (
+            "tests.agent.runs.test_watching:Narrow",
+            r"it returns shape \(2, 2\) for two observations, not \(2, 3\)",
+        ),
         ("tests.agent.runs.test_watching:noted", "takes 1 positional argument"),
         ("tests.agent.runs.test_watching:Absent", "has no attribute"),
     ],
@@ -146,12 +149,12 @@ def test_a_module_that_is_no_q_network_is_refused(module, message, nothing_allow
 
     allow(module)
     for kind in (PQNConfig, DQNConfig):
-        with pytest.raises(RequestError, match=f"module {module} cannot be had: .*{message}"):
+        with pytest.raises(RequestError, match=f"module {module} cannot be used: .*{message}"):
             network_of(kind(module=module))
 
 
 def test_a_recurrent_network_has_no_module_of_its_own_and_a_module_is_a_class():
-    with pytest.raises(RequestError, match="not recurrent"):
+    with pytest.raises(RequestError, match="not the recurrent one"):
         PQNConfig(network="recurrent", module=OWN)
     with pytest.raises(RequestError, match="give module:Class"):
         PQNConfig(module="Wide")

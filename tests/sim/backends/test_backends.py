@@ -98,12 +98,12 @@ def test_targets_in_rooms_that_it_cannot_reach_are_refused_with_the_room():
     ("name", "message"),
     [
         ("mainroom", "there is no backend mainroom: there are continuous, free, grid, or module:Class"),
-        ("mainroom:MainRoom", "backend 'mainroom:MainRoom' cannot be had: No module named 'mainroom'"),
-        (":MainRoom", "backend ':MainRoom' cannot be had"),
-        (".main_room:MainRoom", "backend '.main_room:MainRoom' cannot be had"),
-        ("main_room:", "backend 'main_room:' cannot be had"),
-        ("main_room:Mainroom", "cannot be had: module 'main_room' has no attribute 'Mainroom'"),
-        ("main_room:WALL", "backend 'main_room:WALL' cannot be had: it is no class"),
+        ("mainroom:MainRoom", "backend 'mainroom:MainRoom' cannot be used: No module named 'mainroom'"),
+        (":MainRoom", "backend ':MainRoom' cannot be used"),
+        (".main_room:MainRoom", "backend '.main_room:MainRoom' cannot be used"),
+        ("main_room:", "backend 'main_room:' cannot be used"),
+        ("main_room:Mainroom", "cannot be used: module 'main_room' has no attribute 'Mainroom'"),
+        ("main_room:WALL", "backend 'main_room:WALL' cannot be used: it is no class"),
     ],
 )
 def test_a_name_that_names_no_backend_is_refused(name, message):
@@ -117,7 +117,7 @@ def test_a_class_that_lacks_a_method_is_refused_by_its_name(method, monkeypatch)
     methods = {name: vars(whole.MainRoom)[name] for name in METHODS if name != method}
     monkeypatch.setattr(whole, "Lacking", type("Lacking", (), methods), raising=False)
     message = (
-        f"backend 'main_room:Lacking' cannot be had: it has no {method}(), see sim.backends.backend.Backend"
+        f"backend 'main_room:Lacking' cannot be used: it has no {method}(), see sim.backends.backend.Backend"
     )
     with pytest.raises(ValueError, match=re.escape(message)):
         make(backend="main_room:Lacking")

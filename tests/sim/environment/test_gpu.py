@@ -59,7 +59,7 @@ def test_what_needs_taichi_takes_the_device_that_runs(monkeypatch):
     program = start()
     monkeypatch.setattr(impl, "current_cfg", lambda: SimpleNamespace(arch=ti.cuda))
     assert start() is program
-    with pytest.raises(ValueError, match=r"'cpu' cannot be had: \w+ runs on a GPU in this process"):
+    with pytest.raises(ValueError, match=r"'cpu' cannot be used: \w+ runs on a GPU in this process"):
         start("cpu")
 
 

@@ -360,7 +360,7 @@ def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_works():
         cwd=Path(__file__).parents[3],
         env=os.environ | {"CUDA_VISIBLE_DEVICES": ""},
     )
-    assert done.stdout.splitlines()[0].startswith("device 'cuda' cannot be had: ")
+    assert done.stdout.splitlines()[0].startswith("device 'cuda' cannot be used: ")
     assert done.stdout.splitlines()[1:] == ["went on"]
     assert done.stderr == ""
 
@@ -369,7 +369,7 @@ WRONG_ARGUMENTS = {
     "there is no backend grids: did you mean grid? There are continuous, free, grid, or module:Class": {
         "backend": "grids"
     },
-    "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
+    "backend 'sim.grids:Grid' cannot be used": {"backend": "sim.grids:Grid"},
     "there is no task any: there are main, secondary, mixed, all": {"targets": "any"},
     "there is no preset papers: did you mean paper": {"preset": "papers"},
     "num_envs is 0": {"num_envs": 0},
@@ -379,7 +379,7 @@ WRONG_ARGUMENTS = {
     "max_episode_steps must be a whole number, not 1.5": {"max_episode_steps": 1.5},
     "unknown render_mode 'ansi'": {"render_mode": "ansi"},
     "there is no device tpu: did you mean cpu": {"device": "tpu"},
-    "device 'cuda' cannot be had": {"device": "cuda"},
+    "device 'cuda' cannot be used": {"device": "cuda"},
     "there is no autoreset_mode Sometimes: there are NextStep, SameStep, Disabled": {
         "autoreset_mode": "Sometimes"
     },

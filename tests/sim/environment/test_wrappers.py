@@ -146,12 +146,12 @@ if __name__ == "__main__":
 
 @pytest.mark.skipif(sys.platform == "darwin", reason="processes are not forked there")
 def test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing(tmp_path) -> None:
-    """What cannot be had is said in the parent: a GPU, and a fork of a process in which Taichi runs."""
+    """What cannot be used is said in the parent: a GPU, and a fork of a process in which Taichi runs."""
     (tmp_path / "processes.py").write_text(PROCESSES)
     made = finished([sys.executable, tmp_path / "processes.py"])
     assert made.returncode == 0, made.stderr
     gpu, fork, count = made.stdout.splitlines()
-    assert gpu.startswith("device 'cuda' cannot be had: no GPU with a CUDA driver was found here")
+    assert gpu.startswith("device 'cuda' cannot be used: no GPU with a CUDA driver was found")
     assert "was forked" in fork
     assert 'vector_kwargs={"context": "spawn"}' in fork
     assert count == "3"

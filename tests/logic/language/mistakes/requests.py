@@ -26,7 +26,9 @@ MISTAKES = (
     Command("generate -rooms 3", ("-rooms: did you mean --rooms?",)),
     Command("draw houses.jsonl format svg", ("format: did you mean --format?",)),
     Command("explain houses.jsonl --why", ("--why: give a value, as in --why TEXT: The part: a room (R3)",)),
-    Command("generate --rooms 3 --snap 0.1", ("--plan-unit and --snap are of a plan: give it by --plan",)),
+    Command(
+        "generate --rooms 3 --snap 0.1", ("--plan-unit and --snap need a plan: give the plan with --plan",)
+    ),
     Command("explain --rooms 3 --plan-unit cm", ("--plan-unit and --snap are of a plan",)),
     Command("generate --rooom 3", ("generate: there is no option --rooom", "did you mean --rooms?")),
     Command("generate --rooms 3 --tpye hall=1", ("no option --tpye", "did you mean --type?")),
@@ -91,8 +93,8 @@ MISTAKES = (
     Command("train --sim ray_spacing=2", ("--sim ray_spacing=2", "it must divide 45")),
     Command("train --targets mian", ("there is no task mian", "did you mean main?")),
     Command("train --targets {'task':'reach'}", ("is no JSON",)),
-    Command('train --targets {"task":"reach"}', ("cannot be had", "'room'")),
-    Command("train --targets nowhere:Task", ("cannot be had", "nowhere")),
+    Command('train --targets {"task":"reach"}', ("cannot be used", "'room'")),
+    Command("train --targets nowhere:Task", ("cannot be used", "nowhere")),
     Command("generate --rooms 3 --piece bed=two", ("--piece bed=two: say how many, as in --piece bed=2",)),
     Command("generate --rooms 3 --type hall=1 --type hall=2", ("hall is given before: give each name once",)),
     Command(
