@@ -46,13 +46,13 @@ __all__ = [
 
 
 def _register(name: str, **arguments: Any) -> None:
-    """Register an environment, single and of many, with arguments of its own."""
+    """Register an environment and its vector environment, with the given default arguments."""
     one, many = "sim.environment.single:HouseEnv", "sim.environment.vector:HouseVectorEnv"
     gymnasium.register(f"Vitruvius/{name}-v0", entry_point=one, vector_entry_point=many, kwargs=arguments)
 
 
 _register("House")
-for _backend in BACKENDS:  # for libraries that take the keyword ``backend`` themselves, as TorchRL does
+for _backend in BACKENDS:  # for libraries such as TorchRL, which have their own keyword ``backend``
     _register(
         f"House-{_backend}", backend=_backend, **({"houses": CELL_HOUSES} if _backend == "grid" else {})
     )

@@ -14,7 +14,7 @@ _ALLOWED: set[str] = set()
 
 
 def allow(*names: str) -> None:
-    """Let text name these classes, each ``module:Class``, in this process. Nothing is imported yet."""
+    """Allow text in this process to name these classes, each ``module:Class``, without importing them yet."""
     for name in names:
         if not is_class_name(name):
             raise ValueError(f"allow: give module:Class, not {name!r}")
@@ -29,8 +29,8 @@ def allowed() -> tuple[str, ...]:
 def imported(name: str) -> Any:
     """Return the object that an allowed ``module:Class`` names.
 
-    Raises ``ValueError`` for a name that is not allowed, ``ImportError`` or ``AttributeError`` where there is
-    no such object.
+    Raises ``ValueError`` for a name that is not allowed, and ``ImportError`` or ``AttributeError`` for an
+    object that does not exist.
     """
     if name not in _ALLOWED:
         raise ValueError(
@@ -42,7 +42,7 @@ def imported(name: str) -> Any:
 
 
 def class_name(kind: type) -> str:
-    """Return the ``module:Class`` of a class; one that a function made has ``<locals>`` in it."""
+    """Return the ``module:Class`` of a class. The name of a class in a function contains ``<locals>``."""
     return f"{kind.__module__}:{kind.__qualname__}"
 
 

@@ -21,7 +21,7 @@ MOST_KINDS = 64
 """Kinds of pieces that an observation tells apart at most."""
 
 LEAST_SPACING = 0.1
-"""Degrees between rays on a lattice: each direction of a ray is a row of a table."""
+"""Smallest angle between rays on a lattice, in degrees: a table has a row for each direction."""
 
 MOST_ANGLE_NOISE = 45
 """Degrees."""
@@ -41,13 +41,13 @@ EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, 
 """What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
 
 VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration", "width"
-"""What may differ from episode to episode: see ``Config.varied``."""
+"""Names for ``Config.varied``, whose values may be random in each episode."""
 
 SHARES = "dropout", "slip", "speed", "acceleration", "width"
-"""Those of them that are at most 1."""
+"""Names of ``VARIABLE`` whose values are at most 1."""
 
 MEMORY = "memory"
-"""What can be observed of tasks whose terms keep numbers."""
+"""Part of an observation with the numbers that the task's terms keep."""
 
 OBSERVABLE = RAYS, *EXTRAS, MEMORY
 
@@ -68,8 +68,8 @@ class Config:
     """Side of the axis-aligned square body, metres: at the headings along an axis, and on a diagonal."""
 
     eye: tuple[float, float] = cast(Any, None)
-    """Where the eye is, metres east and south of the body's north-west corner, at the same two headings; by
-    default in the middle of the body."""
+    """Offset of the eye, metres both east and south from the body's north-west corner: at the headings along
+    an axis, and on a diagonal. By default the eye is in the middle of the body."""
 
     step: float = 2 * PIXEL
     """How far ``forward`` goes along an axis, metres; on a diagonal it goes as far along both axes."""
@@ -91,8 +91,8 @@ class Config:
     """Degrees from the heading to ray 0, counter-clockwise. 58.5 makes 40 rays mirror-symmetric."""
 
     ray_spacing: float = sensed(3)
-    """Degrees from a ray to the next one, clockwise: a part of 45, as 3 or 22.5, so that directions are few,
-    or in the backend ``free`` any number."""
+    """Degrees from a ray to the next ray, clockwise. The value must divide 45, as 3 or 22.5 does, so that the
+    table of directions is small; the backend ``free`` accepts any value."""
 
     range: float = sensed(220 * PIXEL)
     """How far a ray sees, metres."""
@@ -125,12 +125,12 @@ class Config:
     """Steps by which rays and the target are seen late: at an episode's begin, as they were then."""
 
     observe: tuple[str, ...] = sensed((RAYS,))
-    """What an agent may know: ``rays``; ``bump``, whether the last move was blocked; ``last_action``, one of
-    three numbers 1, none as an episode begins; ``odometry``, where it is by the body's own account: metres
-    forward and left of the start, cosine and sine of the turn; ``goal``, metres forward and left of the body
-    to the target; ``geodesic``, the fewest actions to it, -1 where no path leads there; in the backend
-    ``free`` also ``speed``, metres forward and radians to the left in a second, or where bodies drive
-    sideways metres forward, metres and radians to the left; ``memory``, the numbers that the task's terms
+    """Parts of an observation. ``rays``: the sensor. ``bump``: 1 if the last move was blocked.
+    ``last_action``: one-hot vector of three numbers, all 0 at the start of an episode. ``odometry``:
+    estimated pose, metres forward and left of the start, cosine and sine of the turn. ``goal``: metres
+    forward and left from the body to the target. ``geodesic``: fewest actions to the target, -1 if no path
+    leads there. ``speed`` (backend ``free``): forward in m/s and turn to the left in rad/s; for bodies that
+    drive sideways, forward and left in m/s and the turn. ``memory``: the numbers that the task's terms
     keep."""
 
     flat: bool = sensed(False)
@@ -140,7 +140,7 @@ class Config:
     """Standard deviation of the errors of which ``odometry`` is the sum, as a share of each step and turn."""
 
     memory: int = 0
-    """Numbers that the task's terms keep: environments set it."""
+    """Number of values that the task's terms keep; environments set this field."""
 
     drives: bool = False
     """Whether bodies move freely: the backend ``free`` sets it."""
@@ -152,10 +152,11 @@ class Config:
     """The probability that an action does nothing, and that nothing says so."""
 
     varied: tuple[tuple[str, float, float], ...] = ()
-    """What differs from episode to episode, as ("noise", 0.0, 0.05): in each ``noise``, ``dropout``, ``slip``
-    or ``drift`` is some number from the first to the second, all alike, in place of the field's; ``width`` a
-    share of the body's width, whose eye stays in its middle; and in the backend ``free`` ``speed`` and
-    ``acceleration``, shares of what a body is told and can."""
+    """Domain randomisation: fields with a uniformly random value in each episode, as ("noise", 0.0, 0.05).
+
+    ``noise``, ``dropout``, ``slip`` and ``drift`` replace the value of the field. ``width`` scales the body's
+    width; the eye stays in the middle. In the backend ``free``, ``speed`` scales the speed of each command,
+    and ``acceleration`` scales the limits of acceleration."""
 
     target: float = 15 * PIXEL
     """Side of the square target, metres."""
@@ -215,24 +216,26 @@ class Config:
             )
 
     def _require_varied(self) -> None:
-        """Raise ``ValueError`` for what cannot differ so from episode to episode."""
+        """Raise ``ValueError`` for names and ranges in ``varied`` that are not possible."""
         for name, low, high in self.varied:
             if name not in VARIABLE:
                 raise ValueError(f"varied: {unknown('field', name, VARIABLE)}")
             most = 1.0 if name in SHARES else float("inf")
             if not (0 <= low <= high <= most and high < float("inf")):
-                raise ValueError(f"varied: {name} from {low} to {high}: from 0, and at most {most:g}")
+                raise ValueError(f"varied: {name} from {low} to {high}: it must be between 0 and {most:g}")
         if len({name for name, *_ in self.varied}) < len(self.varied):
-            raise ValueError("varied: each field once")
+            raise ValueError("varied: name each field once")
         if self.varies("width") and (self.closed_doors or self.knows_distance or self.collision != "swept"):
-            raise ValueError("varied: no width with closed doors, distances or the collision 'original'")
+            raise ValueError(
+                "varied: width cannot vary with closed doors, distances or the collision 'original'"
+            )
 
     def most(self, name: str) -> float:
-        """The greatest value of a field that may differ from episode to episode."""
+        """Return the largest value of a field in any episode."""
         return next((high for each, _, high in self.varied if each == name), getattr(self, name, 1.0))
 
     def varies(self, *names: str) -> bool:
-        """Whether one of these fields differs from episode to episode."""
+        """Return True if one of the fields has a random value in each episode."""
         return any(name in names for name, *_ in self.varied)
 
     def require_lattice(self, who: str) -> None:
@@ -246,15 +249,15 @@ class Config:
         """Raise ``ValueError`` where rays have more directions than a table of eight headings can serve."""
         if not (self.ray_spacing >= LEAST_SPACING and isclose(45 / self.ray_spacing, self.rays_in_a_turn)):
             raise ValueError(
-                f"ray_spacing is {self.ray_spacing:g} degrees: it must divide 45 and be {LEAST_SPACING} at "
-                "least, but for backend free"
+                f"ray_spacing is {self.ray_spacing:g} degrees: it must divide 45 and be at least "
+                f"{LEAST_SPACING}, except in the backend free"
             )
         if self.angle_noise:
             raise ValueError(f"angle_noise is {self.angle_noise:g} degrees: the backend free alone has it")
 
     @property
     def rays_in_a_turn(self) -> int:
-        """Rays between two headings of the lattice, which are 45 degrees apart."""
+        """Number of rays between two headings of the lattice, which are 45 degrees apart."""
         return round(45 / self.ray_spacing)
 
     @property

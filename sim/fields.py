@@ -1,4 +1,4 @@
-"""The values of a frozen dataclass: read as its fields' types say, and written as JSON keeps them."""
+"""Conversion of a frozen dataclass's values: to the types of its fields, and to types that JSON has."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
@@ -17,20 +17,21 @@ KINDS: dict[Any, tuple[Any, str]] = {
     float: (Real, "a number"),
     str: (str, "text"),
 }
-"""Values of plain types and their names in messages, by type."""
+"""Accepted values and their name in messages, by the type of the field."""
 
 
 class Derived(tuple[Any, ...]):
-    """A value that a dataclass computed from its other fields in place of ``None``: ``settle`` makes it
-    ``None`` again, so that ``replace`` computes it from the new values.
+    """Value that a dataclass computes from its other fields if the given value is ``None``.
+
+    ``settle`` replaces the value by ``None``, so that ``dataclasses.replace`` computes it again.
     """
 
 
 def settle(instance: Any, of: str = "") -> None:
-    """Replace the values of a frozen dataclass by those of its fields' types: NumPy's numbers by Python's,
-    lists and arrays by tuples, a dictionary of fields by a dataclass.
+    """Convert the values of a frozen dataclass to the types of its fields.
 
-    Raises ``ValueError`` for a value of another type; its message begins with ``of``.
+    NumPy numbers become Python numbers, lists and arrays become tuples, and a dictionary of fields becomes a
+    dataclass. Raises ``ValueError`` for a value of another type; the message begins with ``of``.
     """
     for each in fields(instance):
         value = getattr(instance, each.name)
@@ -42,7 +43,7 @@ def settle(instance: Any, of: str = "") -> None:
 
 
 def made(kind: type[T], values: Mapping[str, Any], noun: str = "field") -> T:
-    """Return a dataclass from its fields' values. Raises ``ValueError`` for a field that it does not have."""
+    """Return a dataclass with the given values. Raises ``ValueError`` for an unknown field."""
     known = [each.name for each in fields(kind)]  # pyright: ignore[reportArgumentType]
     for name in values:
         if name not in known:
@@ -51,7 +52,7 @@ def made(kind: type[T], values: Mapping[str, Any], noun: str = "field") -> T:
 
 
 def stated(value: Any) -> Any:
-    """Return a value as JSON keeps it: a dataclass as the fields that differ from their defaults."""
+    """Return a value in JSON types; of a dataclass, only the fields that differ from their defaults."""
     if isinstance(value, Derived):
         return None
     if is_dataclass(value):

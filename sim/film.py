@@ -62,7 +62,7 @@ class Scene:
     task: str
     """What is to be done, in words, as the house calls its rooms and pieces."""
     others: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
-    """(n, 2) the centres of other targets that are there."""
+    """Centres of the other targets, (n, 2), metres."""
 
 
 class Camera:

@@ -98,7 +98,7 @@ def geometry(house: House) -> Geometry:
 
 
 def shut(house: House, door: Any) -> Box:
-    """Return the segment of a door that is shut: at the face of its wall in the first room that it names."""
+    """Return the segment of a closed door, at the face of its wall in the first room that the door names."""
     if not house.half_wall:
         return door.box
     first = house.whole(next(room for name in door.between for room in house.rooms if room.name == name))
@@ -125,8 +125,8 @@ def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
 
 
 FARTHEST = 512.0
-"""Metres from the origin that a house may reach. Places are float32, rounded to 4e-6 m up to 128 m from the
-origin, to 8e-6 m up to 256 m, and to 1.5e-5 m, more than the body's skin, up to 512 m.
+"""Largest distance of a house from the origin, metres. The rounding error of a float32 place is 4e-6 m up to
+128 m from the origin, 8e-6 m up to 256 m, and 1.5e-5 m, more than the body's skin, up to 512 m.
 """
 
 

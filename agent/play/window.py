@@ -300,8 +300,7 @@ class GameWindow:
 
 
 def fitted(words: str, size: int, room: tuple[int, int], colour: tuple[int, int, int]) -> pygame.Surface:
-    """Return words in the largest font size that fits ``room`` (width, height), in several lines if
-    necessary."""
+    """Return words in the largest font size that fits ``room`` (width, height), in one or more lines."""
     for letters in range(size, LEAST - 1, -1):
         text = pygame.font.Font(None, letters).render(words, True, colour, wraplength=room[0])
         if text.get_width() <= room[0] and text.get_height() <= room[1]:

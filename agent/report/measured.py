@@ -70,8 +70,7 @@ def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
 def _sentence(
     words: str, mode: ModeScores, figures: dict[str, dict[str, Estimate]], agents: Collection[str]
 ) -> str:
-    """Return a sentence that compares the best agent with the best baseline that has no privileged
-    knowledge."""
+    """Return a sentence that compares the best agent with the best baseline of ``KNOWS``."""
     finds = mode.ends_on_pick_up and all({"success", "spl"} <= {*each} for each in figures.values())
     key, digits = ("spl", 2) if finds else ("targets", 1)
 

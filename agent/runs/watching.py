@@ -31,8 +31,7 @@ MAX_HELD_OUT = 1024
 
 @dataclass(frozen=True)
 class Watching:
-    """Options for evaluation, checkpoints and the hook during a run. Steps are environment steps of the
-    run."""
+    """Options for evaluation, checkpoints and the hook during a run, with steps of the environment."""
 
     held_out: Sequence[House] = ()
     """Houses for evaluation, none of which the agent learns in. An evaluation plays one episode in each."""

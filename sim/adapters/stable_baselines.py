@@ -14,9 +14,9 @@ from stable_baselines3.common.vec_env import VecEnv
 class StableBaselinesVecEnv(VecEnv):
     """A ``VectorEnv`` that resets in the same step: ``DQN("MlpPolicy", StableBaselinesVecEnv(envs))``.
 
-    Options are for all environments together, as Gymnasium's: ``set_options({"house": [0, 1]})``. So are
-    attributes and methods: whichever environment is asked for, they are those of the outermost wrapper that
-    has them, or else of the environment.
+    Options apply to all environments together, as in Gymnasium: ``set_options({"house": [0, 1]})``.
+    Attributes and methods also apply to all environments together. They belong to the outermost wrapper that
+    has them, or else to the vector environment.
     """
 
     def __init__(self, envs: VectorEnv, infos: bool = False) -> None:
@@ -78,25 +78,25 @@ class StableBaselinesVecEnv(VecEnv):
         return self.envs.render() or [None] * self.num_envs  # pyright: ignore[reportReturnType]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return the attribute, for each environment asked for."""
+        """Return a list that repeats the attribute for each of the environments ``indices``."""
         return [getattr(self._owner(attr_name), attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Set the attribute where it is, for all environments."""
+        """Set the attribute of the layer that has it, for all environments."""
         setattr(self._owner(attr_name), attr_name, value)
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        """Call the method once; return its result for each environment asked for."""
+        """Call the method once. Return its result, repeated for each of the environments ``indices``."""
         returned = getattr(self._owner(method_name), method_name)(*args, **kwargs)
         return [returned for _ in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """Return for each environment asked for if a wrapper of this class is around it."""
+        """Return for each of the environments ``indices`` True if a wrapper of this class is present."""
         wrapped = any(isinstance(layer, wrapper_class) for layer in self._layers())
         return [wrapped for _ in self._get_indices(indices)]
 
     def _layers(self) -> Iterator[VectorEnv]:
-        """Yield the wrappers, from the outermost on, and the environment."""
+        """Yield the wrappers from the outermost to the innermost, then the vector environment."""
         layer = self.envs
         while isinstance(layer, VectorWrapper):
             yield layer

@@ -79,13 +79,13 @@ class Body:
 
     @ti.func
     def overlaps_with(self, origin, cell, target, half: ti.template(), width):
-        """``overlaps`` of a body of a share of its width."""
+        """Return ``overlaps`` for a body that has ``width`` times its usual width."""
         near = width * self.half(cell) + ti.static(half - SKIN)
         return ti.cast(ti.abs(self.centre(origin, cell) - target).max() < near, ti.i32)
 
     @ti.func
     def meets(self, box, origin, cell, new_origin, new, width):
-        """Whether a box is in the way of the body, of a share of its width, from a cell to another (i32)."""
+        """Return 1 (i32) if a box blocks the body, ``width`` times as wide as usual, between two cells."""
         half = self.half(new)
         begin = self.centre(origin, cell) + (half - self.half(cell))
         return slides_into(box, begin, self.centre(new_origin, new), width * half)

@@ -17,7 +17,7 @@ OVERLAP = 2e-5
 """Metres by which a line reaches beyond its ends for a ray, so that none slips through where two meet."""
 
 EXACT = 128.0
-"""Metres from the origin up to which ``OVERLAP`` is more than float32 places are rounded by."""
+"""Distance from the origin, in metres, up to which the rounding error of float32 is less than ``OVERLAP``."""
 
 MARGIN = 1e-3
 """Metres by which a rough test is more generous than it needs to be: more than rounding can take away."""
@@ -27,8 +27,10 @@ PARALLEL = 1e-30
 
 
 def overlap(lines: np.ndarray) -> np.ndarray:
-    """Return the metres (n,) by which lines reach beyond their ends, by the numbers (n, k) of their places:
-    ``OVERLAP``, and beyond ``EXACT`` as many times more as float32 is coarser there.
+    """Return the extension (n,) of each line beyond its ends, in metres, for lines with coordinates (n, k).
+
+    The extension is ``OVERLAP``. Beyond ``EXACT`` metres from the origin it grows with the spacing of
+    float32.
     """
     reach = np.abs(lines).max(axis=1)
     return OVERLAP * np.exp2(np.ceil(np.log2(np.maximum(reach, EXACT) / EXACT)))

@@ -1,4 +1,4 @@
-"""Targets beside the first, where several are there at once: they lie over a backend's house, as doors do."""
+"""Targets after the first, for tasks with several targets at once. Each backend adds them to its rays."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class OtherTargets:
-    """Shows and finds them. ``others`` has for each environment their centres, metres."""
+    """Functions of kernels for the other targets, whose centres are in ``others``, metres, by environment."""
 
     def __init__(self, config: Config, body: Any, lanes: int, number: int) -> None:
         """Cast ``lanes`` rays at a time, at ``number`` targets."""
@@ -20,19 +20,19 @@ class OtherTargets:
 
     @ti.func
     def centre(self, others: ti.template(), e, k):
-        """Where the k-th is."""
+        """Return the centre of target k."""
         at = 2 * (e * ti.static(self.number) + k)
         return ti.Vector([others[at], others[at + 1]])
 
     @ti.func
     def put(self, others: ti.template(), e, k, centre):
-        """Put the k-th somewhere."""
+        """Move target k to a centre."""
         at = 2 * (e * ti.static(self.number) + k)
         others[at], others[at + 1] = centre[0], centre[1]
 
     @ti.func
     def met(self, others: ti.template(), e, origin, cell, width):
-        """The first that the body, of a share of its width, overlaps; -1 for none."""
+        """Return the first target that the body, ``width`` times as wide as usual, overlaps; -1 for none."""
         found = -1
         for k in ti.static(range(self.number)):
             if found < 0:
@@ -46,7 +46,7 @@ class OtherTargets:
         self, others: ti.template(), e, origin, cell, ray, off: ti.template(), distance: ti.template(),
         kind: ti.template(),
     ):  # fmt: skip
-        """Shorten rays, from number ``ray`` on, each ``off`` by some radians, that end behind one of them."""
+        """Shorten the rays through a target. Rays count from ``ray``; ``off`` has their errors, radians."""
         eye = self.body.eye(origin, cell)
         over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
         over_y, slope_y = self.rays.floats(0.0), self.rays.floats(0.0)
@@ -69,7 +69,7 @@ class OtherTargets:
 
     @ti.func
     def may_see(self, offset, cell):
-        """Whether a target at an offset from the eye may be seen: see ``Hits.within``."""
+        """Return False if no ray can reach a target at an offset from the eye: see ``Hits.within``."""
         ahead = 0.0
         if ti.static(self.config.drives):
             cosine, sine = cosine_sine(self.body.heading(cell))

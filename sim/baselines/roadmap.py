@@ -1,10 +1,11 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
-"""Shortest paths of a disc's middle among what stops it, in the backend ``free``: a visibility graph.
+"""Shortest paths of a disc's centre among obstacles, in the backend ``free``: a visibility graph.
 
-Each solid is widened by a distance: a convex polygon, whose corners are the graph's where they are free. A
-shortest path is straight from one to the next. The polygon lies outside of what the middle keeps out of, so a
-body that follows a path touches nothing. Where ``sees`` is asked with ``cut``, the polygon's corners are cut
-off, and it lies inside: a body that stands near a corner may go on.
+Each solid is widened by a distance, which gives a convex polygon. The free corners of the polygons are the
+nodes of the graph. A shortest path is a sequence of straight lines between nodes. The polygon contains all
+places where the disc would touch the solid, so a body that follows a path touches nothing. With ``cut``,
+``sees`` cuts off the polygon's corners, so that the polygon is inside of these places: a body that stands
+near a corner can continue.
 """
 
 from functools import cache
@@ -103,7 +104,7 @@ class Roadmap:
     """The graphs of a world's bank, which must stay as it is."""
 
     def __init__(self, world: World, wide: float) -> None:
-        """Make the graphs for solids that are widened by ``wide`` metres.
+        """Build the graphs, with all solids widened by ``wide`` metres.
 
         Raises ``ValueError`` for a house with more than ``MOST_CORNERS`` corners.
         """
@@ -151,7 +152,7 @@ def solids_of(world: World) -> list[np.ndarray]:
 
 
 def corners_of(solids: np.ndarray, shape: Geometry, wide: float) -> np.ndarray:
-    """Return the corners (n, 2) of widened solids that are in the house and in no other widened solid."""
+    """Return the corners (n, 2) of widened solids that are in the house and outside all other solids."""
     middle, along, half = solids[:, :2], solids[:, 2:4], solids[:, 4:]
     across = np.column_stack([-along[:, 1], along[:, 0]])
     reach = half + wide

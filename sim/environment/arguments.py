@@ -30,7 +30,7 @@ BANK = Path(__file__).with_name("houses.jsonl.gz")
 """32 houses to begin with, by ``vitruvius generate --rooms 4 --count 32 --out`` this file."""
 
 CELL_HOUSES = "cell-houses"
-"""As many in cells of 0.3 m, by name, for the backend ``grid``: with ``--cell 0.3``."""
+"""Name of 32 more houses in cells of 0.3 m, for the backend ``grid``, generated with ``--cell 0.3``."""
 
 PAPER_HOUSE = "paper-house"
 """The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
@@ -94,20 +94,22 @@ def read_arguments(
     check_lengths(bank)
     config = make.fit(replace(config, drives=False, memory=terms_of(wanted).memory), bank)
     if not config.drives and config.drive != Drive():
-        raise ValueError(f"preset has a drive, which backend {backend!r} does not use: take the backend free")
+        raise ValueError(f"preset has a drive, which backend {backend!r} does not use: use the backend free")
     require_observed(config, make)
     if config.varies("speed", "acceleration") and not config.drives:
-        raise ValueError("varied: bodies of this backend do not drive: speed and acceleration are of free")
+        raise ValueError("varied: bodies of this backend do not drive: speed and acceleration need free")
     if config.varies("width") and not (hasattr(make, "move_with") or hasattr(make, "drive_with")):
-        raise ValueError("varied: bodies of this backend have one width: continuous and free have others")
+        raise ValueError("varied: bodies of this backend have a fixed width: use continuous or free")
     if config.drives and terms_of(wanted).asks_distance:
         raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")
     return Arguments(config, make, bank, rotation, wanted, device)
 
 
 def house_list(houses: Houses) -> list[House]:
-    """The houses of a file, of a request for ``logic.generate``, or of a list, or those that are named
-    ``CELL_HOUSES`` or ``PAPER_HOUSE``; of a rotation those of its first period. ``ValueError`` if none.
+    """Return the houses of a file, a request for ``logic.generate``, a list or a rotation's first period.
+
+    ``CELL_HOUSES`` and ``PAPER_HOUSE`` are names of built-in houses. Raises ``ValueError`` if there are no
+    houses.
     """
     if isinstance(houses, HouseRotation):
         houses = list(houses.period(0))
@@ -134,7 +136,7 @@ def house_list(houses: Houses) -> list[House]:
 
 
 def backend_class(name: str) -> type[Backend]:
-    """Return a backend by name or by an allowed ``module:Class``; ``ValueError`` if there is none."""
+    """Return the backend of a name or an allowed ``module:Class``. Raises ``ValueError`` if there is none."""
     if not isinstance(name, str):
         raise ValueError(
             f"backend must be a name, one of {', '.join(BACKENDS)} or module:Class, not {name!r}"
@@ -156,7 +158,7 @@ def backend_class(name: str) -> type[Backend]:
 
 
 def configuration(preset: Preset, max_episode_steps: int | None) -> Config:
-    """Return the configuration of a preset, with another length of episodes if that is given."""
+    """Return the configuration of a preset. ``max_episode_steps`` replaces the length of its episodes."""
     if isinstance(preset, Mapping):
         preset = made(Config, preset, "field of preset")
     elif not isinstance(preset, Config):

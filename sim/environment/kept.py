@@ -19,15 +19,15 @@ KEPT = (*SPACES, "_np_random", "_np_random_seed", "_spec")
 
 
 MARGIN_M = 1.0
-"""Distance that a body may be outside its house: a collision that ends an episode leaves it in the wall."""
+"""Distance by which a body may be outside its house: in a wall, after a collision that ends the episode."""
 
 
 def require_state(
     state: dict[str, Any], own: dict[str, np.ndarray], geometries: Sequence[Geometry], config: Config
 ) -> None:
-    """Raise ``ValueError`` for a state that environments in houses of these ``geometries`` cannot have.
+    """Raise ``ValueError`` for a state that environments in houses of these ``geometries`` cannot reach.
 
-    ``own`` is the state that it replaces.
+    ``own`` is the current state of the environments.
     """
     kinds = {name: (array.dtype.str, array.shape) for name, array in own.items()}
     given = {name: np.asarray(array) for name, array in state.items()}
@@ -43,7 +43,7 @@ def require_state(
         if not np.isfinite(np.ascontiguousarray(cells).view(np.float32)).all():
             raise ValueError("a state of no house: a speed or a heading is no finite number")
     else:
-        place = place + config.step * cells[:, :2]  # cells count from the start of an episode: some are < 0
+        place = place + config.step * cells[:, :2]  # cells are relative to the start: some are negative
         headings = np.concatenate([given.get("past_cells", cells)[:, 2], cells[:, 2]])
         if not ((headings >= 0) & (headings < len(HEADINGS))).all():
             raise ValueError("a state of no house: a body has no heading")
@@ -56,7 +56,7 @@ def require_state(
 
 
 def _inside(house: np.ndarray, place: np.ndarray, geometries: Sequence[Geometry]) -> bool:
-    """Whether places (n, 2) are in their houses (n,), or not far outside."""
+    """Return True if all places (n, 2) are in their houses (n,), or at most ``MARGIN_M`` outside."""
     known, which = np.unique(house, return_inverse=True)
     bounds = np.array([geometries[k].bounds for k in known]).reshape(-1, 4)[which]
     return bool(((bounds[:, :2] - MARGIN_M <= place) & (place <= bounds[:, 2:] + MARGIN_M)).all())
@@ -65,7 +65,7 @@ def _inside(house: np.ndarray, place: np.ndarray, geometries: Sequence[Geometry]
 def _require_guide(
     wholes: np.ndarray, reals: np.ndarray, geometries: Sequence[Geometry], config: Config
 ) -> None:
-    """Raise ``ValueError`` for options of next episodes that ``set_next`` would not take."""
+    """Raise ``ValueError`` for options of next episodes that ``set_next`` would refuse."""
     house, given = wholes[:, 0], ~np.isnan(reals[:, 0])
     cells, place = wholes[given, 1:], reals[given, :2]
     if config.drives:  # at rest
@@ -74,9 +74,9 @@ def _require_guide(
         place, turned = place + config.step * cells[:, :2], cells[:, 2] // len(HEADINGS) == 0
     known = (house >= given + SAMPLE) & (house < len(geometries))
     if not known.all() or np.isinf(reals).any() or not _inside(house[given], place, geometries):
-        raise ValueError("a state of other houses: a next episode begins in none of these")
+        raise ValueError("a state of other houses: a next episode would begin outside these houses")
     if not turned.all():
-        raise ValueError("a state of no house: a next episode begins without a heading")
+        raise ValueError("a state of no house: a next episode would begin without a heading")
 
 
 def remade(

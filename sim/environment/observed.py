@@ -13,8 +13,10 @@ from sim.drive import Drive
 
 
 def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]:
-    """The spaces of one environment's observations and actions: of rays alone their ``Box``, else a ``Dict``
-    of the parts that ``Config.observe`` names, in that order, or where it is ``flat``, a ``Box`` (n,) of all.
+    """Return the spaces of one environment's observations and actions.
+
+    The space of observations is a ``Box`` for rays alone, else a ``Dict`` of the parts in ``Config.observe``,
+    in the same order. With ``Config.flat``, it is one ``Box`` (n,).
     """
     parts: dict[str, spaces.Space[Any]] = {name: _box(config, name) for name in config.observe}
     if config.flat:
@@ -79,7 +81,9 @@ def require_observed(config: Config, backend: type) -> None:
     """Raise ``ValueError`` for what a backend lacks, by its ``lacks``, of what is observed."""
     lacks = (*getattr(backend, "lacks", ()), *(() if config.drives else ("speed",)))
     if MEMORY in config.observe and not config.memory:
-        raise ValueError("observe: the task's terms keep no memory: take others, as visit and battery are")
+        raise ValueError(
+            "observe: the task's terms keep no memory: use terms with a memory, such as visit or battery"
+        )
     for name in config.observe:
         if name in lacks:
             has = [each for each in (RAYS, *EXTRAS) if each not in lacks]

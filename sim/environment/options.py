@@ -16,11 +16,11 @@ SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
 
 
 FARTHEST_M = 1e6
-"""Distance of a place from the origin: further away, float32 does not resolve centimetres."""
+"""Largest distance of a place from the origin: further away, float32 does not resolve centimetres."""
 
 
 TARGET_MARGIN_M = 100.0
-"""Distance of a given target from its house at most: outside the house, no body sees it."""
+"""Largest distance of a given target from its house. Bodies cannot see a target outside the house."""
 
 
 @dataclass(frozen=True)
@@ -122,8 +122,9 @@ def house_numbers(value: Any, world: World) -> np.ndarray:
 
 
 def _require_near(targets: np.ndarray, numbers: np.ndarray, world: World) -> None:
-    """Raise ``ValueError`` for a target (n, 2) that is far from its house, or where houses are sampled, from
-    any house of the bank.
+    """Raise ``ValueError`` for a target (n, 2) too far from its house.
+
+    For a sampled house, the target must be near every house of the bank.
     """
     bounds = np.array([shape.bounds for shape in world.bank.geometries])
     low, high = bounds[:, None, :2] - TARGET_MARGIN_M, bounds[:, None, 2:] + TARGET_MARGIN_M

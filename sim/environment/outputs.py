@@ -45,8 +45,9 @@ class Outputs:
         return [part.reshape(self.world.num_envs, -1) for part in parts]
 
     def flags(self) -> np.ndarray:
-        """Return which environments terminated, were truncated and blocked (3, E) bool, a copy; in
-        ``SAME_STEP`` (4, E), with those that were blocked as their episodes ended.
+        """Return a copy of the flags terminated, truncated and blocked, (3, E) bool.
+
+        In ``SAME_STEP`` there is a fourth row: True if the last move of an ended episode was blocked.
         """
         return self.world.arrays["flags"].numpy().view(bool).reshape(-1, self.world.num_envs)
 
@@ -70,8 +71,9 @@ class Outputs:
         return info
 
     def finals(self, ended: np.ndarray) -> dict[str, Any]:
-        """What an info has more in ``SAME_STEP``, where episodes ended (E,) bool in this step: their last
-        observations and infos.
+        """Return the last observations and infos of ended episodes, for the info in ``SAME_STEP``.
+
+        ``ended`` (E,) bool is True for the environments whose episode ended in this step.
         """
         if not ended.any():
             return {}

@@ -1,4 +1,4 @@
-"""The spec of an environment: the arguments that it was made with, such that JSON keeps them."""
+"""Specs of environments, with arguments that survive a round trip through JSON."""
 
 import sys
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from sim.tasks.tasks import stated_task
 
 
 class KeepsSpec:
-    """An environment whose ``spec`` comes back from JSON as it was, and makes the same environment again."""
+    """Mixin for environments whose ``spec`` survives JSON unchanged and creates the same environment."""
 
     _spec: EnvSpec | None = None
     episode_steps: int
@@ -24,7 +24,7 @@ class KeepsSpec:
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The spec that ``gymnasium.make`` gave, its arguments in plain types, and the length of episodes."""
+        """Spec from ``gymnasium.make``, with arguments in JSON types and the length of episodes."""
         return self._spec
 
     @spec.setter
@@ -38,13 +38,14 @@ class KeepsSpec:
         self._spec = spec
 
     def lengthen(self, steps: int) -> None:
-        """Truncate episodes after more steps than those of the arguments; an environment may refuse to."""
+        """Truncate episodes after ``steps``, more than in the arguments, or refuse to."""
 
 
 def _limit_of(frame: Any) -> int:
-    """Return the ``max_episode_steps`` of a running ``gymnasium.make``, 0 for none and for another function.
+    """Return the ``max_episode_steps`` of the calling ``gymnasium.make``; 0 for another caller or no limit.
 
-    ``make`` passes the number to its wrapper ``TimeLimit`` alone, which can only shorten episodes.
+    ``make`` passes the number only to its wrapper ``TimeLimit``, which can shorten episodes but not lengthen
+    them.
     """
     if frame.f_code is not gymnasium.make.__code__:
         return 0
@@ -65,4 +66,4 @@ def _houses(value: Any) -> Any:
 
 
 PLAIN: dict[str, Callable[[Any], Any]] = {"device": str, "houses": _houses, "targets": stated_task}
-"""Functions that return an argument as JSON keeps it, by the argument's name; ``_plain`` for all others."""
+"""Functions that convert an argument to JSON types, by the argument's name; ``_plain`` converts the rest."""

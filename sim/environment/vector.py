@@ -59,9 +59,9 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     """Bodies with 40 rays look for targets in furnished houses, all stepped by one kernel.
 
     ## Description
-    Each environment samples a house of the bank at the start of each episode. A body walks in it and picks up
-    targets: square areas that appear one after the other. Metres, x east and y south; headings turn
-    counter-clockwise from east.
+    Each environment samples a house of the bank at the start of each episode. A body walks in the house and
+    picks up targets: square areas that appear one after the other. Coordinates are metres, x east and y
+    south; headings are counter-clockwise from east.
 
     ## Action Space
     ``Discrete(3)``: 0 turns left by 45 degrees, 1 turns right, 2 goes one step (0.0717 m) forward along
@@ -96,30 +96,36 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     | memory | (n,): what the task's terms keep | theirs |
 
     ## Rewards
-    1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
-    sampled at once, at least 0.82 m from it along one axis where the house allows.
+    1 for each target that the body overlaps after the action; else 0. The simulator samples the next target
+    at once, if possible at least 0.82 m away along one axis.
 
     ## Starting State
-    Anywhere free in the main room, at any of the eight headings, not on the first target; or where the task
-    says, as ``{"task": "main", "starts": ["bedroom"]}`` or ``"starts": "all"``, or ``set_next``.
-    ``paper``: at the free place nearest to the main room's middle, heading north.
+    A random free place in the main room, not on the first target, with a random one of the eight headings.
+    The task may choose other rooms, as in ``{"task": "main", "starts": ["bedroom"]}`` or ``"starts": "all"``,
+    and ``set_next`` other poses. ``paper``: the free place nearest to the middle of the main room, heading
+    north.
 
     ## Episode End
     Truncated after 1500 steps; ``paper`` also terminates at a collision.
 
     ## Info
-    Arrays by environment: ``pose`` (E, 3) of the eye (x, y, heading: metres, radians), ``blocked`` (E,),
-    ``house`` (E,) its number in the bank, ``target`` (E, 2) its centre in metres; with ``Config.geodesic``
-    also ``distance`` (E,) int32, the fewest actions to it, as ``Oracle`` counts them, -1 where no path is; of
-    terms that keep numbers also ``memory`` (E, n) float32; of several targets at once also ``targets``
-    (E, n, 2), ``target`` first.
+    | key | shape | meaning |
+    |---|---|---|
+    | pose | (E, 3) | x, y and heading of the eye, metres and radians |
+    | blocked | (E,) | True if the last move was blocked |
+    | house | (E,) | number of the house in the bank |
+    | target | (E, 2) | centre of the target, metres |
+    | distance | (E,) int32 | with ``Config.geodesic``: fewest actions to the target, -1 without a path |
+    | memory | (E, n) float32 | for terms with a memory: the numbers that they keep |
+    | targets | (E, n, 2) | for several targets at once: all centres, ``target`` first |
 
     ## Random numbers
-    They are keyed by (seed + i, episode, counter) for environment i, as in ``SyncVectorEnv``. A trajectory
-    does not depend on the number of environments, and an episode's k-th target is a function of seed + i,
-    episode, house and k: it never depends on the agent. So to measure agents on the same tasks, give house i
-    to environment i by ``reset(seed=0, options={"house": np.arange(n)})`` and step one episode: each agent
-    meets the same starts and the same targets in the same order, those that ``targets`` lists.
+    Random numbers of environment i have the key (seed + i, episode, counter), as in ``SyncVectorEnv``. A
+    trajectory does not depend on the number of environments. An episode's k-th target is a function of seed +
+    i, episode, house and k, and never depends on the agent. To compare agents on the same tasks, assign house
+    i to environment i with ``reset(seed=0, options={"house": np.arange(n)})`` and step one episode: each
+    agent then meets the same starts and the same targets in the same order. The method ``targets`` lists the
+    targets.
 
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
@@ -254,10 +260,11 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     ) -> tuple[Any, dict[str, Any]]:
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
-        ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
-        ``target`` (E, 2) in metres and radians, in place of those sampled, a target at most 100 m from its
-        house; ``reset_mask`` (E,) bool, those environments that begin a new episode, all but the first time.
-        ``ValueError`` for wrong ones, before anything is changed.
+        ``options`` may have ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3)
+        and ``target`` (E, 2), in metres and radians, which replace the sampled values (a target is at most
+        100 m from its house); and ``reset_mask`` (E,) bool, the environments that begin a new episode, which
+        must be all environments at the first reset. Raises ``ValueError`` for invalid options before any
+        change.
         """
         self._require_open()
         given = require_mapping(options)
@@ -291,19 +298,23 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self.world.seed(np.array(numbers, np.uint64), mask & (given | (not self._ready)))
 
     def set_next(self, options: dict[str, Any] | None) -> None:
-        """Let each episode that begins by itself begin by these options from now on: ``house``, ``pose`` and
-        ``target`` as for ``reset``, or ``None`` as by default. They may be set anew between any two steps, as
-        a curriculum does; other houses drop them. The first time the step is compiled for it.
+        """Set the options for all episodes that begin automatically after the end of another episode.
 
-        Raises ``ValueError``, and changes nothing, for wrong ones, and where nothing begins by itself or
-        houses rotate.
+        The options are ``house``, ``pose`` and ``target`` as in ``reset``; ``None`` restores the default. A
+        curriculum may change them between any two steps. Loading other houses discards the options. The first
+        call compiles the step again.
+
+        Raises ``ValueError``, and changes nothing, for invalid options, in a mode without automatic resets,
+        and for houses that rotate.
         """
         self._require_open()
         if self._passing or self.autoreset_mode is AutoresetMode.DISABLED:
-            raise ValueError("options for next episodes: houses rotate, or no episode begins by itself")
+            raise ValueError(
+                "options for next episodes: the houses rotate, or the mode has no automatic resets"
+            )
         given = require_mapping(options)
         if "reset_mask" in given:
-            raise ValueError("options for next episodes: reset_mask is one of reset alone")
+            raise ValueError("options for next episodes: reset_mask is an option of reset only")
         asked = read_options(given, self.world, first=False)
         self.world.guide(asked.wholes, asked.reals)
 
@@ -333,10 +344,10 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     ) -> tuple[Any, "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, Any]]:
         """``step`` with tensors and without copies: the batched path.
 
-        ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,
-        terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and where the mode is
-        ``SAME_STEP`` ``final_obs``, and ``final_info`` with ``blocked``, valid where an episode ended) is the
-        same memory at each call: clone what must outlive the next one.
+        ``actions`` is (E,) int64 on the environments' device. Each call returns the same memory, so clone any
+        tensor that you need after the next call: observations, rewards, terminated, truncated, and an info
+        with ``blocked`` and ``house`` (int32). In ``SAME_STEP``, the info also has ``final_obs``, and
+        ``final_info`` with ``blocked``, which are valid for environments whose episode ended.
         """
         given = self._orders.read_tensor(actions, self.device)
         self._check(given)

@@ -1,4 +1,4 @@
-"""What all tasks that come with the project may be asked for: terms, and where episodes start."""
+"""Options of all built-in tasks: terms, rooms where episodes start, and the number of targets at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from sim.geometry import Box
 from sim.tasks.terms import PLAIN, Terms
 
 MAX_AT_ONCE = 64
-"""Targets that are there at once: each is looked for in each step."""
+"""Number of targets at once. Each step computes the visibility of all of them."""
 
 
 def require_at_once(number: int) -> None:
@@ -22,14 +22,14 @@ def require_at_once(number: int) -> None:
 
 @dataclass(frozen=True)
 class BaseTask:
-    """Of a task beside its targets."""
+    """Base class of the built-in tasks, with the options that all tasks share."""
 
     terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
-    """What is rewarded, and when an episode ends."""
+    """Rewards, and conditions that end an episode."""
     starts: Literal["all"] | Sequence[str] = field(default=(), kw_only=True, repr=False)
-    """Types of the rooms where episodes start, or ``all``; by default the main room, or hub, alone."""
+    """Types of the rooms where episodes start, or ``all``; the default is the main room or hub."""
     at_once: int = field(default=1, kw_only=True, repr=False)
-    """Targets that are there at once; whichever is picked up, the next one appears."""
+    """Number of targets at once. When the agent picks up one of them, a new target appears."""
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` for what are no types of rooms, ``ValueError`` for other wrong values."""
@@ -41,9 +41,10 @@ class BaseTask:
         require_at_once(self.at_once)
 
     def start_spaces(self, house: House) -> list[Box]:
-        """The rectangles of which a body that starts lies wholly in one; none for the usual room.
+        """Return the rectangles where episodes start; an empty list stands for ``House.start``.
 
-        Raises ``ValueError`` where a house has no such room.
+        At the start of an episode the body lies completely in one of the rectangles. Raises ``ValueError``
+        for a house without such a room.
         """
         if self.starts == "all":
             return [room.box for room in house.rooms]

@@ -21,7 +21,7 @@ NORTH = 2
 """The heading of the start nearest to the main room's middle."""
 
 NOWHERE = 1e6
-"""Steps to the only target of a task that has none: no body comes there and no ray."""
+"""Coordinate of the placeholder target of a task without targets, in steps: no body and no ray gets there."""
 
 LISTED = 4096
 """Entries of a house's list of places, about, where some are drawn more often than others."""
@@ -54,7 +54,7 @@ class Places:
     counts: np.ndarray | None = None
     """(m,) int: how often each target stands in the list from which the next is drawn; once by default."""
     stages: tuple[np.ndarray, ...] = ()
-    """Of a task with an order: for each of its stages the rows of ``targets`` from which one is drawn."""
+    """Rows of ``targets`` from which each stage's target is drawn, for a task with an order."""
 
     @property
     def listed(self) -> np.ndarray:
@@ -80,11 +80,11 @@ def places(
 ) -> Places:
     """Find a house's starts and a task's targets from what the body can do there.
 
-    Bodies start at the cell ``start`` (i, j, heading), where the task gives one, or in its ``start_spaces``.
-    Else they start in the main room of a star, in the hub of another house, or as ``House.start`` says.
+    Bodies start at the task's cell ``start`` (i, j, heading), in the task's ``start_spaces``, or by default
+    in ``House.start``, such as the main room or the hub.
 
-    Raises ``ValueError`` where the body has nowhere to stand there, where it cannot come to a room
-    in which the task has targets, or where a target has nowhere to lie.
+    Raises ``ValueError`` if there is no free place for a body to start, if the body cannot reach a room in
+    which the task has targets, or if there is no free place for a target.
     """
     spaces = getattr(task, "start_spaces", lambda house: [])(house)
     starts, reached, heading = _starts(house, geometry, lattice, survey, config, start, spaces)
@@ -151,8 +151,8 @@ def _starts(
 def _given(
     house: House, lattice: Lattice, reached: np.ndarray, config: Config, task: FixedTask
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where the task puts its targets, (m, 2) steps, from the westernmost on; and which row each is, in the
-    task's order, (m,).
+    """Return the places of the task's targets (m, 2) in steps, sorted from west to east, and the row of each
+    target in the task's order (m,).
     """
     points, half = np.array(task.positions(house), np.float64).reshape(-1, 2), config.target / 2
     if not len(points):
@@ -191,7 +191,7 @@ class _Room:
 
 
 def _free(room: _Room, spaces: list[Box], task: Task) -> np.ndarray:
-    """The lattice's places where targets may lie in some spaces of a task, (X, Y) bool."""
+    """Return a mask (X, Y) bool of the lattice's places where targets may lie in some spaces of a task."""
     house = room.house
     boxes = [each.box for each in house.rooms if each is not house.start]
     if not spaces:

@@ -1,5 +1,5 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportIncompatibleMethodOverride=false
-"""Terms with a memory: visit all rooms; keep a battery from running down."""
+"""Terms with a memory: visit all rooms, or keep a battery charged."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from sim.runtime import ti
 from sim.tasks.terms import MAX_MEMORY, Terms
 
 BITS = 24
-"""Rooms that a number keeps apart: a float32 has so many bits."""
+"""Number of rooms that one float32 can represent, a bit for each room."""
 
 MAX_ROOMS = BITS * (MAX_MEMORY - 1)
-"""Rooms of a house at most."""
+"""Largest number of rooms in a house."""
 
 
 def _of_types(house: House, types: Sequence[str], purpose: str) -> list[int]:
-    """1 for each room of one of these types, 0 for others. ``ValueError`` where there is none."""
+    """Return 1 for each room of one of the types, else 0. Raises ``ValueError`` if no room matches."""
     marks = [int(room.type in types) for room in house.rooms]
     if not any(marks):
         known = sorted({room.type for room in house.rooms})
@@ -30,27 +30,29 @@ def _of_types(house: House, types: Sequence[str], purpose: str) -> list[int]:
 @ti.data_oriented
 @dataclass(frozen=True)
 class Visit(Terms):
-    """Visit all rooms, each once: the last one ends the episode. A room is visited when the eye is in it, the
-    first room by the first step. The memory: how many were visited, and which, a bit for each.
+    """Terms that reward the first visit of each room, and end the episode after the last room.
+
+    A room counts as visited when the eye is in it after a step. The memory holds the number of visited rooms
+    and a bit for each room.
     """
 
     pick_up: float = 0.0
-    """For a pick-up."""
+    """Reward for a pick-up."""
 
     visit: float = 1.0
-    """For a room that was not visited before."""
+    """Reward for the first visit of a room."""
 
     types: tuple[str, ...] = ()
-    """Types of the rooms that are to be visited; none for all rooms."""
+    """Types of the rooms to visit; empty for all rooms."""
 
     most: int = 48
-    """Rooms that a house has at most: the memory is a number for each 24, and one."""
+    """Largest number of rooms in a house. The memory has one number, and one more for every 24 rooms."""
 
     sees_room: ClassVar[bool] = True
     finite: ClassVar[tuple[str, ...]] = (*Terms.finite, "visit")
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for what are no such values."""
+        """Raise ``ValueError`` for values out of range."""
         object.__setattr__(self, "types", (self.types,) if isinstance(self.types, str) else (*self.types,))
         if not isinstance(self.most, int) or not 1 <= self.most <= MAX_ROOMS:
             raise ValueError(f"terms: most is {self.most!r}: from 1 to {MAX_ROOMS:,} rooms")
@@ -64,7 +66,9 @@ class Visit(Terms):
     def marks(self, house: House) -> list[int]:
         """See ``Terms``."""
         if len(house.rooms) > self.most:
-            raise ValueError(f"it has {len(house.rooms)} rooms: let the terms' most be at least as many")
+            raise ValueError(
+                f"it has {len(house.rooms)} rooms, more than the terms' most of {self.most}: raise most"
+            )
         return _of_types(house, self.types or [room.type for room in house.rooms], "to visit")
 
     @ti.func
@@ -93,28 +97,30 @@ class Visit(Terms):
 @ti.data_oriented
 @dataclass(frozen=True)
 class Battery(Terms):
-    """Keep a battery from running down: each step takes a part of it, each step in a room with a charger
-    gives some back, and an empty one ends the episode. The memory: what was taken, in steps; 0 is full.
+    """Terms with a battery that each step drains. An empty battery ends the episode.
+
+    A step in a room with a charger recharges the battery. The memory holds the used charge, in steps; 0 is
+    full.
     """
 
     capacity: int = 400
-    """Steps that a full battery lasts."""
+    """Number of steps that a full battery lasts."""
 
     charge: float = 10.0
-    """Steps that a step in a room with a charger gives back."""
+    """Charge that a step in a room with a charger adds, in steps."""
 
     charger: str = ""
-    """Type of the rooms with a charger; by default the room where episodes start has one."""
+    """Type of the rooms with a charger; by default the charger is in ``House.start``."""
 
     empty: float = 0.0
-    """For the step that empties it."""
+    """Reward for the step that empties the battery, usually negative."""
 
     sees_room: ClassVar[bool] = True
     memory: ClassVar[int] = 1
     finite: ClassVar[tuple[str, ...]] = (*Terms.finite, "charge", "empty")
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for what are no such values."""
+        """Raise ``ValueError`` for values out of range."""
         if not isinstance(self.capacity, int) or not 0 < self.capacity < 1 << BITS:
             raise ValueError(f"terms: capacity is {self.capacity!r}: from 1 to {(1 << BITS) - 1:,} steps")
         if not isinstance(self.charger, str):

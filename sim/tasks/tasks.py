@@ -35,14 +35,18 @@ UNITS = {"m": 1.0, "px": PIXEL}
 
 
 class Task(Protocol):
-    """Targets appear one after the other in some spaces of a house; picking one up earns 1.
+    """A task with targets that appear one after the other in some spaces of a house; a pick-up earns 1.
 
-    It may have ``terms``, which say what else is rewarded and when an episode ends: ``sim.tasks.terms``;
-    ``stages(house)``, lists of rectangles, of which the first target lies in one of the first list, the next
-    in one of the next; ``at_once``, how many targets there are; ``start_spaces(house)``, the rectangles where
-    episodes start, none for the usual room; ``has_targets`` False, and then has none, but the body must come
-    to all of ``spaces``; also ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be
-    played, and ``suits(house)``, whether it can be played in a house.
+    A task may also have:
+
+    - ``terms``: other rewards and ends of episodes (``sim.tasks.terms``).
+    - ``stages(house)``: lists of rectangles. The first target lies in a rectangle of the first list, the
+      second target in one of the second list, and so on.
+    - ``at_once``: the number of targets at once.
+    - ``start_spaces(house)``: the rectangles where episodes start; an empty list stands for ``House.start``.
+    - ``has_targets``: False for a task without targets. The body must be able to reach all of ``spaces``.
+    - ``check(houses)``: raises ``ValueError`` for a bank in which the task cannot be played.
+    - ``suits(house)``: returns True if the task can be played in the house.
     """
 
     ends_on_pick_up: ClassVar[bool]
@@ -63,9 +67,11 @@ class FixedTask(Protocol):
     """Whether the first pick-up terminates the episode."""
 
     def positions(self, house: House) -> Sequence[Sequence[float]]:
-        """The centres (x, y) of the targets in a house, metres. Each next target is another of them, as
-        likely as the rest, at least 0.82 m from the last along one axis where there is such a one; or of a
-        task whose ``in_order`` is True, the next in this order.
+        """Return the centres (x, y) of the targets in a house, metres.
+
+        The simulator draws each next target from the other centres with equal probability, if possible at
+        least 0.82 m from the last target along one axis. If the task's ``in_order`` is True, targets appear
+        in the order of the list.
         """
         ...
 
@@ -88,7 +94,7 @@ class Points:
     """(x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
     unit: str = "m"
     in_order: bool = field(default=False, kw_only=True, repr=False)
-    """Whether the targets come in their order, and after the last one the first again."""
+    """True if targets appear in the order of ``points``, again from the first after the last."""
     at_once: int = field(default=1, kw_only=True, repr=False)
     """See ``BaseTask``."""
     terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
@@ -161,8 +167,10 @@ class Rooms(BaseTask):
 
 @dataclass(frozen=True)
 class Order(Rooms):
-    """Pick up targets in an order of rooms: one in a room of the first type, then of the second, and so on;
-    after the last type the first again.
+    """Pick up targets in a given order of room types.
+
+    The first target lies in a room of the first type, the next target in a room of the second type, and so
+    on. After the last type the order begins again.
     """
 
     def __post_init__(self) -> None:
@@ -172,7 +180,7 @@ class Order(Rooms):
             raise TypeError(f"rooms: a list of room types, in their order, not {self.rooms!r}")
 
     def stages(self, house: House) -> list[list[Box]]:
-        """For each target of a round, the rectangles of which it lies wholly in one."""
+        """Return for each target of a round the rectangles in one of which the target lies completely."""
         return [[room.box for room in house.rooms if room.type == name] for name in self.rooms]
 
 
@@ -184,7 +192,7 @@ class Reach(BaseTask):
     ends_on_pick_up: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for a room that is no text."""
+        """Raise ``TypeError`` unless ``room`` is a string."""
         if not isinstance(self.room, str):
             raise TypeError(f"room: a room type, not {self.room!r}")
         super().__post_init__()
@@ -196,7 +204,7 @@ class Reach(BaseTask):
 
 @dataclass(frozen=True)
 class Roam(BaseTask):
-    """There are no targets: what is asked stands in the terms. The body must be able to come to all rooms."""
+    """A task without targets, whose terms define the rewards. The body must be able to reach all rooms."""
 
     ends_on_pick_up: ClassVar[bool] = False
     has_targets: ClassVar[bool] = False
@@ -219,7 +227,7 @@ TARGETS = {
 """Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
 
 TERMS = {"plain": Terms, "visit": Visit, "battery": Battery}
-"""Terms that have a name."""
+"""Built-in terms, by name."""
 
 PAPER = Path(__file__).parents[1] / "paper"
 PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
@@ -239,15 +247,16 @@ Targets = str | dict[str, Any] | AnyTask
 
 
 def task(targets: Targets) -> AnyTask:
-    """Return the task that a name, a JSON text or a dictionary states; a task is returned as it is.
+    """Return the task that a name, a JSON text or a dictionary describes; a task is returned as it is.
 
-    Names are those of ``TARGETS`` and ``PAPER_TASKS``; a dictionary is ``{"task": name, **arguments}``, such
-    as ``{"task": "reach", "room": "kitchen"}``. ``{"rooms": ["bedroom", "study"]}`` is short for the task
-    ``rooms``, ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for ``points``. A ``module:Class`` in
-    place of a name must be allowed (``sim.allow``): the text may come from a file.
+    ``TARGETS`` and ``PAPER_TASKS`` have the names. A dictionary is ``{"task": name, **arguments}``, such as
+    ``{"task": "reach", "room": "kitchen"}``. ``{"rooms": ["bedroom", "study"]}`` is short for the task
+    ``rooms``, and ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for the task ``points``. A
+    ``module:Class`` in place of a name must be allowed (``sim.allow``), because the text may come from a
+    file.
 
-    All but tasks themselves go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if
-    there is no such task, or not with these arguments.
+    An environment's ``spec`` keeps names, texts and dictionaries in JSON. Raises ``ValueError`` for an
+    unknown task or wrong arguments.
     """
     if isinstance(targets, str) and targets in TARGETS:
         return TARGETS[targets]
@@ -279,9 +288,10 @@ def task(targets: Targets) -> AnyTask:
 
 
 def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
-    """Return terms as JSON states them, see ``task``, of the ``usual`` class where they name none.
+    """Return the terms that JSON describes, see ``task``. Without a class in the JSON, the class is
+    ``usual``.
 
-    Raises ``ValueError`` where they are no terms.
+    Raises ``ValueError`` for JSON that does not describe terms.
     """
     if isinstance(given, Terms):
         return given
@@ -302,20 +312,20 @@ def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
 
 
 def at_once(task: AnyTask) -> int:
-    """How many targets there are at once in a task."""
+    """Return the number of targets at once in a task."""
     return getattr(task, "at_once", 1)
 
 
 def has_targets(task: AnyTask) -> bool:
-    """Whether there is anything to pick up in a task."""
+    """Return True if a task has targets."""
     return getattr(task, "has_targets", True)
 
 
 def stated_task(targets: Targets) -> Any:
-    """Return a task as JSON keeps it, from which ``task`` makes it again: a name, a text or a dictionary.
+    """Return a JSON description from which ``task`` creates the same task: a name, a text or a dictionary.
 
-    A task is returned as it is if no ``module:Class`` names its class, or if it has attributes and is no
-    dataclass.
+    The function returns the task itself if no ``module:Class`` names its class, or if the task has attributes
+    but is not a dataclass.
     """
     if isinstance(targets, str):
         return targets
@@ -333,7 +343,7 @@ def stated_task(targets: Targets) -> Any:
 
 
 def _stated_terms(value: Any) -> Any:
-    """Return an argument of a task as JSON keeps it; ``read_terms`` reads terms."""
+    """Return an argument of a task in JSON types; ``read_terms`` reads terms."""
     if not isinstance(value, Terms):
         return stated(value)
     kind = type(value)

@@ -1,9 +1,9 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
-"""What a task rewards and when it ends, compiled into the step.
+"""Rewards and ends of episodes, compiled into the step.
 
-A task has terms in its attribute ``terms``; without it they are ``PLAIN``, and the kernel is what it would be
-if there were none. In JSON they stand in the task: ``{"task": "secondary", "terms": {"step": -0.01}}``, or
-``"terms": "module:Class"`` of a class of your own:
+A task's attribute ``terms`` holds its terms. A task without the attribute has the terms ``PLAIN``, which add
+no code to the kernel. JSON states terms in the task, as in ``{"task": "secondary", "terms": {"step":
+-0.01}}``. ``"terms": "module:Class"`` names a class of your own:
 
     @ti.data_oriented
     @dataclass(frozen=True)
@@ -20,7 +20,7 @@ if there were none. In JSON they stand in the task: ``{"task": "secondary", "ter
         def ends(self, now):
             return now.blocked & ti.cast(now.time > 100, ti.i32)
 
-Terms may keep some numbers for each environment, ``memory`` of them, which are 0 as an episode begins:
+Terms may keep ``memory`` numbers for each environment, which are 0 at the start of an episode:
 
     @ti.data_oriented
     @dataclass(frozen=True)
@@ -51,7 +51,7 @@ from sim.fields import settle
 from sim.runtime import ti
 
 MAX_MEMORY = 64
-"""Numbers that terms keep for each environment at most: kernels hold them in registers."""
+"""Number of values that terms keep for each environment. Kernels hold the values in registers."""
 
 Now = ti.types.struct(
     action=ti.i32,  # as environments number them
@@ -65,20 +65,20 @@ Now = ti.types.struct(
     target=ti.math.vec2,  # the target that this step was made for, its centre, metres
     before=ti.i32,  # fewest actions to that target before the step and
     distance=ti.i32,  # after it, where ``sees_distance``; -1 where no path leads there, or unasked
-    bumped=ti.i32,  # what was in the way, where ``sees_bumped``: see ``Terms.sees_bumped``
-    room=ti.i32,  # where the eye is after the step, a number in ``House.rooms``, where ``sees_room``
-    mark=ti.i32,  # that room's mark, 0 in none; and
-    marked=ti.i32,  # how many rooms of the house have a mark: see ``Terms.marks``
+    bumped=ti.i32,  # the obstacle in the way, with ``Terms.sees_bumped``
+    room=ti.i32,  # the eye's room after the step, an index of ``House.rooms``, with ``Terms.sees_room``
+    mark=ti.i32,  # the room's mark, 0 outside rooms: see ``Terms.marks``
+    marked=ti.i32,  # number of rooms in the house with a mark other than 0
 )
-"""What ``Terms.reward``, ``Terms.ends`` and ``Terms.remember`` see of a step. Of terms with a ``memory`` it
-has also ``was``, the numbers that were kept before the step, and ``memory``, those that are kept after it:
-vectors of float32.
+"""Data of a step for ``Terms.reward``, ``Terms.ends`` and ``Terms.remember``. For terms with a ``memory``,
+there are also two vectors of float32: ``was``, the memory before the step, and ``memory``, the memory after
+the step.
 """
 
 
 @cache
 def now_of(memory: int) -> Any:
-    """What terms see that keep so many numbers."""
+    """Return the type ``Now`` for terms with ``memory`` numbers."""
     if not memory:
         return Now
     kept = ti.types.vector(memory, ti.f32)
@@ -88,8 +88,10 @@ def now_of(memory: int) -> Any:
 @ti.data_oriented
 @dataclass(frozen=True)
 class Terms:
-    """What a step earns, and when an episode ends. A subclass may have ``reward``, ``ends`` and ``remember``,
-    which are ``ti.func``s, and fields of its own, which are compiled in.
+    """Rewards of a step, and conditions that end an episode.
+
+    A subclass may define the ``ti.func``s ``reward``, ``ends`` and ``remember``, and further fields, which
+    become constants of the kernel.
     """
 
     pick_up: float = 1.0
@@ -120,16 +122,16 @@ class Terms:
     """Whether ``reward`` or ``ends`` of a subclass reads ``before`` or ``distance``: they cost time."""
 
     sees_room: ClassVar[bool] = False
-    """Whether a subclass reads ``room``, ``mark`` or ``marked``. The room is -1 in a doorway of a thick wall;
-    of rooms that overlap it is the first."""
+    """True if a subclass reads ``room``, ``mark`` or ``marked``. The room is -1 in the doorway of a thick
+    wall; if rooms overlap, it is the first of them."""
 
     sees_bumped: ClassVar[bool] = False
-    """Whether a subclass reads ``bumped``: 0 for nothing, else what a ray would say that ends there,
-    ``WALL``, ``PIECE`` or ``DOOR`` of ``sim.backends.backend``, or for a piece of the k-th of
-    ``Config.kinds`` ``NAMED`` + k. Of several things at once a closed door counts, then a piece."""
+    """True if a subclass reads ``bumped``: 0 for no obstacle, else ``WALL``, ``PIECE`` or ``DOOR`` of
+    ``sim.backends.backend``, or ``NAMED`` + k for a piece of the k-th kind in ``Config.kinds``. Of several
+    obstacles a closed door takes precedence, then a piece."""
 
     memory: ClassVar[int] = 0
-    """Numbers that a subclass keeps for each environment; a property may say how many."""
+    """Number of values that a subclass keeps for each environment; it may be a property."""
 
     finite: ClassVar[tuple[str, ...]] = ("pick_up", "step", "bump", "progress", "discount")
     """Fields that must be finite numbers."""
@@ -155,18 +157,19 @@ class Terms:
 
     @property
     def surveys(self) -> bool:
-        """Whether a step must know what is about the body."""
+        """True if the terms read the body's room or the obstacle in its way."""
         return self.sees_room or self.sees_bumped
 
     def marks(self, house: House) -> Sequence[int]:
-        """A whole number for each room of a house, which kernels see as ``mark``. ``ValueError`` for a house
-        where the task cannot be played.
+        """Return an integer for each room of a house, which kernels read as ``mark``.
+
+        Raises ``ValueError`` for a house in which the task cannot be played.
         """
         return [0] * len(house.rooms)
 
     @ti.func
     def remember(self, now):
-        """The numbers that are kept after this step, a vector; ``now.memory`` is still ``now.was``."""
+        """Return the memory after this step, a vector. Here ``now.memory`` equals ``now.was``."""
         return now.was
 
     @ti.func
@@ -176,7 +179,7 @@ class Terms:
 
     @ti.func
     def basic(self, now):
-        """What the fields say that a step earns (f32)."""
+        """Return the reward for a pick-up, a step and a bump, by the fields (f32)."""
         earned = ti.static(float(self.pick_up)) * ti.cast(now.picked, ti.f32)
         if ti.static(self.step != 0):
             earned += ti.static(float(self.step))
@@ -251,7 +254,7 @@ class Counting(Terms):
 
 
 def counted(task: T) -> T:
-    """A task in which rewards count pick-ups, and all else is as it was; one without targets is itself."""
+    """Return a copy of a task whose rewards count pick-ups; a task without targets is returned as it is."""
     terms = terms_of(task)
     if not getattr(task, "has_targets", True):
         return task

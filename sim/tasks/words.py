@@ -28,8 +28,8 @@ from sim.tasks.terms import Terms, terms_of
 def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
     """Return a task as a phrase: "find a bed", "reach a kitchen", "targets in secondary rooms".
 
-    ``named`` returns the name of a type. Text that names a class, or no task, is its own phrase: no class is
-    imported for it.
+    ``named`` returns the name of a type. Text that names a class, or that is no task, is returned as it is:
+    the function imports no class.
     """
     if isinstance(targets, str) and targets in PAPER_TASKS:
         return f"{in_words(targets.removeprefix('paper-'))}, paper's"
@@ -81,7 +81,7 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
 
 
 def _starts(asked: AnyTask, named: Callable[[str], str]) -> str:
-    """Where episodes start, after a task's words, if not in the usual room."""
+    """Return the words for the rooms where episodes start, or no words for the main room or hub."""
     starts = getattr(asked, "starts", ())
     if starts == "all":
         return ", from all rooms"
@@ -89,7 +89,7 @@ def _starts(asked: AnyTask, named: Callable[[str], str]) -> str:
 
 
 def _terms(asked: AnyTask) -> str:
-    """What a task's terms differ in from plain ones, after its words, which say what is visited."""
+    """Return words for the terms that differ from plain terms, without the rooms to visit."""
     terms, words = terms_of(asked), []
     visits = isinstance(asked, Roam) and isinstance(terms, Visit)
     for each in fields(terms):

@@ -32,10 +32,11 @@ WHOLES = SEED + 2
 """Whole numbers of a state."""
 
 HEADER = 7
-"""Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
-targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
-the same as two float32. Of a task with an order, targets are minus its stages, and at the first target stand
-the first target and the targets of each stage."""
+"""Number of integers in a house's header of the table ``places``: origin of the lattice (x, y as float32
+bits), index of the first start, number of starts, index of the first target, number of targets, heading of
+the starts (-1 for any). A start has 16 bits each for steps east and south; a target has two float32. For a
+task with an order, the number of targets is minus the number of stages, and the index leads to the index and
+number of each stage's targets."""
 
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
 Cells = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
@@ -156,8 +157,10 @@ class Episodes(Observing):
         lanes: int,
         at_once: int = 1,
     ) -> None:
-        """``ends_on_pick_up``: whether an episode is over when its target is picked up. ``terms``: what it
-        rewards, and when else it ends. ``lanes``: rays in a look. ``at_once``: targets that are there.
+        """Compile episodes of a task.
+
+        ``ends_on_pick_up``: True if a pick-up ends the episode. ``terms``: rewards and other ends of the
+        episode. ``lanes``: number of rays that are cast together. ``at_once``: number of targets at once.
         """
         if config.closed_doors:
             self.doors = Doors(config, backend.body, lanes)
@@ -170,8 +173,8 @@ class Episodes(Observing):
         self.at_once = at_once
         if at_once > 1:
             self.others = OtherTargets(config, backend.body, lanes, at_once - 1)
-        # Apart by more than this, a target is not picked up from where the one before it was. Of several, the
-        # one before is the agent's to choose, on which no target depends.
+        # A body that picked up a target cannot also touch the next target beyond this distance. With several
+        # targets, the agent chooses which one it picks up, and no target may depend on the agent.
         self.apart = config.target + max(config.body) if at_once == 1 else -1.0
 
     @ti.func
@@ -279,7 +282,7 @@ class Episodes(Observing):
 
     @ti.func
     def now(self, world: ti.template(), e, state, action, picked, blocked, before, distance, bumped):
-        """What terms see of a step, see ``Now``; they remember it."""
+        """Return the data of a step for terms (``Now``), and update their memory."""
         now = self.Now()
         now.action, now.picked, now.blocked = self.body.number(action), picked, blocked
         now.time, now.house = state.time, state.house
@@ -412,7 +415,7 @@ class Episodes(Observing):
 
     @ti.func
     def following(self, world: ti.template(), e, state, k):
-        """The state with the target that comes after the k-th of those that are there and to come."""
+        """Return the state with target k + 1, counted over the present and the future targets."""
         is_there = k < ti.static(self.at_once - 1)
         if ti.static(self.at_once > 1):  # noqa: SIM102 - decided as it is compiled
             if is_there:

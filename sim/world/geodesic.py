@@ -1,17 +1,18 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
-"""The fewest actions from a pose to its target, for all environments at once: fields that they share.
+"""The fewest actions from a pose to its target, from distance fields that all environments share.
 
-A field has the distances from all poses of a house's lattice to one target. It is found when an environment
-first has that target, by a search backwards from all poses that pick it up, and kept for all others. Kept are
-tiles of 8 x 8 places: each is its least distance and the number of a profile, which is what its poses are
-further than that. Profiles repeat, in a field and among fields: a distance is two numbers looked up.
+A field has the distances from all poses of a house's lattice to one target. A search backwards from all poses
+that pick up the target computes the field when an environment first has the target. Other environments use
+the same field. A field is stored in tiles of 8 x 8 places. A tile has its smallest distance and the number of
+a profile. A profile has the difference to the smallest distance for each pose. Profiles repeat in a field and
+among fields, so a distance takes two look-ups and little memory.
 
     fields    for each environment: where the tiles of its field begin, first i and j, tiles in a column, and
               the tile where the body was last
     tiles     fields, one after the other; least distance << 20 | number of a profile
     profiles  512 numbers each, by column, row and heading; -1 where no path leads from
     distance  for each environment, in actions; -1 where no path leads to its target
-    pending   whether an environment has a target without a field, whose distance is -2 until ``settle``
+    pending   1 if an environment has a target without a field; its distance is -2 until ``settle``
     slots     for each house the index of its first place, its columns and its rows; then for each place the
               number of the field of a target there, -1 for none
     known     rows of ``fields`` by these numbers
@@ -100,7 +101,7 @@ class Distances:
 
     @property
     def bytes(self) -> int:
-        """Return the memory of fields, profiles and surveys, bytes."""
+        """Memory of fields, profiles and surveys, in bytes."""
         surveyed = sum(table.nbytes for _, table in self._surveys.values())
         return 4 * self._used + 2 * PROFILE * len(self._numbers) + surveyed
 

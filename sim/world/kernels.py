@@ -26,7 +26,7 @@ from sim.world.episodes import (
 )
 
 TERMINATED, TRUNCATED, BLOCKED, FINAL_BLOCKED = range(4)
-"""Rows of ``step``'s flags; ``SAME_STEP`` alone has the last one, the move that ended an episode."""
+"""Rows of ``step``'s flags. Only ``SAME_STEP`` has the last row, for the last move of an ended episode."""
 
 NEXT_STEP, SAME_STEP, DISABLED = range(3)
 """What follows an episode's end: the next step begins another episode, or the same one does, or none."""
@@ -69,9 +69,11 @@ def kernels(
     at_once: int = 1,
     guided: bool = False,
 ) -> Kernels:
-    """Kernels for a running Taichi. Arguments are named for the world's arrays. ``serial``: in the calling
-    thread alone, as to wake others takes longer than to step a few environments. ``guided``: episodes that
-    begin by themselves begin as ``next_wholes`` and ``next_reals`` say.
+    """Return kernels for a running Taichi, whose arguments have the names of the world's arrays.
+
+    ``serial``: kernels run in the calling thread, because waking other threads takes longer than stepping a
+    few environments. ``guided``: episodes that begin automatically use the options ``next_wholes`` and
+    ``next_reals``.
     """
     lanes = 1 if by_ray else config.rays
     backend = _backend(program, make, config, lanes)
@@ -101,8 +103,8 @@ def kernels(
 
     @ti.func
     def begin(world: ti.template(), e, state, whole, real):
-        """The next episode of an environment, as a row of ``option_wholes`` and of ``option_reals`` says; and
-        what is observed beside rays.
+        """Return the state of an environment's next episode, with the options of a row of ``option_wholes``
+        and ``option_reals``. Also update the parts of the observation other than rays.
         """
         state = episodes.begin(world, e, state, whole[0])
         if real[0] == real[0]:
@@ -117,7 +119,7 @@ def kernels(
 
     @ti.func
     def begin_next(world: ti.template(), e, state):
-        """The next episode of an environment, which begins by itself."""
+        """Return the state of an environment's next episode, which begins automatically."""
         if ti.static(guided):
             state = begin(world, e, state, world.next_wholes[e], world.next_reals[e])
         else:
@@ -159,11 +161,12 @@ def kernels(
         target: Floats,
         house: Ints,
     ):
-        """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
+        """Step every environment with ``action`` (E,). An episode that begins samples its house.
 
-        Fills ``observation``, ``extras``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated,
-        blocked; in ``SAME_STEP`` also a fourth row, ``final``, ``final_extras`` and the ``last`` state; where
-        few are stepped also what ``describe`` does, as a launch of its own takes as long as the step.
+        The kernel fills ``observation``, ``extras``, ``reward`` (E,) and ``flags`` (3, E): terminated,
+        truncated, blocked. In ``SAME_STEP`` it also fills a fourth row of ``flags``, ``final``,
+        ``final_extras`` and the ``last`` state. For a few environments it also does the work of ``describe``,
+        because a second launch would take as long as the step.
         """
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
@@ -191,7 +194,7 @@ def kernels(
                 flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
                 if ti.static(mode == SAME_STEP):
                     flags[ti.static(FINAL_BLOCKED) * world.reals.shape[0] + e] = ti.cast(blocked, ti.u8)
-                    if state.over:  # what is not final is the next episode's
+                    if state.over:  # the row BLOCKED belongs to the next episode
                         flags[ti.static(BLOCKED) * world.reals.shape[0] + e] = ti.u8(0)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(ti.static(States(last_reals, last_wholes)), e, state)

@@ -114,7 +114,7 @@ class Observing:
 
     @ti.func
     def nearest(self, world: ti.template(), state, ray, off: ti.template()):
-        """What rays hit of a house and its first target."""
+        """Return the distances and kinds of rays, for a house and its first target."""
         if ti.static(self.config.angle_noise > 0):
             return self.backend.look(
                 world.numbers, world.indices, state.house, state.origin, state.cell, state.target, ray, off

@@ -1,11 +1,11 @@
-"""What terms see of a house about a body: the room that it is in, and what it bumps into.
+"""Room of a body and obstacles in its way, for terms that read them.
 
-Kernels read them from one table:
+Kernels read rooms and pieces of furniture from one table:
 
     surroundings  H x (first room, rooms, rooms with a mark, first piece, pieces) | rooms (west, north, east,
-                  south, mark, whether no other lies over it) and pieces (west, north, east, south, what a
-                  ray says of it, 0); floats as bits
-    rooms         for each environment the room that it was in last, where it is looked for first
+                  south, mark, 1 if no other room overlaps the room) and pieces (west, north, east, south, the
+                  code of the piece in observations, 0); floats as bits
+    rooms         the last room of each environment, where the search for the current room begins
 """
 
 from collections.abc import Sequence
@@ -21,16 +21,16 @@ from sim.runtime import Array, ti
 from sim.tasks.terms import Terms
 
 HEADER = 5
-"""Whole numbers of a house before all rows."""
+"""Number of integers of a house in the table's header."""
 
 ROW = 6
-"""Whole numbers of a room, and of a piece."""
+"""Number of integers of a room, and of a piece."""
 
 
 def surroundings(houses: Sequence[House], bank: Bank, config: Config, terms: Terms) -> Array:
-    """A bank's rooms and pieces as kernels read them; where terms see none, an array that nothing reads.
+    """Return the table of a bank's rooms and pieces, or an array of one unused number if no term reads it.
 
-    Raises ``ValueError`` where terms refuse a house, or mark other rooms than it has.
+    Raises ``ValueError`` if the terms refuse a house, or do not return one mark for each room.
     """
     if not terms.surveys:
         return Array(ti.i32, 1)
@@ -55,32 +55,32 @@ def surroundings(houses: Sequence[House], bank: Bank, config: Config, terms: Ter
 
 
 def _alone(boxes: np.ndarray) -> np.ndarray:
-    """Which boxes (n, 4) no other one lies over, (n,) bool; touching is not lying over."""
+    """Return a mask (n,) bool of the boxes (n, 4) that overlap no other box; boxes may touch."""
     low, high = boxes[:, :2], boxes[:, 2:]
     return ((low[:, None] < high) & (low < high[:, None])).all(axis=2).sum(axis=1) == 1
 
 
 @ti.data_oriented
 class Surroundings:
-    """Looks up what is about a body."""
+    """Functions of kernels that look up a body's room, and the obstacle in its way."""
 
     def __init__(self, body: Any) -> None:
-        """For bodies of a backend."""
+        """Take the body of a backend."""
         self.body = body
 
     @ti.func
     def box(self, table: ti.template(), at):
-        """The box of a row (west, north, east, south)."""
+        """Return the box of a row (west, north, east, south)."""
         return ti.Vector([ti.bit_cast(table[at + k], ti.f32) for k in range(4)])
 
     @ti.func
     def room(self, table: ti.template(), rooms: ti.template(), e, house, place):
-        """The first room that a place is in, -1 for none; its mark, and how many rooms have one."""
+        """Return the first room that contains a place (-1: none), its mark, and the count of marked rooms."""
         header = house * HEADER
         at, count, last = table[header], table[header + 1], ti.max(0, rooms[e])
         room, mark, k = -1, 0, 0
         if last < count:
-            # Well inside a room that no other lies over, it is that one.
+            # A place inside a room without overlaps is in no other room.
             row = at + ROW * last
             if table[row + 5] > 0 and self.depth(self.box(table, row), place) > 0:
                 room = last
@@ -95,12 +95,12 @@ class Surroundings:
 
     @ti.func
     def depth(self, box, place):
-        """How far a place is inside a box, metres; negative outside."""
+        """Return the distance from a place in a box to the nearest side, metres; negative outside the box."""
         return ti.min(place[0] - box[0], box[2] - place[0], place[1] - box[1], box[3] - place[1])
 
     @ti.func
     def bumped(self, table: ti.template(), house, origin, cell, new_origin, new, door, width):
-        """What is in the way of a body from a cell to a new one; ``door``: a closed one, -1 for none."""
+        """Return the code of the obstacle between two cells; ``door`` is a closed door, -1 for none."""
         header, found = house * HEADER, ti.static(WALL)
         at = table[header + 3]
         for k in range(table[header + 4]):

@@ -1,4 +1,4 @@
-"""What differs from episode to episode: noise, slips, drift, and how a body drives."""
+"""Values that the simulator draws for each episode: noise, slips, drift, and limits of the body."""
 
 from sim.config import VARIABLE, Config
 from sim.runtime import ti
@@ -7,16 +7,16 @@ from sim.world.philox import VARIED, philox, uniform
 
 @ti.data_oriented
 class Varying:
-    """Tells the values of an episode, functions of its seed and number."""
+    """Sampler of an episode's values, which are functions of the episode's seed and number."""
 
     def __init__(self, config: Config) -> None:
-        """Of a configuration."""
+        """Take the fixed values and the ranges of a configuration."""
         self.usual = {name: float(getattr(config, name, 1.0)) for name in VARIABLE}
         self.ranges = {name: (low, high) for name, low, high in config.varied}
 
     @ti.func
     def value(self, state, name: ti.template()):
-        """A value in the episode of a state (f32)."""
+        """Return the value of the field ``name`` in the episode of ``state`` (f32)."""
         found = ti.f32(ti.static(self.usual[name]))
         if ti.static(name in self.ranges):
             counter = ti.Vector([state.episode, ti.static(VARIABLE.index(name)), 0, VARIED])

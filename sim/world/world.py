@@ -27,7 +27,7 @@ STATE = "reals", "wholes"
 is as long as the bank's doors ask for."""
 
 GUIDE = "next_wholes", "next_reals"
-"""Arrays of options for episodes that begin by themselves."""
+"""Arrays of options for episodes that begin automatically."""
 
 TABLES = "numbers", "indices", "places"
 """Arrays of the bank."""
@@ -36,7 +36,8 @@ FEW = 64
 """Environments that one thread steps sooner than several."""
 
 MOST_PLACES, MOST_ALONG = 1 << 26, 1 << 16
-"""Places of a house's lattice, which a survey holds at once, and along an axis, which have 16 bits."""
+"""Largest number of places of a house's lattice, which a survey holds in memory, and of places along an axis,
+which have 16 bits."""
 
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
@@ -54,8 +55,9 @@ class PackedHouses(NamedTuple):
 
 
 def staged(here: Places, at: int) -> np.ndarray:
-    """The targets of a house whose task has an order, for a table in which they begin ``at`` a place: for
-    each stage where its targets begin and how many there are, then those.
+    """Return the part of the table ``places`` for a house whose task has an order; the part begins at ``at``.
+
+    The part has the index of the first target and the number of targets of each stage, then all targets.
     """
     counts = np.array([len(stage) for stage in here.stages])
     first = at + 2 * len(counts) + 2 * np.cumsum([0, *counts[:-1]])
@@ -94,11 +96,13 @@ class World:
         self.backend: Backend = self.kernels.backend
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
-            raise ValueError("the distance to the target is not had where doors are closed: ask sim.Oracle")
+            raise ValueError("the distance to the target needs open doors: for closed doors use sim.Oracle")
         if knows and self.config.varies("width"):
-            raise ValueError("the distance to the target is not had where the body's width differs")
+            raise ValueError("the distance to the target needs a body whose width does not vary")
         if self.at_once > 1 and (knows or self.config.latency):
-            raise ValueError("of several targets at once no distance is had, and none is seen late")
+            raise ValueError(
+                "several targets at once: neither a distance to the target nor latency is possible"
+            )
         self._make_arrays()
         self.distances = Distances(self) if knows else None
         self.load(houses)
@@ -267,8 +271,9 @@ class World:
         self.run("reset")
 
     def guide(self, next_wholes: np.ndarray, next_reals: np.ndarray) -> None:
-        """Let episodes that begin by themselves begin as options say, see the kernel ``reset``, until other
-        houses are loaded. The first time the step is compiled for it.
+        """Set the options of episodes that begin automatically, until other houses are loaded.
+
+        The kernel ``reset`` explains the options. The first call compiles the step again.
         """
         if not self.guided:
             self.kernels, self.guided, self.launches = self._compile(guided=True), True, {}
@@ -278,7 +283,7 @@ class World:
         self.arrays["next_reals"].fill(next_reals)
 
     def unguided(self) -> tuple[np.ndarray, np.ndarray]:
-        """Options that leave all to be sampled, (E, 4) int32 and float32."""
+        """Return options that sample all values, (E, 4) int32 and float32."""
         wholes = np.zeros((self.num_envs, 4), np.int32)
         wholes[:, 0] = SAMPLE
         return wholes, np.full((self.num_envs, 4), np.nan, np.float32)
@@ -339,7 +344,7 @@ class World:
         return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
 
     def environment(self, e: int) -> dict[str, int]:
-        """One environment's counts: steps and targets found in its episode, and one; if over, its number."""
+        """Return an environment's counters: steps, targets found + 1, end of the episode, its number."""
         whole = self.arrays["wholes"].numpy()[e]
         return {
             "time": int(whole[TIME]),
@@ -364,9 +369,11 @@ class World:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, WHOLES) int32; where doors
-        are closed also how often each was walked at, (E D,) uint8; of terms that keep numbers also those; and
-        options of episodes that begin by themselves, if there are any.
+        """Copies of the arrays that a step depends on, except the bank's: (E, 4) float32, (E, WHOLES) int32.
+
+        With closed doors, also the number of pushes of each door, (E D,) uint8. There are more arrays for
+        terms with a memory, for several targets, for latency, and for options of episodes that begin
+        automatically.
         """
         return {name: self.arrays[name].numpy() for name in self._state_names}
 
@@ -390,7 +397,7 @@ class World:
 
 
 def _require_countable(lattice: Lattice) -> None:
-    """Raise ``ValueError`` for a lattice of too many places."""
+    """Raise ``ValueError`` for a lattice with too many places."""
     columns, rows = lattice.shape
     if columns * rows > MOST_PLACES or max(columns, rows) > MOST_ALONG:
         raise ValueError(

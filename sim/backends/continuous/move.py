@@ -42,7 +42,7 @@ class Motion:
 
     @ti.func
     def move_with(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action, width):
-        """``move`` of a body of a share of its width."""
+        """Return ``move`` for a body that has ``width`` times its usual width."""
         new, blocked = cell, 0
         if action == FORWARD:
             new = self.body.ahead(cell)

@@ -27,7 +27,7 @@ class FreeMotion(Motion, Sight):
         for wrong, words in (
             (config.collision != "swept", "collision 'original'"),
             (not config.random_start, "random_start=False, but a task with a start"),
-            (config.eye != (config.body[0] / 2,) * 2, "eye off the middle of the body"),
+            (config.eye != (config.body[0] / 2,) * 2, "eye outside the middle of the body"),
             (config.closed_doors, "closed_doors"),
             (config.geodesic, "distance to the target (geodesic), which is in steps of a lattice"),
         ):

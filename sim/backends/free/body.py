@@ -19,7 +19,7 @@ from sim.runtime import constants, ti
 TURN = 2 * math.pi
 
 TOUCH = 1e-3
-"""Metres: a body that drove into something, and slid along it, is no further from it."""
+"""Largest distance between a body and an obstacle that it drove into and slid along, metres."""
 
 FIELD = 21
 """Bits of a speed of a body that drives sideways."""
@@ -164,15 +164,16 @@ class Disc:
 
     @ti.func
     def overlaps_with(self, origin, cell, target, half: ti.template(), width):
-        """``overlaps`` of a disc of a share of its width."""
+        """Return ``overlaps`` for a disc that has ``width`` times its usual width."""
         away = ti.max(ti.abs(origin - target) - half, 0.0)
         near = away[0] * away[0] + away[1] * away[1]
         return ti.cast(near < width * width * ti.static((self.radius - SKIN) ** 2), ti.i32)
 
     @ti.func
     def meets(self, box, origin, cell, new_origin, new, width):
-        """Whether the disc, of a share of its width, touches a box (west, north, east, south) after a step
-        (i32).
+        """Return 1 if the disc, with ``width`` times its usual width, touches a box after a step (i32).
+
+        The box is (west, north, east, south).
         """
         low, high = ti.Vector([box[0], box[1]]), ti.Vector([box[2], box[3]])
         away = ti.max(low - new_origin, new_origin - high, 0.0)

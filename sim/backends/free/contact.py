@@ -28,12 +28,14 @@ def gap(solid, place):
 
 @ti.func
 def touches(solid, place, way, radius, inner, outer):
-    """The share of a ``way`` (x, y) from a place after which a disc touches a solid, ``NEVER`` for none; the
-    direction from there to the disc, a unit vector; and how far the disc is already in, metres.
+    """Return where a disc that moves by ``way`` (x, y) first touches a solid.
 
-    A solid counts where the disc would come into it by more than the skin; it is stopped by half of that. So
-    what a body slides along is not in its way, however its place is rounded, nor where two walls meet.
-    ``inner`` and ``outer`` are the radius less the skin, and less half of it.
+    The values are the fraction of ``way`` before the contact (``NEVER`` without a contact), the unit vector
+    from the contact to the disc, and the depth by which the disc is already in the solid, metres.
+
+    A contact counts if the disc would enter the solid by more than the skin; the disc then stops at half a
+    skin. Therefore rounding never makes a wall block a body that slides along it, nor does a joint of two
+    walls. ``inner`` is the radius minus the skin, ``outer`` the radius minus half the skin.
     """
     share, normal, depth = NEVER, ti.Vector([0.0, 0.0]), 0.0
     away = gap(solid, place)

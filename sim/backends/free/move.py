@@ -105,9 +105,7 @@ class Motion:
 
     @ti.func
     def drive_with(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action, shares):
-        """``drive`` of a body that makes these ``shares`` of the speeds that it is told, and of the greatest
-        change of them, and has such a share of its width.
-        """
+        """Return ``drive`` for a body whose speeds, accelerations and width are scaled by ``shares`` (3,)."""
         wanted, speeds = shares[0] * self.body.ordered(action), self.body.speeds(cell)
         limits = ti.Vector([ti.static(self.changes[k]) for k in ti.static(range(len(self.changes)))])
         limits *= shares[1]

@@ -31,7 +31,8 @@ ROW = 10
 """The bit of a cell where the number of its row begins, behind those of its moves."""
 
 MOST_CELLS = 1 << (31 - ROW)
-"""Cells where a body can be, of all houses of a bank: they are numbered in the bits from ``ROW`` on."""
+"""Largest number of free cells in all houses of a bank. A cell holds its number in the bits from ``ROW``
+on."""
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
@@ -51,7 +52,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         row, at = row + int(stands.sum()), at + stands.size
     if row > MOST_CELLS:
         raise ValueError(
-            f"these houses have {row:,} free cells: the grid backend takes {MOST_CELLS:,} at most"
+            f"these houses have {row:,} free cells, more than the grid backend's {MOST_CELLS:,}: use fewer"
         )
     indices = np.concatenate([header.ravel(), *cells]).astype(np.int32)
     count = len(directions(config))

@@ -199,7 +199,7 @@ def test_the_eye_is_in_the_middle_of_a_body_unless_it_is_put_elsewhere() -> None
     assert replace(Config(eye=(0.1, 0.1)), body=(0.6, 0.4)).eye == (0.1, 0.1)
     with pytest.raises(ValueError, match=r"eye is \(1.0, 1.0\) m: it must lie in the body"):
         Config(eye=(1.0, 1.0))
-    with pytest.raises(ValueError, match="free has no eye off the middle"):
+    with pytest.raises(ValueError, match="free has no eye outside the middle"):
         HouseEnv(HOUSES, backend="free", preset={"eye": [0.1, 0.1]})
 
 
@@ -210,7 +210,7 @@ WRONG: dict[str, dict[str, Any]] = {
     "body must have 2 values, not [0.3]": {"preset": {"body": [0.3]}},
     "body must be a list, not 0.3": {"preset": {"body": 0.3}},
     "rays must be a whole number, not True": {"preset": {"rays": True}},
-    "preset has a drive, which backend 'continuous' does not use: take the backend free": {"preset": "drive"},
+    "preset has a drive, which backend 'continuous' does not use: use the backend free": {"preset": "drive"},
     "targets: there is no argument room: did you mean rooms": {"targets": {"room": "kitchen"}},
 }
 

@@ -101,7 +101,7 @@ def test_wrong_numbers_of_targets_at_once_are_refused():
             HouseVectorEnv(HOUSES, targets={"task": "main", "at_once": number})
     several = {"task": "main", "at_once": 2}
     for preset in (replace(DEFAULT, geodesic=True), replace(DEFAULT, latency=2)):
-        with pytest.raises(ValueError, match="of several targets at once no distance is had"):
+        with pytest.raises(ValueError, match="several targets at once: neither a distance"):
             HouseVectorEnv(HOUSES, targets=several, preset=preset)
     with pytest.raises(ValueError, match="another number of targets at once"):
         HouseVectorEnv(HOUSES, targets="main").set_houses(HOUSES, several)

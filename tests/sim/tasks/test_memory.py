@@ -214,7 +214,7 @@ def test_evaluation_counts_pick_ups_and_keeps_what_ends_an_episode():
 WRONG = {
     "terms: there is no class vist: did you mean visit?": {"class": "vist"},
     "terms: most is 0: from 1 to 1,512 rooms": {"class": "visit", "most": 0},
-    "it has 3 rooms: let the terms' most be at least as many": {"class": "visit", "most": 2},
+    "it has 3 rooms, more than the terms' most of 2: raise most": {"class": "visit", "most": 2},
     "no room to visit: there is no room type hut": {"class": "visit", "types": ["hut"]},
     "no room with a charger: there is no room type hut": {"class": "battery", "charger": "hut"},
     "terms: capacity is -1: from 1": {"class": "battery", "capacity": -1},

@@ -96,7 +96,7 @@ def test_wrong_options_for_next_episodes_are_refused():
     cases = list[tuple[Any, str]]((
         ({"house": [0, 2]}, "the bank has houses 0 to 1"),
         ({"pose": [[0, 0, 0]] * 2}, "say in which houses"),
-        ({"reset_mask": [True, False]}, "reset_mask is one of reset alone"),
+        ({"reset_mask": [True, False]}, "reset_mask is an option of reset only"),
         ({"hose": [0, 0]}, "did you mean house"),
         (3, "options must be a dict"),
     ))  # fmt: skip
@@ -104,7 +104,7 @@ def test_wrong_options_for_next_episodes_are_refused():
         with pytest.raises(ValueError, match=message):
             envs.set_next(wrong)
     disabled = HouseVectorEnv(HOUSES, 2, targets="main", autoreset_mode="Disabled")
-    with pytest.raises(ValueError, match="no episode begins by itself"):
+    with pytest.raises(ValueError, match="the mode has no automatic resets"):
         disabled.set_next({"house": [0, 0]})
 
 

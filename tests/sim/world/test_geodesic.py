@@ -170,5 +170,5 @@ def test_the_torch_path_has_distances_in_its_own_memory():
 
 
 def test_where_doors_are_closed_there_are_no_distances():
-    with pytest.raises(ValueError, match="the distance to the target is not had where doors are closed"):
+    with pytest.raises(ValueError, match="the distance to the target needs open doors"):
         asking(DOORS)

@@ -113,11 +113,11 @@ def test_wrong_ranges_are_refused(varied, message):
 
 def test_a_width_that_differs_is_refused_where_another_is_counted_on():
     varied = (("width", 0.5, 1.0),)
-    with pytest.raises(ValueError, match="no width with closed doors"):
+    with pytest.raises(ValueError, match="width cannot vary with closed doors"):
         Config(varied=varied, closed_doors=4)
-    with pytest.raises(ValueError, match="bodies of this backend have one width"):
+    with pytest.raises(ValueError, match="bodies of this backend have a fixed width"):
         HouseVectorEnv([DRAWN], preset=Config(varied=varied), backend="grid")
-    with pytest.raises(ValueError, match="is not had where the body's width differs"):
+    with pytest.raises(ValueError, match="needs a body whose width does not vary"):
         HouseVectorEnv(
             HOUSES, preset=Config(varied=varied), targets={"task": "all", "terms": {"progress": 1}}
         )
