@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import pytest
 from clingo import ast
@@ -93,7 +94,7 @@ def options() -> Iterator[Reason]:
         parse([file], found.append)
         for statement in found:
             if statement.ast_type == ast.ASTType.Rule and str(statement.head).startswith("option("):
-                begin = statement.location.begin
+                begin: Any = statement.location.begin
                 yield Reason(str(statement), str(file), begin.line, begin.column)
 
 
