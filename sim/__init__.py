@@ -17,7 +17,6 @@ if _logic and Path(_logic.origin or "").resolve().parent.parent != Path(__file__
 from sim.allowed import allow
 from sim.baselines.oracle import Oracle, shortest_path
 from sim.config import DEFAULT, PAPER, Config
-from sim.conformance import check_autoreset_modes, check_vector_env
 from sim.environment.arguments import BACKENDS, CELL_HOUSES
 from sim.environment.rotation import HouseRotation
 from sim.environment.single import HouseEnv
@@ -39,8 +38,6 @@ __all__ = [
     "Rooms",
     "Task",
     "allow",
-    "check_autoreset_modes",
-    "check_vector_env",
     "shortest_path",
 ]
 

@@ -19,8 +19,8 @@ from gymnasium.vector import AutoresetMode
 from agent.banks import benchmark
 from agent.evaluation.baselines import REFERENCES
 from logic import HouseFileError, generate, save
-from sim import check_vector_env
 from tests.agent.evaluation.cases import SHORT, short_episodes
+from tests.sim.conformance.claims import check_vector_env
 from vitruvius.commands.evaluate import Evaluate
 
 ROOT = Path(__file__).parents[1]

@@ -63,7 +63,7 @@ FOLDERS = {
             "geometry",
             "film",
         ),
-        *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
+        *("backends", "tasks", "world", "environment", "baselines", "adapters"),
     ),
     "agent": (
         *("avoidance", "progress", "banks"),
@@ -198,6 +198,6 @@ def test_the_public_names_of_the_simulator_are_these() -> None:
     houses = ["HouseEnv", "HouseRotation", "HouseVectorEnv"]
     tasks = ["Points", "Reach", "Rooms", "Task"]
     classes = ["Collect", "Config", "FixedTask", *houses, "Oracle", *tasks]
-    functions = ["allow", "check_autoreset_modes", "check_vector_env", "shortest_path"]
+    functions = ["allow", "shortest_path"]
     assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
     assert all(hasattr(sim, name) for name in sim.__all__)

@@ -14,8 +14,10 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from agent.planner import Planner
 from agent.planner.driving import DrivingPlanner
 from agent.planner.map_window import MapWindow
-from sim import DEFAULT, HouseVectorEnv, check_autoreset_modes, check_vector_env
+from sim import DEFAULT, HouseVectorEnv
 from tests.sample_houses import random_house
+from tests.sim.conformance.autoreset import check_autoreset_modes
+from tests.sim.conformance.claims import check_vector_env
 
 HOUSES = [random_house(seed) for seed in range(3)]
 SIDE = 32

@@ -10,9 +10,11 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from logic import House, Star
-from sim import HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
+from sim import HouseVectorEnv, Oracle
 from sim.backends.backend import METHODS
 from tests import sample_houses
+from tests.sim.conformance.autoreset import check_autoreset_modes
+from tests.sim.conformance.claims import check_vector_env
 
 DOCS = Path(__file__).parents[3] / "docs"
 NAME = "main_room:MainRoom"

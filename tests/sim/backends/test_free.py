@@ -12,13 +12,15 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 from logic import House, Room
-from sim import DEFAULT, HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
+from sim import DEFAULT, HouseVectorEnv, Oracle
 from sim.baselines.searcher import Searcher
 from sim.config import DRIVE
 from sim.drive import Drive
 from sim.tasks.tasks import Collect
 from sim.tasks.terms import Terms
 from tests.sim.backends.free_study import Solids, compare, houses, with_slanted_walls
+from tests.sim.conformance.autoreset import check_autoreset_modes
+from tests.sim.conformance.claims import check_vector_env
 
 HOUSES = houses(6, seed=50)
 EMPTY = House((Room(0, 0, 9, 9, "R0", "hall"),), hub="R0", topology="own")

@@ -15,9 +15,11 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorWrapper
 from gymnasium.wrappers import vector as wrappers
 
 from logic import generate, save
-from sim import HouseEnv, HouseVectorEnv, check_autoreset_modes, check_vector_env
+from sim import HouseEnv, HouseVectorEnv
 from sim.film import film
 from tests import sample_houses
+from tests.sim.conformance.autoreset import check_autoreset_modes
+from tests.sim.conformance.claims import check_vector_env
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), sample_houses.RANDOM[0]]
 COUNT, STEPS = 3, 20

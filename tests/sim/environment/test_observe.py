@@ -10,11 +10,12 @@ import pytest
 import torch
 from gymnasium.wrappers.vector import FlattenObservation
 
-from sim import DEFAULT, Config, HouseEnv, HouseVectorEnv, check_vector_env
+from sim import DEFAULT, Config, HouseEnv, HouseVectorEnv
 from sim.actions import ACTIONS, FORWARD, LEFT
 from sim.backends.continuous import Continuous
 from sim.config import EXTRAS, RAYS
 from tests import sample_houses
+from tests.sim.conformance.claims import check_vector_env
 
 HOUSES = sample_houses.RANDOM[:2]
 COUNT = 8

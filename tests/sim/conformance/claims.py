@@ -14,8 +14,18 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from sim.conformance.autoreset import autoreset, refusals
-from sim.conformance.trial import FAR, StepResult, Trial, brief, difference, fingerprint, hold, leaves, shared
+from tests.sim.conformance.autoreset import autoreset, refusals
+from tests.sim.conformance.trial import (
+    FAR,
+    StepResult,
+    Trial,
+    brief,
+    difference,
+    fingerprint,
+    hold,
+    leaves,
+    shared,
+)
 
 CALLS = 10
 """Successive calls that are checked for shared memory."""

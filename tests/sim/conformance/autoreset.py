@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from sim.conformance.trial import (
+from tests.sim.conformance.trial import (
     FAR,
     ConformanceError,
     StepResult,
