@@ -16,8 +16,8 @@ from logic.readers.types import TOGETHER, Least, least_sizes, uses
 from logic.readers.units import metres_to
 from logic.shapes.lines import MOST_WALL
 
-MAX_CORNERS = 8
-"""Number of corners at which a room may be cut, for each axis."""
+MAX_CORNERS, MAX_OUTLINE = 8, 64
+"""Number of corners at which a room may be cut, for each axis; number of corners of a room that is cut."""
 
 
 class Cut(NamedTuple):
@@ -78,18 +78,20 @@ def _name(name: str, use: str) -> str:
 
 def _best(space: Space, own: Sequence[str], sketch: Sketch, metres: float) -> Cut | None:
     """Return the best cut of a room; None for one use, or if every cut leaves a part that is too narrow."""
-    if len(own) < 2:
+    if len(own) < 2 or shapely.get_num_coordinates(space.shape) > MAX_OUTLINE:
         return None
     reach = MOST_WALL / metres
-    others = [each.shape for each in sketch.spaces if each is not space]
+    near = [each.shape for each in sketch.spaces if space.shape.dwithin(each.shape, 2 * reach)]
+    around = shapely.union_all([each for each in near if each is not space.shape]).buffer(reach)
     panes = [each for each in sketch.windows if shapely.distance(each, space.shape) < reach]
-    openings: list[Any] = [*(each.shape for each in sketch.passages), *panes]
+    doors = (each.shape for each in sketch.passages)
+    openings: list[Any] = [*(each for each in doors if space.shape.dwithin(each, reach)), *panes]
 
     def is_dark(part: Polygon) -> bool:
         if sketch.windows:
             return all(shapely.distance(part, pane) > reach for pane in panes)
-        inner = shapely.union_all([*others, shapely.difference(space.shape, part)]).buffer(reach)
-        return shapely.difference(part.exterior, inner).length * metres < 1
+        inner = shapely.difference(space.shape, part).buffer(reach)
+        return shapely.difference(part.exterior - around, inner).length * metres < 1
 
     def cost(cut: Cut) -> tuple[float, ...]:
         crossed = sum(line.distance(each) * metres < 0.1 for line in cut.lines for each in openings)

@@ -6,7 +6,8 @@ repeat the classes until a drawing program replaces them.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
+from itertools import islice
 from math import log
 from statistics import median
 from typing import Any
@@ -16,8 +17,8 @@ from shapely import Polygon
 
 from logic.errors import RequestError
 from logic.opener import from_xml
-from logic.readers.sketch import Passage, Sketch, Space, chosen, require_none
-from logic.readers.svg_shapes import kind, placed, polygon_in
+from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_none, require_plain
+from logic.readers.svg_shapes import Matrix, kind, placed, polygon_in
 
 FORMAT = "a plan of CubiCasa5K"
 
@@ -32,6 +33,9 @@ FEET = re.compile(
 )
 
 FOOT = 0.3048
+
+MAX_LABELS, MAX_PARTS, MAX_LETTERS = 64, 256, 1 << 10
+"""Number of labels of a room that are read, of texts in a label, and of characters of a label."""
 
 
 def is_cubicasa(content: bytes, _: Any) -> bool:
@@ -51,12 +55,12 @@ def read_cubicasa(content: bytes, _: Any, storey: str | None) -> Sketch:
         require_none(storey)
     one = chosen([each.get("id") or "" for each in storeys], storey) if storeys else 0
     groups = {*(storeys[one] if storeys[1:] else tree).iter()}
+    drawn = [(group, shape) for group, at in _parts(tree, groups) if (shape := polygon_in(group, at))]
+    require_plain([shape for _, shape in drawn])
     spaces, doors, windows, units = list[Space](), list[Passage](), list[Polygon](), list[float]()
-    for group, at in placed(tree):
-        what, *words = (group.get("class") or group.get("id") or "").split() or [""]
-        if group not in groups or kind(group) != "g" or what not in ("Space", "Door", "Window"):
-            continue
-        if (polygon := polygon_in(group, at)) is None:
+    for group, shape in drawn:
+        what, *words = _said(group)
+        if (polygon := max(polygons(shape), key=lambda each: each.area, default=None)) is None:
             continue
         if what == "Door":
             doors.append(Passage(polygon))
@@ -73,6 +77,17 @@ def _groups(tree: Element) -> Iterator[Element]:
     return (each for each in tree.iter() if kind(each) == "g")
 
 
+def _parts(tree: Element, groups: Container[Element]) -> Iterator[tuple[Element, Matrix]]:
+    """Yield the rooms, doors and windows among the groups of a storey, each with its matrix."""
+    for group, at in placed(tree):
+        if group in groups and kind(group) == "g" and _said(group)[0] in ("Space", "Door", "Window"):
+            yield group, at
+
+
+def _said(group: Element) -> list[str]:
+    return (group.get("class") or group.get("id") or "").split() or [""]
+
+
 def _is_space(group: Element) -> bool:
     return group.get("class", "").split()[:1] == ["Space"]
 
@@ -80,7 +95,8 @@ def _is_space(group: Element) -> bool:
 def _units(group: Element, polygon: Polygon) -> Iterator[float]:
     """Metres to a pixel by the sizes in a room's label, in the order in which both sides agree."""
     west, north, east, south = polygon.bounds
-    for text in ("".join(each.itertext()) for each in group.iter() if kind(each) == "text"):
+    for label in islice((each for each in group.iter() if kind(each) == "text"), MAX_LABELS):
+        text = "".join(islice(label.itertext(), MAX_PARTS))[:MAX_LETTERS]
         if found := METRES.search(text):
             one, other = (float(each.replace(",", ".")) for each in found.groups())
         elif found := FEET.search(text):

@@ -9,20 +9,19 @@ property goes into one of the tables below; a new word for a type or a door goes
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import pairwise
 from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from shapely import Geometry, LineString, Point
+from shapely import Geometry, LineString, Point, STRtree
 from shapely.geometry import shape
 
 from logic.errors import RequestError
 from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
 from logic.opener import reason
 from logic.readers.features import GEOMETRIES, features
-from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons
+from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons, require_plain
 from logic.readers.types import element, meant
 from logic.readers.units import degrees_of, is_web_mercator, metres_to, plane
 from logic.spelling import numbered, printable
@@ -102,19 +101,22 @@ def read_geojson(
     if not rooms:
         beside = f", but {_counted(passed)}" if passed else ""
         raise RequestError(f"plan: it has no polygon that is a room{beside}")
-    spaces, unknown = list[Space](), set[str]()
+    drawn, unknown = list[tuple[Feature, Space]](), set[str]()
     for each in rooms:
         name = _name(each)
         literal, words = _words(each, name, types, unknown)
         whole = str(each.properties.get("part_of") or "")
-        spaces += [Space(name, words, part, literal, whole) for part in _polygons(each, name)]
+        drawn += [(each, Space(name, words, part, literal, whole)) for part in _polygons(each, name)]
     shapes = [_geometry(each) for each in others]
+    require_plain([*(each.shape for _, each in drawn), *shapes])
+    spaces = [part for each in drawn for part in _valid(*each)]
     if unit is None and is_web_mercator(record):
         spaces = [each._replace(shape=degrees_of(each.shape)) for each in spaces]
         shapes = list(map(degrees_of, shapes))
     flat, notes, noise = _flat([each.shape for each in spaces], unit)
     spaces = [each._replace(shape=flat(each.shape)) for each in spaces]
-    openings = [(each.what, _in_wall(flat(some), spaces)) for each, some in zip(others, shapes, strict=True)]
+    sides = _sides(spaces)
+    openings = [(each.what, _in_wall(flat(some), sides)) for each, some in zip(others, shapes, strict=True)]
     doors = [
         Passage(some, what == "entrance" or None, what == "opening")
         for what, some in openings
@@ -235,12 +237,19 @@ def _polygons(room: Feature, name: str) -> Iterator[shapely.Polygon]:
         if len({*shell}) < 4:
             raise RequestError(f"{where} has {len({*shell})} corners: a rectangle has four")
         try:
-            found = [*polygons(shapely.Polygon(shell, holes))]
+            found = shapely.Polygon(shell, holes)
         except (shapely.errors.ShapelyError, ValueError) as error:
             raise RequestError(f"{where}: {reason(error)[:80]}") from None
-        if not found:
-            raise RequestError(f"{where} has no area: draw it again, or leave it out")
-        yield from found
+        yield found
+
+
+def _valid(room: Feature, space: Space) -> list[Space]:
+    """Return the parts of a room, made valid. Raises ``RequestError`` for a room without area."""
+    if parts := list(polygons(space.shape)):
+        return [space._replace(shape=part) for part in parts]
+    raise RequestError(
+        f"plan: features[{room.number}]: room {space.name} has no area: draw it again, or leave it out"
+    )
 
 
 def _corners(ring: Any, where: str) -> Iterator[tuple[float, float]]:
@@ -307,13 +316,19 @@ def _rounding(shapes: Sequence[shapely.Polygon]) -> float:
     return round(METRES_TO_DEGREE * 10.0**-decimals, 2)
 
 
-def _in_wall(opening: Geometry, spaces: Sequence[Space]) -> Geometry:
+def _sides(spaces: Sequence[Space]) -> STRtree:
+    """Return the sides of all rooms, in their order."""
+    rings = [shapely.get_coordinates(each.shape.exterior) for each in spaces]
+    ends = np.concatenate([np.stack([ring[:-1], ring[1:]], 1) for ring in rings])
+    sides: Any = shapely.linestrings(ends)
+    return STRtree(sides[shapely.length(sides) > 0])
+
+
+def _in_wall(opening: Geometry, sides: STRtree) -> Geometry:
     """Return the geometry of an opening; a point becomes a line along the nearest wall of a room."""
     if not isinstance(opening, Point):
         return opening
-    room = min(spaces, key=lambda each: each.shape.exterior.distance(opening)).shape
-    sides = map(LineString, pairwise(room.exterior.coords))
-    side = min((each for each in sides if each.length > 0), key=lambda each: each.distance(opening))
+    side: Any = sides.geometries[sides.query_nearest(opening).min()]
     start = max(0.0, min(side.project(opening) - DOOR / 2, side.length - DOOR))
     return LineString([side.interpolate(start), side.interpolate(start + DOOR)])
 

@@ -84,10 +84,7 @@ def outline(record: Any) -> Polygon:
     if len(corners) < 4 or None in corners:
         raise RequestError(f"plan: {FORMAT} has verts, a list of at least four corners of two numbers each")
     found = Polygon([each[:2] for each in corners if each])
-    try:
-        require_plain([found])
-    except ValueError as error:
-        raise RequestError(f"plan: {FORMAT}: {error}") from None
+    require_plain([found])
     return found
 
 

@@ -17,7 +17,7 @@ import shapely
 from logic.errors import RequestError
 from logic.opener import ZIPPED, archive_of, member_of
 from logic.readers.ifc_solids import Solids, main
-from logic.readers.sketch import Passage, Sketch, Space, polygons
+from logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
 
 FORMAT = "IFC"
 
@@ -83,10 +83,14 @@ def read_ifc(content: bytes, _: Any, storey: str | None) -> Sketch:
 
 def _sketch(found: Solids) -> Sketch:
     """Return the rooms, doors and windows that the process with IfcOpenShell found."""
+    shapes, doors, windows = (
+        list(map(shapely.from_wkt, each))
+        for each in ([shape for _, shape in found.spaces], found.doors, found.windows)
+    )
+    require_plain([*shapes, *doors, *windows])
     spaces = [
         Space((words or [""])[0], tuple(words), part)
-        for words, shape in found.spaces
-        for part in polygons(shapely.from_wkt(shape))
+        for (words, _), shape in zip(found.spaces, shapes, strict=True)
+        for part in polygons(shape)
     ]
-    passages = [Passage(each) for each in map(shapely.from_wkt, found.doors)]
-    return Sketch(FORMAT, spaces, passages, list(map(shapely.from_wkt, found.windows)), north_up=True)
+    return Sketch(FORMAT, spaces, list(map(Passage, doors)), list(windows), north_up=True)

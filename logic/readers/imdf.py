@@ -8,6 +8,7 @@ from typing import Any
 from zipfile import ZipFile
 
 import shapely
+from shapely import Geometry
 from shapely.geometry import shape
 
 from logic.errors import RequestError
@@ -41,18 +42,18 @@ def read_imdf(content: bytes, record: Any, storey: str | None) -> Sketch:
             f"plan: it has {len(units):,} units and {len(openings):,} openings: at most {MOST_ROOMS:,} and "
             f"{MOST_OPENINGS:,} are read"
         )
-    spaces = [space for each in units for space in _spaces(each)]
-    doors = [Passage(_geometry(each)) for each in openings]
+    shapes, doors = (list(map(_geometry, each)) for each in (units, openings))
+    require_plain([*shapes, *doors])
+    spaces = [space for each, shape in zip(units, shapes, strict=True) for space in _spaces(each, shape)]
     if not spaces:
         raise RequestError("plan: IMDF has units with polygons: it has none")
-    _require_plain(spaces)
     try:
         flat = plane([each.shape for each in spaces])
     except ValueError as error:
         raise RequestError(f"plan: {FORMAT}: {error}") from None
     spaces = [space._replace(shape=shapely.transform(space.shape, flat)) for space in spaces]
     return Sketch(
-        FORMAT, spaces, [Passage(shapely.transform(each.shape, flat)) for each in doors], [], north_up=True
+        FORMAT, spaces, [Passage(shapely.transform(each, flat)) for each in doors], [], north_up=True
     )
 
 
@@ -77,29 +78,20 @@ def _names(properties: Mapping[str, Any]) -> Iterator[str]:
     yield from (str(each) for each in labels.values() if each) if isinstance(labels, Mapping) else ()
 
 
-def _require_plain(spaces: Sequence[Space]) -> None:
-    try:
-        require_plain([each.shape for each in spaces])
-    except ValueError as error:
-        raise RequestError(f"plan: {FORMAT}: {error}") from None
-
-
-def _spaces(unit: Any) -> Iterable[Space]:
+def _spaces(unit: Any, shape: Geometry) -> Iterable[Space]:
     """A room for each polygon of a unit."""
     properties = _properties(unit)
     named = list(_names(properties))
     category = str(properties.get("category") or "")
-    for part in polygons(_geometry(unit)):
+    for part in polygons(shape):
         yield Space((named or [category])[0], (*named, category), part)
 
 
-def _geometry(feature: Any) -> Any:
+def _geometry(feature: Any) -> Geometry:
     try:
-        found = shape(feature["geometry"])
-        list(polygons(found))  # whether it can be
+        return shape(feature["geometry"])
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
         raise RequestError(f"plan: the geometry of {_kind(feature)} {feature.get('id')} is none") from None
-    return found
 
 
 def _kind(feature: Any) -> Any:

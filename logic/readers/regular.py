@@ -85,10 +85,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
         notes.append(f"words of no known type, so these rooms may have any: {', '.join(unknown[:8])}")
     if (openings := len(sketch.passages) + len(sketch.windows)) > MOST_OPENINGS:
         raise RequestError(f"plan: {openings:,} doors and windows: at most {MOST_OPENINGS:,} are read")
-    try:
-        require_plain([*(each.shape for each in sketch.spaces), *(each.shape for each in sketch.passages)])
-    except ValueError as error:
-        raise RequestError(f"plan: {sketch.format}: {error}") from None
+    require_plain([*(each.shape for each in sketch.spaces), *(each.shape for each in sketch.passages)])
     metres = metres_to(unit) if unit else sketch.unit
     _require_sizes([each.shape for each in spaces], metres, sketch.format, unit)
     turn = _turn([affinity.scale(each.shape, metres, metres, origin=(0, 0)) for each in spaces])

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import shapely
-from shapely import Polygon
+from shapely import Geometry
 from shapely.geometry import shape
 
 from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space, polygons, require_none
+from logic.readers.sketch import Passage, Sketch, Space, polygons, require_none, require_plain
 
 FORMAT = "a plan of ResPlan"
 
@@ -33,33 +33,30 @@ def read_resplan(_: bytes, record: Any, storey: str | None) -> Sketch:
     metres that is.
     """
     require_none(storey)
-    spaces = [
-        Space(key, (key,), each)
+    drawn = {
+        key: _geometry(key, value)
         for key, value in record.items()
-        if key not in OTHERS and _is_geometry(value)
-        for each in _polygons(key, value)
-    ]
+        if key not in ("wall", "land") and _is_geometry(value)
+    }
+    require_plain(list(drawn.values()))
+    shapes = {key: list(polygons(each)) for key, each in drawn.items()}
+    spaces = [Space(key, (key,), each) for key in shapes if key not in OTHERS for each in shapes[key]]
     doors = [
-        Passage(each, key == "front_door") for key in ("door", "front_door") for each in _of(record, key)
+        Passage(each, key == "front_door") for key in ("door", "front_door") for each in shapes.get(key, [])
     ]
-    inner, area = sum(each.area for each in _of(record, "inner")), record.get("area")
-    found = Sketch(FORMAT, spaces, doors, _of(record, "window"), has_walls=True)
+    inner, area = sum(each.area for each in shapes.get("inner", [])), record.get("area")
+    found = Sketch(FORMAT, spaces, doors, list(shapes.get("window", [])), has_walls=True)
     if isinstance(area, int | float) and area > 0 and inner > 0:
         return found._replace(unit=(float(area) / inner) ** 0.5)
     return found._replace(guessed="it has no area that says its unit, so that is taken to be a metre")
-
-
-def _of(record: Mapping[str, Any], key: str) -> list[Any]:
-    value = record.get(key)
-    return _polygons(key, value) if _is_geometry(value) else []
 
 
 def _is_geometry(value: Any) -> bool:
     return hasattr(value, "__geo_interface__") or (isinstance(value, Mapping) and "type" in value)
 
 
-def _polygons(key: str, value: Any) -> list[Polygon]:
+def _geometry(key: str, value: Any) -> Geometry:
     try:
-        return list(polygons(shape(value)))
+        return shape(value)
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
         raise RequestError(f"plan: {key} of {FORMAT} is no geometry of GeoJSON") from None

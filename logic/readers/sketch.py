@@ -80,16 +80,17 @@ def numbers(value: Any, least: int) -> list[float] | None:
 
 
 def require_plain(shapes: Sequence[Geometry]) -> None:
-    """Raise ``ValueError`` for numbers that are too large, and for more than ``MAX_CORNERS`` corners.
+    """Raise ``RequestError`` for numbers that are too large, and for more than ``MAX_CORNERS`` corners.
 
     Sides that cross each other too often are refused, too: the work on the shapes would grow with the square
-    of the number of sides.
+    of the number of sides. ``shapes`` are all shapes of a file, which a reader checks before it makes them
+    valid.
     """
-    corners, shape = shapely.get_coordinates(shapes, return_index=True)
+    corners, shape = shapely.get_coordinates(shapely.get_parts(shapes), return_index=True)
     if not np.all(np.abs(corners) < FAR):
-        raise ValueError("numbers are too large")
+        raise RequestError("plan: numbers are too large")
     if len(corners) > MAX_CORNERS:
-        raise ValueError(f"it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
+        raise RequestError(f"plan: it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
     sides: Any = shapely.linestrings(np.stack([corners[:-1], corners[1:]], 1)[shape[:-1] == shape[1:]])
     tree = shapely.STRtree(sides)
     bounds: Any = {"intersects": MAX_MEETINGS * (len(sides) + SIDES_PER_QUERY), "crosses": MAX_CROSSINGS}
@@ -98,12 +99,11 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
         for first in range(0, len(sides), SIDES_PER_QUERY):
             found += tree.query(sides[first : first + SIDES_PER_QUERY], predicate).shape[1]
             if found > most:
-                raise ValueError("its outlines cross each other too often: draw them again")
+                raise RequestError("plan: its outlines cross each other too often: draw them again")
 
 
 def polygons(shape: Geometry) -> Iterator[Polygon]:
-    """Yield the polygons of a geometry, made valid. Raises ``ValueError`` as ``require_plain`` does."""
-    require_plain([shape])
+    """Yield the polygons of a geometry that ``require_plain`` accepted, made valid."""
     yield from _polygons(shapely.make_valid(shape))
 
 

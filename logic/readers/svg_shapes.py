@@ -11,7 +11,6 @@ import shapely
 from shapely import Polygon, affinity
 
 from logic.errors import RequestError
-from logic.readers.sketch import polygons
 
 MAX_LETTERS = 1 << 10
 """Number of characters of a ``transform``."""
@@ -57,8 +56,7 @@ def polygon_in(group: Element, at: Matrix) -> Polygon | None:
             try:
                 with np.errstate(all="ignore"):
                     (a, c, e), (b, d, f), _ = (at @ _matrix(child)).tolist()
-                    drawn = affinity.affine_transform(Polygon(corners), (a, c, b, d, e, f))
-                return max(polygons(drawn), key=lambda each: each.area, default=None)
+                    return affinity.affine_transform(Polygon(corners), (a, c, b, d, e, f))
             except RequestError:
                 raise
             except (shapely.errors.ShapelyError, ValueError):

@@ -77,6 +77,11 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
     if len(all_features := features(record)) > MAX_CORNERS:
         raise ValueError(f"it has {len(all_features):,} features: at most {MAX_CORNERS:,} are read")
     shapes = [_shape(feature, f"features[{number}]") for number, feature in enumerate(all_features)]
+    # Lines are walls as they are, unless they are doors.
+    require_plain(
+        [each for each, said in shapes if shapely.get_dimensions(each) > 1 or said.get("kind") == "door"]
+    )
+    shapes = [(_southward(shape), properties) for shape, properties in shapes]
     if is_web_mercator(record):
         shapes = [(degrees_of(shape), properties) for shape, properties in shapes]
     for number, (shape, properties) in enumerate(_in_metres(shapes)):
@@ -85,7 +90,6 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
             continue
         if kind == "door":
             between = properties.get("between")
-            require_plain([shape])
             leads_out = isinstance(between, list) and OUTSIDE in between
             (entrances if leads_out else doors).append(
                 shape.buffer(deep, cap_style="flat") if deep and dimensions == 1 else shape
@@ -114,7 +118,7 @@ def _in_metres(shapes: list[tuple[Any, Mapping[str, Any]]]) -> list[tuple[Any, M
 
 
 def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
-    """A feature's geometry, valid and y growing south, and its properties."""
+    """A feature's geometry and its properties."""
     geometry = feature.get("geometry", {}) if isinstance(feature, Mapping) else {}
     if geometry is None:  # as RFC 7946 has it for what has no place
         return Point(), {}
@@ -127,11 +131,13 @@ def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
     properties = feature.get("properties")
     if not (np.abs(shapely.get_coordinates(shape)) < FAR).all():
         raise ValueError(f"{where}: numbers are too large")
-    if shapely.get_dimensions(shape) > 1:
-        require_plain([shape])
-    shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
-    southward = shapely.transform(shape, lambda corners: corners * (1, -1))
-    return southward, properties if isinstance(properties, Mapping) else {}
+    return shape, properties if isinstance(properties, Mapping) else {}
+
+
+def _southward(shape: Any) -> Any:
+    """Return the geometry with y growing south, made valid."""
+    valid = shapely.make_valid(shape, method="structure", keep_collapsed=False)
+    return shapely.transform(valid, lambda corners: corners * (1, -1))
 
 
 def _house(

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 import shapely
 from msgspec.structs import replace
-from shapely.geometry import mapping
+from shapely.geometry import mapping, shape
 
 from logic import Door, House, HouseFileError, PlanWarning, RequestError, load
 from logic.layout.terms import own_requirements
 from logic.readers import READERS
+from logic.readers.ifc import _sketch as sketch_of
+from logic.readers.ifc_solids import Solids
 from logic.request.given_plan import read_plan
 from logic.request.own_plan import OwnPlan
 from tests.logic.readers.written import WALL, WORDS, WRITERS, resplan_record
@@ -394,6 +396,44 @@ def test_an_archive_is_read_to_a_limit(tmp_path: Path) -> None:
         archive.writestr("unit.geojson", b"[" * 100_000)
     with pytest.raises(RequestError, match="no collection of features"):
         read_plan(tmp_path / "plan")
+
+
+def stars(format: str) -> bytes:
+    """Sixteen rooms, each of which crosses itself nearly as often as the outlines of a file may together."""
+    turns = 2 * np.pi * 50 / 101 * np.arange(101)
+    star = np.stack([40 + 30 * np.cos(turns), 40 + 30 * np.sin(turns)], 1)
+    rings: list[Ring] = [[*(star + 100 * k).tolist(), (star[0] + 100 * k).tolist()] for k in range(16)]
+    if format == "cubicasa":
+        return svg(*(("LivingRoom", ring) for ring in rings))
+    if format == "imdf":
+        return imdf(*rings, levels="0" * 16)
+    shapes = [{"type": "Polygon", "coordinates": [ring]} for ring in rings]
+    if format == "resplan":
+        parts = dict.fromkeys(("inner", "wall", "door", "window"))
+        return json.dumps(parts | {f"room {k}": shape for k, shape in enumerate(shapes)}).encode()
+    doors = [{"kind": "door"} if format == "doors" and k else None for k in range(16)]
+    features = [
+        {"type": "Feature", "properties": each, "geometry": shape}
+        for each, shape in zip(doors, shapes, strict=True)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features}).encode()
+
+
+@pytest.mark.parametrize("format", ["cubicasa", "imdf", "resplan", "geojson", "doors", "ifc", "world"])
+def test_the_outlines_of_all_shapes_of_a_file_are_bounded_together(
+    format: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """1,024 rooms, each within the bounds, made a reader work for minutes before it said so."""
+    monkeypatch.setattr(shapely, "make_valid", lambda *_, **__: pytest.fail("made valid before the check"))
+    (path := tmp_path / "plan.geojson").write_bytes(content := stars(format))
+
+    def of_ifc(_: Path) -> object:
+        each = [shapely.to_wkt(shape(one["geometry"])) for one in json.loads(content)["features"]]
+        return sketch_of(Solids([], each[:8], each[8:]))
+
+    read = {"world": load, "ifc": of_ifc}.get(format, read_plan)
+    with pytest.raises((RequestError, HouseFileError), match="its outlines cross each other too often"):
+        read(path)
 
 
 def test_formats_are_not_taken_for_each_other(homes: list[House]) -> None:
