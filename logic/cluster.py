@@ -1,6 +1,6 @@
-"""Tasks on a cluster: Ray starts and distributes them, and begins those again whose process or node is lost.
+"""Tasks on a cluster: Ray starts and distributes the tasks, and restarts tasks whose process or node is lost.
 
-Of Ray this is its core alone: https://docs.ray.io/en/latest/ray-core/walkthrough.html.
+This module uses only the core of Ray: https://docs.ray.io/en/latest/ray-core/walkthrough.html.
 """
 
 import os
@@ -25,19 +25,19 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 RETRIES = 5
-"""Times that a task is begun again whose process or node is lost."""
+"""Number of times that Ray restarts a task after its process or node is lost."""
 
 AHEAD = 2
-"""Tasks for each processor, at work or waiting: none waits for its next one."""
+"""Number of running or queued tasks per processor, enough that no processor waits for its next task."""
 
 CONNECTS, ANSWERS = 5.0, 15.0
-"""Seconds in which a machine must accept a connection, and a cluster must answer."""
+"""Timeouts in seconds: for a machine to accept a connection, and for a cluster to answer."""
 
 STORE = 80 << 20
-"""Bytes of shared memory for a cluster here, about the least that Ray takes: what tasks return is small."""
+"""Bytes of shared memory of a local cluster, about Ray's minimum, since the results of tasks are small."""
 
 ENVIRONMENT = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_UV_RUN_RUNTIME_ENV": "0"}
-"""Ray reports nothing to its makers; under ``uv run`` its workers do not install the project again."""
+"""Settings that turn off Ray's usage reports and its installation of the project under ``uv run``."""
 
 TRY = """
 import sys, ray
@@ -46,21 +46,21 @@ try:
 except Exception as error:
     sys.exit(" ".join(str(error).split()))
 """
-"""Connects to a cluster. Where none answers Ray waits for a minute, or ends the process."""
+"""Program that connects to a cluster. If no cluster answers, Ray waits for a minute or ends the process."""
 
 
 class Returned(NamedTuple, Generic[Result]):
-    """What a task brings back."""
+    """Result of a task."""
 
     result: Result | None
     error: Exception | None
     warned: list[Warning]
     node: str
-    """The address of the machine."""
+    """Address of the machine."""
 
 
 class Cluster:
-    """A cluster that this process is connected to."""
+    """Cluster that this process is connected to."""
 
     def __init__(self, address: str | None, workers: int | None) -> None:
         """See ``connected``."""
@@ -70,12 +70,15 @@ class Cluster:
     def each(
         self, function: Callable[[Item], Result], items: Sequence[Item], alone: bool = False
     ) -> Iterator[tuple[int, Result]]:
-        """Call a function of a module with each item, in tasks of one processor: the place of an item and
-        what came of it, as they are done. A task that is to be ``alone``, for its time, has a whole node, of
-        those with the most processors.
+        """Call a function of a module with each item.
 
-        Raises what the function raises, and ``Killed`` where the process or node of a task is lost each time
-        that it is begun. What the function warns of is said here, once.
+        Yield the index and the result of each item as it is done.
+
+        Each task has one processor. With ``alone`` each task has a whole node for as long as it runs, one of
+        the nodes with the most processors.
+
+        Raises the errors of the function, and ``Killed`` if Ray loses the process or node of a task at every
+        retry. Each warning of the function is given once in this process.
         """
         import ray
 
@@ -91,11 +94,11 @@ class Cluster:
             yield waiting.pop(done), self._result(done)
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-        """What comes of the items, in their order: see ``each``."""
+        """Return the results of all items, in the order of the items: see ``each``."""
         return [result for _, result in sorted(self.each(function, items), key=lambda found: found[0])]
 
     def _room(self) -> int:
-        """How many tasks may be at work or wait: machines come and go."""
+        """Return the number of tasks that may run or wait now, since machines join and leave the cluster."""
         import ray
 
         return self._most or AHEAD * max(1, int(ray.cluster_resources().get("CPU", 0)))
@@ -106,7 +109,7 @@ class Cluster:
 
         try:
             returned: Returned[Any] = ray.get(done)
-        except RayTaskError as error:  # it could not be read there, or what came of it cannot be pickled
+        except RayTaskError as error:  # the node cannot read the task, or cannot pickle its result
             why = _last(str(error))
             raise MissingProgram(
                 f"a node cannot run a task or return its result: {why}: see docs/scale.md"
@@ -125,11 +128,13 @@ class Cluster:
 
 @contextmanager
 def connected(address: str | None = None, workers: int | None = None) -> Iterator[Cluster]:
-    """Use the cluster at an address (``HOST:PORT`` of its head, or ``auto`` for that of this machine), with
-    at most so many tasks at once. Without an address, one of so many processors, by default all of this
-    machine, is started here, and ends with the block.
+    """Use the cluster at an address, with at most ``workers`` tasks at once.
 
-    Raises ``RequestError`` for what is no address, and ``MissingProgram`` if no cluster answers there.
+    The address is ``HOST:PORT`` of the cluster's head, or ``auto`` for the cluster of this machine. Without
+    an address, a cluster of ``workers`` processors (default: all of this machine) starts here and ends with
+    the block.
+
+    Raises ``RequestError`` for a malformed address, and ``MissingProgram`` if no cluster answers there.
     """
     os.environ.update(ENVIRONMENT)
     import ray
@@ -151,16 +156,16 @@ def connected(address: str | None = None, workers: int | None = None) -> Iterato
             "_temp_dir": folder,
         }
         quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
-        ray_worker.print_to_stdstream = _Said()  # it would print on the standard output
+        ray_worker.print_to_stdstream = _Said()  # Ray would print on the standard output
         try:
             try:
-                with chdir(folder):  # the current folder goes before installed packages in all processes
+                with chdir(folder):  # the current folder precedes installed packages in all processes
                     ray.init(address or "local", **quiet, **({} if address else own))
             except Exception as error:
                 raise MissingProgram(f"Ray does not start: {_last(str(error))}") from error
             finally:
                 if threading.current_thread() is threading.main_thread():
-                    signal.signal(signal.SIGTERM, ends)  # Ray has put its own in its place
+                    signal.signal(signal.SIGTERM, ends)  # Ray replaced the handler
             yield Cluster(address, workers)
         finally:
             ray.shutdown()
@@ -169,8 +174,9 @@ def connected(address: str | None = None, workers: int | None = None) -> Iterato
 def engine(
     name: str | None, address: str | None = None, workers: int | None = None
 ) -> AbstractContextManager[Cluster | None]:
-    """What ``--engine``, ``--address`` and ``--workers`` of a command say: see ``connected``; without an
-    engine, None. Raises ``RequestError`` for an address without one.
+    """Return the cluster for ``--engine``, ``--address`` and ``--workers``, or None without an engine.
+
+    Raises ``RequestError`` for an address without an engine. See ``connected``.
     """
     if name:
         return connected(address, workers)
@@ -180,14 +186,14 @@ def engine(
 
 
 class _Said:
-    """What is done with messages of the cluster itself: of each kind the first is said, on stderr."""
+    """Handler of Ray's own messages, which prints the first message of each kind on stderr."""
 
     def __init__(self) -> None:
-        """Nothing is said yet."""
+        """Begin with no printed messages."""
         self._before: set[str] = set()
 
     def __call__(self, data: dict[str, Any], **_: Any) -> None:
-        """Say lines that have not been said."""
+        """Print the lines that have not been printed."""
         for line in data["lines"]:
             first = _sentence(line)
             if first not in self._before:
@@ -196,7 +202,10 @@ class _Said:
 
 
 def _require_answer(address: str) -> None:
-    """Raise unless a cluster answers: another process tries it."""
+    """Raise ``RequestError`` or ``MissingProgram`` unless a cluster answers.
+
+    Another process connects to it.
+    """
     named = re.fullmatch(r"auto|(?!.*://)(.+):(\d+)", address)
     if not named:
         raise RequestError(
@@ -208,7 +217,7 @@ def _require_answer(address: str) -> None:
         command = [sys.executable, "-P", "-c", TRY, address]
         tried = subprocess.run(command, capture_output=True, text=True, timeout=ANSWERS, check=False)
         why = (_last(tried.stderr) or f"exit code {tried.returncode}") if tried.returncode else ""
-    except (OSError, OverflowError, ValueError) as error:  # the last two: no host or port can be named so
+    except (OSError, OverflowError, ValueError) as error:  # the last two: the host or the port is impossible
         why = str(getattr(error, "strerror", None) or error)
     except subprocess.TimeoutExpired:
         why = f"none answered in {ANSWERS:g} s"
@@ -217,7 +226,7 @@ def _require_answer(address: str) -> None:
 
 
 def _called(function: Callable[[Any], Any], item: Any) -> Returned[Any]:
-    """What a task runs."""
+    """Run a function in a task. Return its result or its error, and its warnings."""
     import ray
 
     result = error = None
@@ -234,7 +243,7 @@ def _called(function: Callable[[Any], Any], item: Any) -> Returned[Any]:
 
 
 def _placed(error: Exception, where: str) -> Exception:
-    """An error that a machine is at fault for, with where that is."""
+    """Return an error with ``where`` added, if a machine is at fault for the error."""
     if isinstance(error, MissingProgram | ModuleNotFoundError):
         return MissingProgram(f"{error}{where}")
     if isinstance(error, OSError) and error.filename:
@@ -243,10 +252,10 @@ def _placed(error: Exception, where: str) -> Exception:
 
 
 def _sentence(text: str) -> str:
-    """The first sentence."""
+    """Return the first sentence of a text."""
     return " ".join(text.split()).partition(". ")[0].removesuffix(".")
 
 
 def _last(text: str) -> str:
-    """The last line."""
+    """Return the last line of a text."""
     return (text.strip().splitlines() or [""])[-1]

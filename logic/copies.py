@@ -1,4 +1,4 @@
-"""Rule files that state what another file states already: copies, whole or with changes."""
+"""Detection of rule files that copy another file, whole or with changes."""
 
 import re
 from collections.abc import Mapping
@@ -12,20 +12,20 @@ QUOTED_OR_COMMENT = {
         re.DOTALL,
     ),
 }
-"""What is quoted, as a group, and the comments, in the files of each language."""
+"""Patterns of quoted text (as a group) and of comments, for the files of each language."""
 
 END = re.compile(r"\.(?=\s|\Z)")
-"""Where a statement ends: not in ``1..3``, nor in ``0.8``."""
+"""End of a statement, which neither ``1..3`` nor ``0.8`` contains."""
 
 
 Stated = Mapping[Path, frozenset[str]]
-"""The statements of rule files."""
+"""Statements of each rule file."""
 
 
 def statements(text: str, suffix: str) -> frozenset[str]:
-    """The statements of a rule file with this suffix, without comments and white space.
+    """Return the statements of a rule file with this suffix, without comments and white space.
 
-    They are read as text, since rules of others are parsed in a confined process alone.
+    The function reads the file as text, because only a confined process parses the rules of users.
     """
     code = QUOTED_OR_COMMENT[suffix].sub(lambda found: found[1] or " ", text)
     each = ("".join(part.split()) for part in END.split(code))
@@ -34,14 +34,15 @@ def statements(text: str, suffix: str) -> frozenset[str]:
 
 @cache
 def stated_by(folder: Path) -> Stated:
-    """The statements of the rule files below a folder, which do not change while the process runs."""
+    """Return the statements of the rule files in a folder, which do not change while the process runs."""
     files = sorted(folder.rglob("*.[lp][lp]"))
     return {file: statements(file.read_text("utf-8"), file.suffix) for file in files}
 
 
 def original(file: Path, mine: frozenset[str], others: Stated) -> Path | None:
-    """The first of the ``others`` that a file is a copy of: more than half of the statements of both stand in
-    both.
+    """Return the first of the ``others`` that a file copies, or None.
+
+    A file is a copy if the two files share more than half of all their statements.
     """
     for other, theirs in others.items():
         if other.suffix == file.suffix and 2 * len(mine & theirs) > len(mine | theirs):

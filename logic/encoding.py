@@ -1,4 +1,4 @@
-"""Files of text are UTF-8: what another encoding is, and where a file is none."""
+"""Checks that text files are UTF-8, and messages that name another encoding or the first wrong place."""
 
 import codecs
 import unicodedata
@@ -9,11 +9,11 @@ MARKS = {
     codecs.BOM_UTF16_LE: "UTF-16",
     codecs.BOM_UTF16_BE: "UTF-16",
 }
-"""How files in other encodings begin, the longer marks first."""
+"""First bytes of files in other encodings, longer marks first."""
 
 
 def illegible(content: bytes) -> tuple[int, int, str] | None:
-    """Line, column and words for the first part of a file's content that is no text in UTF-8, or None."""
+    """Return line, column and message for the first part of a file's content that is not UTF-8, or None."""
     for mark, name in MARKS.items():
         if content.startswith(mark):
             return 1, 1, f"this file is {name}: save it as UTF-8"
@@ -38,13 +38,13 @@ def illegible(content: bytes) -> tuple[int, int, str] | None:
 
 
 def _place(before: bytes) -> tuple[int, int]:
-    """Line and column of what follows."""
+    """Return the line and the column of the byte that follows ``before``."""
     *lines, last = before.split(b"\n")
     return len(lines) + 1, len(last.decode("utf-8", "replace").removeprefix("\ufeff")) + 1
 
 
 def shown(letter: str) -> str:
-    """A letter, by its number and name where it cannot be seen."""
+    """Return a letter as it is if it is visible, else its number and name."""
     if letter.isprintable() and not unicodedata.combining(letter):
         return letter
     return f"U+{ord(letter):04X} ({unicodedata.name(letter, 'a control character')})"

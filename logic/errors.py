@@ -1,4 +1,4 @@
-"""What can go wrong, as a tree.
+"""Errors of the package, as a tree.
 
 ::
 
@@ -20,7 +20,7 @@ from logic.spelling import printable
 
 
 class VitruviusError(Exception):
-    """Any error that a user can act on: its text says what, where and what next."""
+    """Base of all errors that a user can act on. The text says what is wrong, where, and what to do next."""
 
     exit_code = 70
 
@@ -41,38 +41,41 @@ class GrammarError(VitruviusError):
     def __init__(
         self, message: str, file: str | Path | None = None, line: int | None = None, column: int | None = None
     ) -> None:
-        """Place the message: file, line and column count from 1, and each may be unknown."""
+        """Add the place to the message.
+
+        File, line and column may each be unknown; lines and columns count from 1.
+        """
         self.message, self.file, self.line, self.column = message, file, line, column
         place = ":".join(str(part) for part in (file, line, column) if part is not None)
         super().__init__(f"{place}: {message}" if place else message)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle all of it."""
+        """Pickle all attributes."""
         return from_record, (to_record(self),)
 
 
 class GrammarWarning(UserWarning):
-    """A rule of a grammar has no effect: its place and what is said of it, as ``lint`` says it."""
+    """Warning about a rule of a grammar that has no effect, with its place and the words of ``lint``."""
 
 
 class PlanWarning(UserWarning):
-    """What was moved in a user's plan, passed over or shut, so that it could be read."""
+    """Warning about parts of a user's plan that the reader moved, ignored or closed."""
 
 
 class RequestError(VitruviusError, ValueError):
-    """The request makes no sense, whatever the rules: a count below zero, an unknown type."""
+    """Request that makes no sense with any rules, such as a count below zero or an unknown type."""
 
     exit_code = 2
 
 
 class HouseFileError(VitruviusError):
-    """A house file is absent, truncated, of another format, or holds impossible values."""
+    """House file that is absent, truncated, of another format, or holds impossible values."""
 
     exit_code = 5
 
 
 class Reason(msgspec.Struct, frozen=True):
-    """A statement of the user's: a rule, a fact or a clause with its place, or a choice without one."""
+    """Statement of the user: a rule, a fact or a clause with its place, or a choice without a place."""
 
     text: str
     file: str | None = None
@@ -82,13 +85,13 @@ class Reason(msgspec.Struct, frozen=True):
     """True for a rule that gives way to the user's statements about rooms."""
 
     def __str__(self) -> str:
-        """As in ``rooms.lp:8:1: :- rooms >= 3, basic(T), not room(_,T).``."""
+        """Return a line such as ``rooms.lp:8:1: :- rooms >= 3, basic(T), not room(_,T).``."""
         kind = " (typical)" if self.typical else ""
         return f"{self.file}:{self.line}:{self.column}: {self.text}{kind}" if self.file else self.text
 
 
 class Finding(msgspec.Struct, frozen=True):
-    """Something wrong with a grammar: ``error`` or ``warning``, by its place."""
+    """Mistake in a grammar, with its severity (``error`` or ``warning``) and its place."""
 
     severity: str
     file: str
@@ -97,16 +100,16 @@ class Finding(msgspec.Struct, frozen=True):
     text: str
 
     def __str__(self) -> str:
-        """As in ``sizes.pl:6:1: error: nothing uses room_gab/1: did you mean room_gap/1?``."""
+        """Return a line as in ``sizes.pl:6:1: error: nothing uses room_gab/1: did you mean room_gap/1?``."""
         return f"{self.file}:{self.line}:{self.column}: {self.severity}: {self.text}"
 
 
 class Unsatisfiable(VitruviusError):
-    """Proved: no house satisfies the request.
+    """Proof that no house satisfies the request.
 
-    ``reasons`` are a minimal conflict of the user's own statements and choices: take one away and the others
-    are in none (but there may be other conflicts). ``unfurnishable`` names the types of room that are part
-    of it because they cannot be furnished. ``advice`` says what would do, if known.
+    ``reasons`` is a minimal unsatisfiable core of the user's own statements and choices: without any one of
+    them the rest does not conflict, although other conflicts may exist. ``unfurnishable`` names the room
+    types of the core that cannot be furnished. ``advice`` says what would help, if known.
     """
 
     exit_code = 3
@@ -120,7 +123,7 @@ class Unsatisfiable(VitruviusError):
         advice: str = "",
         unfurnishable: tuple[str, ...] = (),
     ) -> None:
-        """Keep the conflict."""
+        """Keep the core and write the message."""
         self.grammar, self.request, self.reasons = grammar, request, reasons
         self.advice, self.unfurnishable = advice, unfurnishable
         since = "".join(f", since no {type_} can be furnished" for type_ in unfurnishable)
@@ -130,19 +133,19 @@ class Unsatisfiable(VitruviusError):
         super().__init__(f"no house of {grammar} has {request}{since}: {only}{listed}{hint}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle all of it."""
+        """Pickle all attributes."""
         return from_record, (to_record(self),)
 
 
 class LimitReached(VitruviusError):
-    """The stated budget, of inferences or seconds, ran out before a house or a proof was found."""
+    """The stated budget of inferences or seconds ran out before a house or a proof was found."""
 
     exit_code = 4
     keeps = "\n"
 
 
 class OutOfInferences(LimitReached):
-    """The Prolog inferences for a house ran out: who knows how many there were says so."""
+    """The Prolog inferences for a house ran out. Callers that know the number state it in the message."""
 
     def __init__(self, message: str = "the Prolog inferences for a house ran out") -> None:
         """Keep the message."""
@@ -150,7 +153,7 @@ class OutOfInferences(LimitReached):
 
 
 class Killed(LimitReached):
-    """A process was killed from outside: a solver, and of its house nothing is known; a rank of a run."""
+    """A process was killed from outside: a solver, whose house remains unknown, or a rank of a run."""
 
 
 class MissingProgram(VitruviusError):
@@ -161,7 +164,7 @@ class MissingProgram(VitruviusError):
 
 
 def to_record(error: VitruviusError) -> dict[str, Any]:
-    """An error as JSON; ``from_record`` gives it back."""
+    """Return an error as JSON, the inverse of ``from_record``."""
     record: dict[str, Any] = {"kind": type(error).__name__, "message": str(error)}
     if isinstance(error, GrammarError):
         file = str(error.file) if error.file else None
@@ -174,7 +177,7 @@ def to_record(error: VitruviusError) -> dict[str, Any]:
 
 
 def from_record(record: dict[str, Any]) -> VitruviusError:
-    """The error that ``to_record`` wrote."""
+    """Return the error that ``to_record`` wrote."""
     kind: type[VitruviusError] = globals()[record["kind"]]
     if kind is GrammarError:
         return GrammarError(record["message"], record["file"], record["line"], record["column"])

@@ -1,7 +1,7 @@
 """A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top.
 
-A file may include one of a shipped grammar: see ``includes.py``.
-It may name a topology, how rooms lie together: a file of ``rules/topologies``, or its own file of that name.
+A file may include one of a shipped grammar: see ``includes.py``. It may name a topology, the rules for how
+rooms touch or connect: a file of ``rules/topologies``, or its own file of that name.
 """
 
 import hashlib
@@ -23,40 +23,43 @@ RULES = Path(__file__).parent / "rules"
 
 TOPOLOGIES, SHARED_WALLS = RULES / "topologies", RULES / "shared_walls"
 STAR = TOPOLOGIES / "star.lp"
-"""The topology of a grammar that names none."""
+"""Topology of a grammar that names none."""
 
 ADJACENT = SHARED_WALLS / "adjacent.lp"
-"""Which rooms share a wall: read where a rule names ``adjacent``, since it takes choices of its own."""
+"""Rules for which rooms share a wall.
+
+They are read only if a rule names ``adjacent``, since they add choices.
+"""
 
 GUARD = SHARED_WALLS / "topology.lp"
-"""What a topology of the user's own keeps, whatever it says."""
+"""Constraints that hold for every topology of a user."""
 
 PLANS = tuple(SHARED_WALLS / name for name in ("access.lp", "differences.lp", "stated.lp"))
-"""What all other topologies share: rooms that share walls, and doors in them."""
+"""Rules of all topologies but the star: rooms share walls, and the walls have doors."""
 
 STATED = SHARED_WALLS / "stated.lp"
-"""What a topology states, and no other file of a grammar."""
+"""Predicates that a topology states and no other file of a grammar."""
 
 ACCESS, OWN = SHARED_WALLS / "access.lp", SHARED_WALLS / "own.lp"
-"""Files that replace the topology for a plan of the user's."""
+"""Files that replace the topology for a plan of the user."""
 
 DISSECTION, BRIEF = TOPOLOGIES / "dissection.lp", RULES / "brief" / "brief.lp"
 """Files that replace the grammar's topology for a house by a brief."""
 
 Places = frozenset[tuple[str, int, int]]
-"""Places of rules: file, line and column at which each begins."""
+"""Places of rules: file, line and column of each rule's first character."""
 
 TYPICAL = "typical"
 """Name of the ``#program`` whose rules give way to the user's statements about rooms."""
 
 COMMENT = re.compile(r"%\*.*?(?:\*%|\Z)|%[^\n]*", re.DOTALL)
-"""Of clingo's language."""
+"""Comment of clingo's language."""
 
 TYPES = re.compile(r"\btype\s{0,9}\(([\w\s;()]{0,999})\)\s{0,9}\.")
-"""Fact that names room types."""
+"""Pattern of a fact that names room types."""
 
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
-"""The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
+"""Lengths that the ``.pl`` files of every grammar state, each as a fact with that name."""
 
 IN_PROLOG = {
     **dict.fromkeys((*LENGTHS, "door_margin", "window_margin", "unit_depth"), 1),
@@ -64,33 +67,36 @@ IN_PROLOG = {
     **dict.fromkeys(("room_size", "room_area", "whole_area", "window_size"), 3),
     **dict.fromkeys(("piece_size", "opening_size"), 4),
 }
-"""All predicates that ``.pl`` files may state, and how many arguments each has."""
+"""Predicates that ``.pl`` files may state, with the number of arguments of each."""
 
 MOST_BYTES = 1 << 24
-"""What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
+"""Largest size of all rule files of a grammar together, in bytes. The known grammars have less than 20 kB."""
 
 
 @dataclass(frozen=True)
 class Grammar:
-    """A grammar's name, its rule files and the hash that names their content."""
+    """Grammar: its name, its rule files and the hash of their content."""
 
     name: str
     directory: Path
     own: tuple[Path, ...]
-    """The ``.lp`` files: those of shipped grammars that it includes, then those of its directory, each after
-    what it includes. So a conflict between both is found at a line of the user's."""
+    """The ``.lp`` files: first those of shipped grammars that it includes, then those of its directory.
+
+    Each file follows the files that it includes. Therefore a conflict between two files is reported at a line
+    of the user.
+    """
     topology: tuple[Path, ...]
-    """The shared ``.lp`` files that come with its topology."""
+    """Shared ``.lp`` files that come with its topology."""
     topology_name: str
     prolog: tuple[Path, ...]
-    """The ``.pl`` files, likewise."""
+    """The ``.pl`` files, in the same order."""
     hash: str
     gave_way: tuple[Reason, ...] = ()
     """Typical rules that are left out because they contradict the user's statements about rooms."""
 
     @property
     def asp(self) -> tuple[Path, ...]:
-        """All that clingo reads beside the core."""
+        """All ``.lp`` files that clingo reads in addition to the core."""
         return self.topology + self.own
 
     @property
@@ -108,7 +114,7 @@ class Grammar:
         return name_in(file, self.directory, SHIPPED.resolve())
 
     def cited(self, rule: Reason) -> str:
-        """Return a rule with its place as a house file cites it: without the folders of this machine."""
+        """Return a rule with its place as a house file cites it, without the folders of this machine."""
         return f"{self.name_of(Path(str(rule.file)))}:{rule.line}:{rule.column}: {rule.text}"
 
     def for_brief(self) -> "Grammar":
@@ -127,23 +133,24 @@ class Grammar:
 
     @property
     def names_contacts(self) -> bool:
-        """Whether a rule asks which rooms share a wall."""
+        """True if a rule uses ``adjacent``, so that the solver must know which rooms share a wall."""
         return ADJACENT in self.topology
 
     def for_own_plan(self) -> "Grammar":
-        """The same rules without their topology: those of a user's plan (``logic.request.given_plan``)."""
+        """Return the grammar without its topology, for a user's plan: see ``logic.request.given_plan``."""
         own = tuple(file for file in self.own if file.stem != self.topology_name)
         return replace(self, own=own, topology=(ACCESS, STATED, OWN), topology_name=OWN.stem)
 
 
 def shipped() -> list[str]:
-    """Names of the grammars that come with Vitruvius."""
+    """Return the names of the grammars that come with Vitruvius."""
     return sorted(path.name for path in SHIPPED.iterdir() if path.is_dir())
 
 
 def find_shipped(name: str) -> Grammar:
-    """Return the shipped grammar that a file names. Raises ``GrammarError`` for another name: a file may not
-    name a path.
+    """Return the shipped grammar that a house file names.
+
+    Raises ``GrammarError`` for another name, since a file may not name a path.
     """
     if name not in shipped():
         raise GrammarError(unknown("grammar", name, shipped()))
@@ -151,14 +158,14 @@ def find_shipped(name: str) -> Grammar:
 
 
 def find(grammar: str | Path) -> Grammar:
-    """Find a shipped grammar by its name, or a user's by its directory.
+    """Return a shipped grammar by its name, or a user's grammar by its directory.
 
-    Raises ``GrammarError`` if there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
-    that lie elsewhere, cannot be read, are devices or pipes, are copies of others, hold more than
-    ``MOST_BYTES``, or include what they may not.
+    Raises ``GrammarError`` if there is no such grammar, if it lacks ``.lp`` or ``.pl`` files, or if its files
+    hold more than ``MOST_BYTES``. Raises it, too, for a file that lies elsewhere, cannot be read, is a device
+    or a pipe, copies another file, or includes a file that it may not.
     """
     directory = folder(grammar)
-    # Editors leave hidden files beside those that they edit.
+    # Editors leave hidden files beside the edited files.
     files = [file for file in sorted(directory.iterdir()) if not (file.name.startswith(".") or file.is_dir())]
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
     for file in asp + prolog:
@@ -166,7 +173,7 @@ def find(grammar: str | Path) -> Grammar:
             raise GrammarError(
                 "its name is no UTF-8, which the solvers read: rename it", printable(str(file))
             )
-        # What an error quotes of a rule file may be seen by others than the reader of what the link leads to.
+        # An error message may quote a rule file to people who may not read the target of a link.
         if Path(os.path.realpath(file)).parent != directory:
             raise GrammarError("is a link out of the grammar's directory: copy the file there", file)
     for found, kind in ((asp, ".lp"), (prolog, ".pl")):
@@ -183,7 +190,7 @@ def find(grammar: str | Path) -> Grammar:
     stated = {file: statements(texts[file], file.suffix) for file in asp + prolog if file in texts}
     for error in reading.errors:
         copy = Path(str(error.file))
-        if copy in stated:  # What a copy includes is not beside it, or included already.
+        if copy in stated:  # What a copy includes is absent beside it, or included already.
             mine = {copy: stated.pop(copy)}
             _require_no_copies(stated | mine, directory, copy)
             _require_nothing_of_the_core(mine, None)
@@ -196,7 +203,10 @@ def find(grammar: str | Path) -> Grammar:
 
 
 def _require_no_copies(stated: Stated, directory: Path, only: Path | None = None) -> None:
-    """Raise ``GrammarError`` for a file, or for this one ``only``, that is a copy of one before it."""
+    """Raise ``GrammarError`` for the first file that copies an earlier file.
+
+    With ``only``, check that file alone.
+    """
     before: dict[Path, frozenset[str]] = {}
     for file, mine in stated.items():
         if (only in (None, file)) and (first := original(file, mine, before)):
@@ -209,13 +219,15 @@ def _require_no_copies(stated: Stated, directory: Path, only: Path | None = None
 
 
 def _require_nothing_of_the_core(stated: Stated, topology: str | None) -> None:
-    """Raise ``GrammarError`` for copies of shared files, but that a topology of a user's may be one: that of
-    this name, if it is known.
+    """Raise ``GrammarError`` for a copy of a shared file.
+
+    One copy is allowed: the user's own topology. The fact ``topology`` must name that file, if the fact is
+    known.
     """
     for file, mine in stated.items():
         if not (copied := original(file, mine, stated_by(RULES))):
             continue
-        # A star has no walls, and what comes with another file is no single topology.
+        # A star has no walls, and a file with includes is no single topology.
         usable = (
             copied.parent == TOPOLOGIES and copied != STAR and "#include" not in copied.read_text("utf-8")
         )
@@ -229,7 +241,7 @@ def _require_nothing_of_the_core(stated: Stated, topology: str | None) -> None:
 
 
 def reading_of(directory: Path) -> Reading:
-    """What is to read a grammar's files and all that they include; it refuses what is not to be read."""
+    """Return a reader for a grammar's files and their includes. It refuses files beyond the size limit."""
     left = MOST_BYTES
 
     def read(file: Path) -> bytes:
@@ -250,7 +262,7 @@ def _is_utf8(path: Path) -> bool:
 
 
 def folder(grammar: str | Path) -> Path:
-    """The directory of a grammar, whatever is in it. Raises ``GrammarError`` if there is none."""
+    """Return the directory of a grammar, whatever it contains. Raises ``GrammarError`` if there is none."""
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if str(grammar) == "-":
         raise GrammarError("-: a grammar is a folder of rule files, and not read from the standard input")
@@ -263,10 +275,11 @@ def folder(grammar: str | Path) -> Path:
 
 
 def _topology(texts: Mapping[Path, str]) -> tuple[tuple[Path, ...], str]:
-    """The shared files of the topology that a fact in these files names, and its name.
+    """Return the shared files of the topology that a fact in these files names, and its name.
 
-    It is read as text, since what comes with it must be known before any rule is, and rules of others are
-    parsed in a confined process alone. That one holds that the rules say the same (``loaded.py``).
+    The files are read as text: their topology must be known before any rule is parsed, and only a confined
+    process parses the rules of users. That process checks that the rules name the same topology
+    (``loaded.py``).
     """
     own = {file.stem for file in texts}
     known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
@@ -295,7 +308,7 @@ def _topology(texts: Mapping[Path, str]) -> tuple[tuple[Path, ...], str]:
 
 
 def _content(file: Path, most: int) -> bytes:
-    """What a rule file holds, of at most so many bytes."""
+    """Return the content of a rule file. Raises ``GrammarError`` for more than ``most`` bytes."""
     try:
         return content_of(file, most, unpack=False)
     except OSError as error:
@@ -306,7 +319,7 @@ def _content(file: Path, most: int) -> bytes:
 
 
 def _hash(rules: Iterable[tuple[Path, bytes]]) -> str:
-    """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
+    """Return the SHA-256 of the grammar's files and of the shared core: the rules that generate houses."""
     digest = hashlib.sha256()
     core = sorted(RULES.rglob("*.[lp][lp]"), key=lambda file: file.name)
     for file, content in (*rules, *((each, each.read_bytes()) for each in core)):

@@ -1,8 +1,9 @@
-"""Rule files that others include: ``#include "home/furniture.lp".`` and ``:- include('home/furniture.pl').``
+"""Files that others include: ``#include "home/furniture.lp".`` and ``:- include('home/furniture.pl')``.
 
-Includes stand at the top of a file, one a line, above all but comments of one line: so what a grammar
-consists of is known before any rule is read, and nothing in clingo's or Prolog's language can hide an include
-or feign one. No solver sees them: it reads the included file, and of the other one what stands below.
+Includes stand at the top of a file, one a line, with only one-line comments between them. Therefore the files
+of a grammar are known before any rule is read, and no construct of clingo or Prolog can hide or fake an
+include. The solver never sees an include. It reads the included file, and the part of the including file
+below the includes.
 """
 
 import os
@@ -22,7 +23,7 @@ LINES = {
         r"^[ \t]*(?:(:)-[ \t]*include\([ \t]*['\"]([^'\"]*)['\"][ \t]*\)[ \t]*\.[ \t]*)?(?:%[^\n]*)?\r?$"
     ),
 }
-"""A line above a file's rules: its first group is where an include begins, its second the path."""
+"""Line at the top of a file. Its first group marks the column of an include, the second is the path."""
 
 SAYS = {
     "elsewhere": "an include stands at the top of its file, alone on its line, as in {example}",
@@ -34,11 +35,11 @@ SAYS = {
     "twice": "{file} is included already, at {place}: leave one of them out",
     "anyway": "{file} is read anyway, as all files of the grammar's folder are: leave this out",
 }
-"""What is wrong with an include; ``elsewhere`` where it stands below a rule."""
+"""Messages for wrong includes. ``elsewhere`` is for an include below a rule."""
 
 
 class Include(NamedTuple):
-    """The path that an include names, and where it stands, counted from 1."""
+    """Path that an include names, and its line and column, counted from 1."""
 
     path: str
     line: int
@@ -46,7 +47,7 @@ class Include(NamedTuple):
 
 
 def includes(text: str, suffix: str) -> Iterator[Include]:
-    """The includes of a file with this suffix."""
+    """Yield the includes of a file with this suffix."""
     for number, line in enumerate(text.split("\n"), start=1):
         found = LINES[suffix].match(line)
         if not found:
@@ -56,36 +57,39 @@ def includes(text: str, suffix: str) -> Iterator[Include]:
 
 
 def height(text: str, suffix: str) -> int:
-    """How many lines at the top of a file no solver reads: down to the last include."""
+    """Return the number of lines at the top of a file that no solver reads, down to the last include."""
     return max((each.line for each in includes(text, suffix)), default=0)
 
 
 def below(text: str, suffix: str) -> str:
-    """What a solver reads of a file, each part in its line."""
+    """Return the part of a file that a solver reads, with its line numbers unchanged."""
     number = height(text, suffix)
     return "\n" * number + "\n".join(text.split("\n")[number:])
 
 
 def name_in(file: Path, directory: Path, shipped: Path) -> str:
-    """A grammar's file in short: ``rooms.lp``, and of another grammar, a shipped one, ``home/sizes.pl``."""
+    """Return the short name of a file: ``rooms.lp``, or ``home/sizes.pl`` for a file of a shipped grammar."""
     return file.relative_to(directory if directory in file.parents else shipped).as_posix()
 
 
 class Reading:
-    """The files of a grammar, each once, after those that it includes, and what is wrong with includes."""
+    """Files of a grammar, each once and after the files that it includes, and the errors in its includes."""
 
     def __init__(self, directory: Path, shipped: Path, read: Callable[[Path], bytes]) -> None:
-        """Know the grammar's folder, and that of the shipped ones. ``read`` may raise ``GrammarError``."""
+        """Set the grammar's folder and the folder of shipped grammars.
+
+        ``read`` may raise ``GrammarError``.
+        """
         self._directory, self._shipped, self._read = directory, Path(os.path.realpath(shipped)), read
         self.contents: dict[Path, bytes] = {}
         self.errors: list[GrammarError] = []
         self._named: dict[Path, str] = {}
 
     def follow(self, files: Sequence[Path]) -> tuple[Path, ...]:
-        """These files of the grammar's folder, with all that they include."""
+        """Return these files of the grammar's folder and all files that they include."""
         found: list[Path] = []
         for file in files:
-            # Not by recursion: a row of includes may be long.
+            # A loop, because a chain of includes may exceed the recursion limit.
             path = [(file, self._includes(file))]
             while path:
                 above, rest = path[-1]
@@ -96,7 +100,7 @@ class Reading:
         return tuple(found)
 
     def _includes(self, file: Path) -> Iterator[Include]:
-        """Those of a file, which is read now."""
+        """Read a file and return its includes."""
         try:
             self.contents[file] = self._read(file)
         except GrammarError as error:
@@ -107,7 +111,7 @@ class Reading:
     def _included(
         self, above: Path, include: Include, path: Sequence[Path]
     ) -> list[tuple[Path, Iterator[Include]]]:
-        """The file that is included in ``above``, with what it includes itself; none where that is wrong."""
+        """Return the file that ``above`` includes, with its own includes; nothing if the include is wrong."""
         try:
             other = self._resolved(above, include.path)
             self._refuse_again(other, path)
@@ -118,11 +122,11 @@ class Reading:
         return [(other, self._includes(other))]
 
     def name(self, file: Path) -> str:
-        """See ``name_in``."""
+        """Return the short name of a file: see ``name_in``."""
         return name_in(file, self._directory, self._shipped)
 
     def _resolved(self, above: Path, path: str) -> Path:
-        """The file that ``above`` means: beside it, or else in the folder of shipped grammars."""
+        """Return the file that ``above`` means, either beside it or in the folder of shipped grammars."""
         suffix = above.suffix
         said = {"file": printable(path), "suffix": suffix, "example": EXAMPLES[suffix]}
         if path.startswith("/") or ".." in PurePosixPath(path).parts:
@@ -141,7 +145,7 @@ class Reading:
         raise _wrong("absent", **said, hint=hint)
 
     def _refuse_again(self, other: Path, path: Sequence[Path]) -> None:
-        """Raise an error where a file would be read twice."""
+        """Raise ``GrammarError`` if an include would read a file twice."""
         name = self.name(other)
         if other in path:
             way = ", ".join(self.name(each) for each in path[path.index(other) + 1 :])

@@ -74,7 +74,7 @@ def _kinds(permitted: inspect.Type) -> Iterable[inspect.Type]:
 
 
 def _part(permitted: inspect.Type, key: str, index: int) -> inspect.Type:
-    """Return the type of a field, or of an element where there is no ``key``."""
+    """Return the type of a field, or of an element if there is no ``key``."""
     for kind in _kinds(permitted):
         if key and isinstance(kind, inspect.StructType):
             return next(field.type for field in kind.fields if field.encode_name == key)

@@ -24,7 +24,7 @@ import msgspec
 from logic.encoding import illegible
 
 STANDARD = Path("-")
-"""The standard input where a file is read, the standard output where one is written."""
+"""The standard input for a file to read, the standard output for a file to write."""
 
 PACKED = b"\x1f\x8b"
 """First bytes of a gzip file."""
@@ -42,7 +42,7 @@ MAX_MEMBERS = 1 << 10
 """Number of files in an archive."""
 
 DAMAGED = (OSError, EOFError, zlib.error)
-"""Errors that reading an open file raises: see ``reason``."""
+"""Errors of reading an open file: see ``reason``."""
 
 _STRING = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 _LONG = re.compile(rb"\d{129}")
@@ -50,7 +50,7 @@ _HUGE = re.compile(rb"[eE]\+?0*+\d{3}")
 _SURROGATE = re.compile(rb"\\u[dD][89a-fA-F]")
 _NO_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))
 _PLAIN_MEMBERS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""Compression methods that are read: others take as much memory as an archive asks for."""
+"""Compression methods that are read. Other methods may take as much memory as an archive requests."""
 
 
 def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO:
@@ -113,7 +113,7 @@ def reason(error: Exception) -> str:
 def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any] | None = None) -> Any:
     """Return the value of a JSON text: of a type ``kind`` of msgspec, or with objects made by ``pairs``.
 
-    Raises ``ValueError``, in one line, where the text is no JSON or exceeds ``MAX_BYTES``, ``MAX_DEPTH``,
+    Raises ``ValueError``, in one line, if the text is no JSON or exceeds ``MAX_BYTES``, ``MAX_DEPTH``,
     ``MAX_DIGITS`` or ``MAX_VALUES``.
     """
     if len(content) > MAX_BYTES:
@@ -140,8 +140,8 @@ def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any
 def from_xml(content: bytes) -> ElementTree.Element:
     """Return the root element of an XML document.
 
-    Raises ``ValueError``, in one line, where the document is no XML, declares entities, or exceeds
-    ``MAX_DEPTH`` or ``MAX_ELEMENTS``.
+    Raises ``ValueError``, in one line, if the document is no XML, declares entities, or exceeds ``MAX_DEPTH``
+    or ``MAX_ELEMENTS``.
     """
     if b"<!ENTITY" in content:
         raise ValueError("it declares entities: save it without them")
@@ -178,7 +178,7 @@ def archive_of(content: bytes, most: int, members: int = MAX_MEMBERS) -> zipfile
 
     Raises ``ValueError`` for other archives. ``zipfile`` unpacks no more of a file than the archive states.
     """
-    # Counted before ``zipfile`` reads the list of files, which takes more memory than the archive.
+    # Counted before ``zipfile`` reads the list of files, which may take more memory than the archive.
     if content.count(b"PK\x01\x02") > members:
         raise ValueError(f"an archive of more than {members:,} files")
     try:

@@ -1,4 +1,4 @@
-"""Which known name a misspelt one was meant to be; names and numbers in sentences."""
+"""Suggestions for misspelt names, and words for names and numbers in messages."""
 
 import difflib
 import inspect
@@ -10,18 +10,18 @@ from html import escape
 from typing import ParamSpec, TypeVar
 
 MAX_LETTERS, MAX_NAMES, MAX_LISTED = 100, 2_000, 200
-"""Length of a name that is compared, number of names that are compared, and names that a message lists."""
+"""Limits: letters of a compared name, number of compared names, number of names that a message lists."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 def closest(name: str, names: Iterable[str]) -> str | None:
-    """The most similar name, of equally similar ones one that begins alike, and the one nearest in length;
-    None if none is.
+    """Return the most similar name, or None if none is similar.
 
-    ``difflib.get_close_matches`` would take *beside* for *bde* rather than *bed*. Upper and lower case are
-    as good as alike.
+    Ties go to a name with the same first letter, then to the name nearest in length. Case counts only between
+    names that are equally similar otherwise. ``difflib.get_close_matches`` would suggest *beside* for *bde*
+    rather than *bed*.
     """
 
     def likeness(other: str) -> tuple[float, float, bool, int]:
@@ -37,7 +37,7 @@ def closest(name: str, names: Iterable[str]) -> str | None:
 
 
 def unknown(what: str, name: object, names: Iterable[str]) -> str:
-    """As in ``there is no preset papre: did you mean paper? There are dqn, paper, pqn``."""
+    """Return a message as in ``there is no preset papre: did you mean paper? There are dqn, paper, pqn``."""
     names, shown = list(names), str(name)[: MAX_LETTERS + 1] or repr(name)
     if len(shown) > MAX_LETTERS:
         shown = f"{shown[:MAX_LETTERS]}..."
@@ -47,12 +47,12 @@ def unknown(what: str, name: object, names: Iterable[str]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return names as in ``dqn, paper, pqn``: the first ``MAX_LISTED`` of them."""
+    """Return at most ``MAX_LISTED`` names as in ``dqn, paper, pqn``."""
     return ", ".join(names[:MAX_LISTED]) + (", ..." if len(names) > MAX_LISTED else "")
 
 
 def numbered(number: int, noun: str) -> str:
-    """As in ``1 house`` and ``1,200 houses``."""
+    """Return a number with its noun, as in ``1 house`` and ``1,200 houses``."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
@@ -62,8 +62,9 @@ def article(noun: str) -> str:
 
 
 def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A function whose ``TypeError`` for a wrong keyword names the right one: that of ``meant``, if it
-    has one, else the most similar.
+    """Return a decorator for functions whose ``TypeError`` for a wrong keyword suggests the right one.
+
+    The suggestion is that of ``meant``, else the most similar keyword.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:
@@ -85,14 +86,15 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 def quoted(path: object) -> str:
-    """A path as a shell takes it for one word, where a command is named that is to be typed."""
+    """Return a path quoted as one word for a shell, for a message that shows a command to type."""
     text = str(path)
-    return text if re.fullmatch(r"[\w@%+=:,./-]+", text) else shlex.quote(text)  # which quotes ä, too
+    return text if re.fullmatch(r"[\w@%+=:,./-]+", text) else shlex.quote(text)  # quotes ä, too
 
 
 def printable(text: str, keep: str = "") -> str:
-    """A text that others wrote, its control characters escaped but for those that are kept: names may hold
-    what moves a terminal's cursor, and what XML cannot.
+    """Return a text of unknown origin with its control characters escaped, except those in ``keep``.
+
+    Names may contain characters that move a terminal's cursor or that XML cannot contain.
     """
     if text.isprintable():
         return text

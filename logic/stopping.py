@@ -9,27 +9,28 @@ from types import FrameType
 from typing import Any
 
 AGAIN = 0.2
-"""Seconds after which a signal that came during an import is heeded again, if that has passed over it."""
+"""Seconds after which ``act`` runs again if a signal came during an import, which may have swallowed it."""
 
 
 class Terminated(KeyboardInterrupt):
-    """A signal asks the process to end: what is made is kept."""
+    """Request by a signal to end the process. Finished results are kept."""
 
     exit_code = 128 + signal.SIGTERM
 
     def __init__(self) -> None:
-        """Say what it was."""
+        """Set the message."""
         super().__init__("terminated")
 
 
 ENDS = {signal.SIGTERM: Terminated, signal.SIGHUP: Terminated, signal.SIGINT: KeyboardInterrupt}
-"""What a signal raises."""
+"""Exception for each signal."""
 
 
 @contextmanager
 def at_signals(act: Callable[[KeyboardInterrupt], object]) -> Iterator[None]:
-    """Call ``act`` with what is to be raised at the first signal of a kind within the block. The second ends
-    the process at once; of Ctrl-C it raises ``KeyboardInterrupt``.
+    """Call ``act`` with the signal's exception at the first signal of each kind within the block.
+
+    A second signal ends the process at once; a second Ctrl-C raises ``KeyboardInterrupt``.
     """
     with ExitStack() as stack:
         for number, kind in ENDS.items():
@@ -40,8 +41,9 @@ def at_signals(act: Callable[[KeyboardInterrupt], object]) -> Iterator[None]:
 
 @contextmanager
 def heeded_after(seconds: float = 2.0) -> Iterator[None]:
-    """Heed a signal that comes within the block after it: a line that is taken slowly is not cut. Where
-    nobody takes it the signal is heeded after ``seconds``, and where another one comes at once.
+    """Delay a signal that comes within the block until the block ends, so that no output line is cut.
+
+    If the reader does not take the line, the signal acts after ``seconds``. A second signal acts at once.
     """
     before = {number: act for number in ENDS if callable(act := signal.getsignal(number))}
     if threading.current_thread() is not threading.main_thread() or not before:
@@ -69,17 +71,17 @@ def heeded_after(seconds: float = 2.0) -> Iterator[None]:
 
 
 def end(by: KeyboardInterrupt) -> None:
-    """Raise it."""
+    """Raise the exception."""
     raise by
 
 
 @contextmanager
 def _at(number: signal.Signals, act: Callable[[], object], then: Any) -> Iterator[None]:
-    """Call ``act`` at a signal within the block; ``then`` is what heeds a second one.
+    """Call ``act`` at a signal within the block; ``then`` handles a second signal.
 
-    While a module is imported, libraries may pass over what is raised, or raise something else for it: then
-    ``act`` is called again. Does nothing outside of the main thread, the only one that signals reach, and
-    where the signal is ignored.
+    While a module is imported, libraries may swallow the exception of ``act`` or raise another one. In this
+    case ``act`` is called again. The block does nothing outside the main thread, which alone receives
+    signals, and nothing if the signal is ignored.
     """
     before = signal.getsignal(number)
     if threading.current_thread() is not threading.main_thread() or before == signal.SIG_IGN:
@@ -108,7 +110,7 @@ def _at(number: signal.Signals, act: Callable[[], object], then: Any) -> Iterato
 
 
 def _imports(frame: FrameType | None) -> bool:
-    """Whether a module is imported in this frame, or in one that waits for it."""
+    """Return True if this frame, or a frame that waits for it, imports a module."""
     while frame:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             return True

@@ -1,4 +1,4 @@
-"""What is shown on a terminal: lines for the user, and progress bars."""
+"""Terminal output: lines for the user, and progress bars."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -21,23 +21,26 @@ from logic.spelling import printable
 
 
 class Rate(ProgressColumn):
-    """How many are done in a second."""
+    """Column with the number of items per second."""
 
     def render(self, task: Task) -> Text:
-        """As in ``3.2/s``."""
+        """Return the rate as in ``3.2/s``."""
         speed = task.finished_speed or task.speed
         return Text("" if speed is None else f"{speed:,.1f}/s")
 
 
 def progress(items: Any, total: int, what: str) -> Iterator[Any]:
-    """A progress bar on a terminal, with rate and time left; nothing in a pipe."""
+    """Yield the items with a progress bar, rate and time left on a terminal; show nothing in a pipe."""
     with _counting_bar() as bar:
         yield from bar.track(items, total, description=what)
 
 
 @contextmanager
 def counting(total: int, what: str) -> Iterator[Callable[[int], None]]:
-    """The same bar, of what comes several at a time: call it with how many."""
+    """Show the same bar for items that come several at a time.
+
+    Call the yielded function with their number.
+    """
     with _counting_bar() as bar:
         task = bar.add_task(what, total=total)
         yield lambda number: bar.advance(task, number)
@@ -49,8 +52,9 @@ def _counting_bar() -> Progress:
 
 
 def progress_bar(*columns: ProgressColumn, transient: bool = True) -> Progress:
-    """A bar on stderr, on a terminal alone; when it ends it vanishes, or stays. Where the standard output is
-    a file, rich must not redirect it to the bar.
+    """Return a bar on stderr, shown only on a terminal. A ``transient`` bar vanishes at its end.
+
+    If the standard output is a file, rich must not redirect it to the bar.
     """
     console = Console(stderr=True)
     return Progress(
@@ -63,5 +67,5 @@ def progress_bar(*columns: ProgressColumn, transient: bool = True) -> Progress:
 
 
 def say(text: str) -> None:
-    """A line for the user, on stderr: the standard output is for houses and answers."""
+    """Print a line for the user on stderr, since the standard output is for houses and answers."""
     print(printable(text, "\n"), file=sys.stderr, flush=True)

@@ -1,1 +1,1 @@
-"""Solvers in processes of their own, with few rights, and the questions that they answer."""
+"""Solvers in separate, confined processes, and the questions that they answer."""

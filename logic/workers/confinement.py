@@ -1,4 +1,4 @@
-"""What a solver process gives up before it reads a user's rules: the kernel holds it, whatever runs there.
+"""Confinement of solver processes by the kernel, before they read the rules of a user.
 
 =========  ==========================  ====================================================================
 limits     Linux, macOS                memory, processor time; no core file; no file grows
@@ -8,7 +8,8 @@ seccomp    Linux on x86-64 and ARM64   of the system calls those of ``CALLS`` al
 landlock   Linux 5.13, where it is on  files are read below the given folders alone, and none is written
 =========  ==========================  ====================================================================
 
-It needs no root. What a system lacks is left out, and ``measures`` says so (``vitruvius --version``).
+Confinement needs no root. A measure that the system lacks is left out, as ``measures`` reports (``vitruvius
+--version``).
 """
 
 import contextlib
@@ -27,10 +28,10 @@ from pathlib import Path
 from logic.errors import LimitReached
 
 FILES = 16
-"""Files that a solver process must be able to open at once: it opens up to 13."""
+"""Number of files that a solver process must be able to open at once; solver processes open up to 13."""
 
 MEMORY = 4 << 30
-"""Bytes of address space that a solver process may take."""
+"""Largest address space of a solver process, in bytes."""
 
 CALLS = """
 read 0 63            write 1 64           readv 19 65          writev 20 66         pread64 17 67
@@ -49,7 +50,7 @@ times 100 153        getrusage 98 165     clock_gettime 228 113                 
 gettimeofday 96 169  time 201 -           nanosleep 35 101     clock_nanosleep 230 115
 sched_yield 24 124   sched_getaffinity 204 123
 """
-"""The system calls that are left: a name, its number on x86-64, on ARM64."""
+"""Permitted system calls: name, number on x86-64, number on ARM64."""
 
 ALL, SELF = 0xFFFFFFFF, -1
 WRITES = os.O_ACCMODE | os.O_CREAT | os.O_TRUNC
@@ -64,14 +65,17 @@ CONDITIONS = {
     "fcntl": [(1, ALL & ~3, 0), (1, ALL, DUPLICATE)],
     "ioctl": [(1, ALL, IS_TERMINAL)],
 }
-"""Calls that are left where an argument, masked, is a value: threads but no processes, signals to itself."""
+"""Conditions on the arguments of permitted calls: argument, mask, value.
+
+They permit threads but no processes, and only signals to the process itself.
+"""
 
 MACHINES = {"x86_64": (1, 0xC000003E, 317), "aarch64": (2, 0xC00000B7, 277)}
-"""Which column of ``CALLS``, the kernel's name of the machine, the number of seccomp itself."""
+"""Column of ``CALLS``, the kernel's number of the architecture, and the number of the call ``seccomp``."""
 
 LOAD, JUMP_UNLESS_EQUAL, AND, RETURN = 0x20, 0x15, 0x54, 0x06
 ALLOW, UNKNOWN = 0x7FFF0000, 0x00050000 | errno.ENOSYS
-"""A call that is not left fails as one that the kernel does not have: the C library then takes an older."""
+"""Results of the filter. A denied call fails as an unknown one, so that the C library tries an older call."""
 
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 READ = 1 << 2 | 1 << 3  # files, folders
@@ -80,7 +84,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def measures() -> dict[str, bool]:
-    """What this system has of the three: whether each holds solver processes."""
+    """Return for each of the three measures True if this system can confine solver processes with it."""
     _, _, seccomp = _machine()
     errors = ctypes.c_uint32(UNKNOWN & 0xFFFF0000)
     return {
@@ -91,7 +95,7 @@ def measures() -> dict[str, bool]:
 
 
 def summary() -> str:
-    """What ``measures`` says, in words."""
+    """Return the result of ``measures`` in words."""
     has = measures()
     lacks = [name for name in has if not has[name]]
     text = f"grammars are read and solved under {', '.join(name for name in has if has[name])}"
@@ -99,9 +103,10 @@ def summary() -> str:
 
 
 def confine(readable: Iterable[Path]) -> None:
-    """Take from this process, for good, all that ``measures`` says can be taken.
+    """Confine this process for good with all measures that the system has.
 
-    ``readable``: folders whose files may be read. Raises ``OSError`` if the kernel does not do as it said.
+    ``readable``: folders whose files the process may read. Raises ``OSError`` if the kernel refuses a
+    measure.
     """
     has = measures()
     if has["seccomp"] or has["landlock"]:
@@ -113,18 +118,19 @@ def confine(readable: Iterable[Path]) -> None:
 
 
 def limit() -> None:
-    """Bound this process's memory and files."""
+    """Limit the memory and the file sizes of this process."""
     wanted = {resource.RLIMIT_AS: MEMORY, resource.RLIMIT_FSIZE: 0, resource.RLIMIT_CORE: 0}
     for which, most in wanted.items():
         hard = resource.getrlimit(which)[1]
         least = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        with contextlib.suppress(ValueError):  # macOS keeps no bound of memory.
+        with contextlib.suppress(ValueError):  # macOS has no limit on memory.
             resource.setrlimit(which, (least, least))
 
 
 def require_files() -> None:
-    """Raise ``LimitReached`` if a process may open fewer files at once than the solvers do, who then take
-    a library that they cannot open for a rule that cannot be solved.
+    """Raise ``LimitReached`` if a process may open fewer files at once than the solvers need.
+
+    The solvers report a library that they cannot open as a rule that cannot be solved.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft < FILES <= hard:
@@ -136,7 +142,7 @@ def require_files() -> None:
 
 
 def allow_seconds(seconds: float) -> None:
-    """Let the kernel end this process by SIGXCPU once it has used so much more processor time."""
+    """Let the kernel end this process by SIGXCPU after ``seconds`` more of processor time."""
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     most = ceil(time.process_time() + seconds)
     resource.setrlimit(
@@ -145,8 +151,9 @@ def allow_seconds(seconds: float) -> None:
 
 
 def require_seconds() -> None:
-    """Raise ``LimitReached`` if processes have a bound of processor time from outside: then it is that,
-    and perhaps no rule, that ends them.
+    """Raise ``LimitReached`` if processes have a limit on processor time from outside.
+
+    In this case the limit, and perhaps no rule, ends the solver processes.
     """
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     if hard != resource.RLIM_INFINITY:
@@ -168,7 +175,7 @@ def _landlock_version() -> int:
 
 
 def _read_only(readable: Iterable[Path]) -> None:
-    """Of files leave the reading below these folders; of TCP nothing."""
+    """Deny all access to files, except reading below these folders, and all use of TCP."""
     version = _landlock_version()
     rights = 13 + min(version - 1, 2) + (version >= 5)
     wanted = struct.pack("QQ", (1 << rights) - 1, 3 if version >= 4 else 0)
@@ -186,7 +193,7 @@ def _read_only(readable: Iterable[Path]) -> None:
 
 
 def _filter_calls() -> None:
-    """Leave the calls of ``CALLS``, in all threads."""
+    """Deny all calls except those of ``CALLS``, in all threads."""
     _, _, seccomp = _machine()
     code = b"".join(struct.pack("HBBI", *each) for each in _program())
     program = ctypes.create_string_buffer(code)
@@ -195,7 +202,7 @@ def _filter_calls() -> None:
 
 
 def _program() -> Iterator[tuple[int, int, int, int]]:
-    """The filter: operation, how many to jump over if true, if false, value."""
+    """Yield the filter's instructions: operation, jump if true, jump if false, value."""
     column, machine, _ = _machine()
     words = CALLS.split()
     yield from [(LOAD, 0, 0, 4), (JUMP_UNLESS_EQUAL, 1, 0, machine), (RETURN, 0, 0, UNKNOWN)]
@@ -218,7 +225,7 @@ def _program() -> Iterator[tuple[int, int, int, int]]:
 
 
 def _done(result: int) -> int:
-    """What a call of the kernel gives. Raises ``OSError`` if that is an error."""
+    """Return the result of a call of the kernel. Raises ``OSError`` if the result is an error."""
     if result < 0:
         code = ctypes.get_errno()
         raise OSError(code, f"a solver process cannot be confined: {os.strerror(code)}")

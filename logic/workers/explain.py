@@ -1,4 +1,4 @@
-"""Why a part of a house is as it is: the question, asked of a solver process."""
+"""Explanations of parts of a house, which a solver process finds."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,27 +12,33 @@ from logic.workers.messages import Explain, Explained, Open
 from logic.workers.solver import answers
 
 INFERENCES = 100_000_000
-"""Most Prolog inferences to make the house again."""
+"""Largest number of Prolog inferences to generate the house again."""
 
 MAKING = 60.0
-"""Most seconds to make it again and derive its part: those of the caller end only the search after it."""
+"""Seconds in which to generate the house again and derive the part.
+
+The caller's ``seconds`` limit only the search that follows.
+"""
 
 
 def explain_house(
     house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
 ) -> Why:
-    """Say why a part of a house is as it is, by the rules that made it.
+    """Explain a part of a house by the rules that generated the house.
 
-    ``target`` is a room (``R3``), a piece or a companion (``R3.bed``; ``R3.bed2`` or ``R3.bed.2`` for the
-    second in the file's order); of a star a room's door (``R3.door``) or the main room (``main``); of a plan
-    a door between two rooms (``R1-R3``), the ``entrance``, a window (``R3.window``), or a unit (``U1``, that
-    of the first rooms). The house is made
-    again from its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
+    ``target`` names the part: a room (``R3``), or a piece or companion (``R3.bed``; ``R3.bed2`` or
+    ``R3.bed.2`` for the second one in the file's order). In a star it may be a room's door (``R3.door``) or
+    the main room (``main``). In a plan it may be a door between two rooms (``R1-R3``), the ``entrance``, a
+    window (``R3.window``), or a unit (``U1`` for the unit of the first rooms).
 
-    Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
-    provenance, or where the rules make another one: they or the house changed; ``GrammarError`` for wrong
-    rules; ``LimitReached`` if the house is not made again in ``MAKING``. ``seconds`` end the search for
-    what could be instead, which follows, and then the answer's ``limit`` says so.
+    The house is generated again from its provenance. ``grammar`` is the directory of its rules if they are
+    not shipped.
+
+    Raises ``RequestError`` for a target that the house does not have. Raises ``HouseFileError`` for a house
+    without provenance, and if the rules generate another house, because the rules or the house changed.
+    Raises ``GrammarError`` for wrong rules, and ``LimitReached`` if the house is not generated again in
+    ``MAKING`` seconds. ``seconds`` limits the search for alternatives that follows; the answer's ``limit``
+    then says so.
     """
     parts = explained(house, target, grammar=grammar, seconds=seconds)
     whole = next(parts)
@@ -44,7 +50,7 @@ def explain_house(
 def explained(
     house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
 ) -> Iterator[Why]:
-    """The answer of ``explain_house`` part by part as it is found: the derivation first."""
+    """Yield the answer of ``explain_house`` part by part as it is found, the derivation first."""
     target_in(house, target)
     made = house.provenance
     if made is None:

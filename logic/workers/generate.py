@@ -1,4 +1,4 @@
-"""Houses by request: solver processes at work, and their answers in order."""
+"""Houses of a request: solver processes generate them, and their answers come in order."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -21,10 +21,10 @@ from logic.workers.series import HouseSeries
 from logic.workers.solver import GRACE, Solver
 
 PLAIN = "plain"
-"""The grammar of a brief alone: it says nothing of rooms."""
+"""Grammar for a brief without a grammar. It states nothing about rooms."""
 
 TRIED = (10, 20)
-"""Numbers of rooms with which lint tries which rule takes too much, where it judges rules too long."""
+"""Numbers of rooms for which lint tries each rule to find the slow one, if judging the rules is too slow."""
 
 
 @keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
@@ -50,30 +50,28 @@ def generate(
 ) -> Iterator[House]:
     """Generate houses ``start`` to ``start + count - 1`` of a request, one by one, in order.
 
-    ``rooms`` is the number of secondary rooms (1 to 128). ``types`` counts the rooms of some types, exactly
-    or from a least to a greatest number, None for no bound: ``{"bedroom": 2, "bathroom": (1, None)}``.
-    ``furniture`` counts in the same way the pieces in each room that may have them, or in rooms of one type:
-    ``{"bed": 1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the body's 0.287) every edge
-    of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
+    ``rooms`` is the number of secondary rooms (1 to 128). ``types`` gives the number of rooms of some types,
+    exact or as a range with None for no bound: ``{"bedroom": 2, "bathroom": (1, None)}``. ``furniture`` gives
+    in the same way the number of pieces in each room that may have them, or in rooms of one type: ``{"bed":
+    1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the robot's width of 0.287) every edge
+    of a house lies on a grid of such cells. Fixed and least lengths are rounded up, greatest lengths down.
     The rooms of ``keep`` (as in ``house.only("R0", "R2")``) are fixed, with their doors and furniture, and
-    count among the ``rooms``; all else, the main room too, is generated around them. Rooms that share walls
-    are kept in a ``plan`` with doors, of the same house.
-    ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, a
-    plan of ResPlan, or a file of these, HouseExpo, CubiCasa5K, IMDF or IFC (``docs/house-file.md``). Doors,
-    windows and furniture are generated in it, and ``rooms`` may be left out. ``plan_unit`` is the file's:
-    ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit; ``storey`` names the one of several that is read.
-    Edges within ``snap`` metres of each other are one wall, of which is warned (``PlanWarning``).
-    ``brief`` says what is wanted of each room by its name (``docs/briefs.md``), as JSON, a file of it, or a
-    ``Brief``: without a grammar it alone says what the house is.
-    ``grammar`` is a shipped grammar's name or a directory; by default ``family``. House ``i`` is
-    a function of the grammar, the request, the seed and ``i``: the number of ``workers``, each a process,
-    changes nothing but the time.
-    ``inferences`` (of Prolog) and ``seconds`` bound each house; to start processes and to load the rules,
-    which takes some seconds, has a limit of its own (``solver.START_UP``).
+    count among the ``rooms``. The rest, with the main room, is generated around them. To keep rooms that
+    share walls, also give the same house as ``plan``. ``plan`` gives the places of all rooms, and optionally
+    their types. It may be a house, GeoJSON, a plan of ResPlan, or a file of one of these or of HouseExpo,
+    CubiCasa5K, IMDF or IFC (``docs/house-file.md``). Doors, windows and furniture are generated in the plan,
+    and ``rooms`` may be left out. ``plan_unit`` is the unit of the file: ``m``, ``cm``, ``mm``, ``ft``, or
+    metres per unit. ``storey`` names the storey to read if there are several. Edges within ``snap`` metres of
+    each other become one wall, with a ``PlanWarning``. ``brief`` states the requirements on each named room
+    (``docs/briefs.md``), as JSON, a JSON file, or a ``Brief``. Without a grammar the brief alone defines the
+    house. ``grammar`` is a shipped grammar's name or a directory; by default ``family``. House ``i`` is a
+    function of the grammar, the request, the seed and ``i``. The number of ``workers``, each a process,
+    changes only the time. ``inferences`` (of Prolog) and ``seconds`` limit each house. Starting processes and
+    loading rules takes some seconds and has a separate limit (``solver.START_UP``).
 
-    Warns once (``GrammarWarning``) of each rule of a grammar in a directory that never has an effect.
-    Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
-    ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
+    Warns once (``GrammarWarning``) about each rule without effect in a grammar that is a directory. Raises
+    ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
+    ``Unsatisfiable`` if a proof shows that no such house exists, and ``LimitReached`` at a limit.
     """
     count, workers = whole("count", count, 1), whole("workers", workers, 1)
     seed, start = whole("seed", seed, 0), whole("start", start, 0)
@@ -100,8 +98,10 @@ def series_of(
     inferences: int = 100_000_000,
     seconds: float = 60.0,
 ) -> HouseSeries:
-    """What ``generate`` makes houses of, whatever their seed and indices: arguments and errors are its, but
-    that ``rooms`` may be a range: then house i has ``least + i % n`` rooms, of the n numbers that it has.
+    """Return the series from which ``generate`` takes houses by seed and index.
+
+    Arguments and errors are those of ``generate``, except that ``rooms`` may be a range of ``n`` numbers from
+    ``least`` on. House ``i`` then has ``least + i % n`` rooms.
     """
     own = None
     if plan is not None:
@@ -148,7 +148,7 @@ def series_of(
 
 
 def _rooms_of(plan: OwnPlan, rooms: int | tuple[int, int] | None, cell: float, keep: House | None) -> int:
-    """How many rooms a plan has. Raises ``RequestError`` for what a request cannot have beside it."""
+    """Return the number of rooms of a plan. Raises ``RequestError`` for arguments that contradict a plan."""
     number = len(plan.rooms)
     if rooms not in (None, number):
         raise RequestError(f"plan: it has {number} rooms, but rooms={rooms}: leave rooms out")
@@ -161,7 +161,10 @@ def _rooms_of(plan: OwnPlan, rooms: int | tuple[int, int] | None, cell: float, k
 def _rooms_of_brief(
     brief: Brief, rooms: int | tuple[int, int] | None, cell: float, plan: OwnPlan | None, keep: House | None
 ) -> int:
-    """How many rooms a brief has. Raises ``RequestError`` for what a request cannot have beside it."""
+    """Return the number of rooms of a brief.
+
+    Raises ``RequestError`` for arguments that contradict a brief.
+    """
     number = len(brief.rooms)
     if rooms not in (None, number):
         raise RequestError(f"brief: it has {number} rooms, but rooms={rooms}: leave rooms out")
@@ -183,11 +186,12 @@ def count_layouts(
     seconds: float = 60.0,
     report: Callable[[str, int], None] = lambda name, number: None,
 ) -> Iterator[tuple[str, int, bool]]:
-    """Count the layouts from which stage 1 samples: of a house's rooms, and of each type's furniture.
+    """Count the layouts from which stage 1 samples: those of the rooms, and those of each type's furniture.
 
-    Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
-    more. Each count has its share of the seconds that are left. Room layouts say types, sides, corners;
-    furniture layouts all that ``rules/room/room.lp`` shows.
+    Yields tuples of a name, a number, and True if the number is exact. False means that ``seconds`` ran out
+    before the end of the count. Each count gets its share of the remaining seconds. Room layouts state types,
+    sides and corners; furniture layouts state all atoms that ``rules/room/room.lp`` shows.
+
     ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
@@ -197,7 +201,7 @@ def count_layouts(
 def _layouts(
     opening: Open, wanted: Request, seconds: float, report: Callable[[str, int], None]
 ) -> Iterator[tuple[str, int, bool]]:
-    """The counts, one by one."""
+    """Yield the counts one by one."""
     worker = Solver(opening)
     try:
         worker.loaded()
@@ -218,10 +222,10 @@ def _layouts(
 
 
 def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]:
-    """Find the mistakes in a grammar's files that clingo and SWI-Prolog pass over, without running its code.
+    """Return the mistakes in a grammar's files that the solvers ignore, without running the grammar.
 
     ``generate`` refuses a grammar with an error. Raises ``GrammarError`` if there is no such grammar, and
-    ``LimitReached`` past these seconds.
+    ``LimitReached`` after ``seconds``.
     """
     opening = Open(grammar=str(find(grammar).directory), errors=True)
     end = time.monotonic() + seconds

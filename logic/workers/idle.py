@@ -1,4 +1,4 @@
-"""Solver processes that are kept for the next request."""
+"""Idle solver processes, kept for the next request."""
 
 import atexit
 import os
@@ -8,25 +8,25 @@ from typing import Any
 from logic.workers.solver import Solver
 
 MOST_IDLE = 2
-"""Solver processes kept for the next request for the same rules: to start one takes half a second."""
+"""Number of idle solver processes. Each saves the half second that it takes to start one."""
 
 
 class Idle:
-    """Solver processes that have answered everything, by what they have loaded; safe among threads."""
+    """Idle solver processes, by the rules that they have loaded. Safe among threads."""
 
     def __init__(self) -> None:
-        """Begin with none."""
+        """Begin without processes."""
         self.forget()
         atexit.register(self.end)
-        # A forked child has copies of the pipes, but the processes answer its parent.
+        # A forked child copies the pipes, but the processes answer only its parent.
         os.register_at_fork(after_in_child=self.forget)
 
     def forget(self) -> None:
-        """Begin with none."""
+        """Begin again without processes, and leave the old ones running."""
         self._lock, self._workers = threading.Lock(), []
 
     def take(self, key: tuple[Any, ...]) -> Solver | None:
-        """One that has loaded just these rules and still runs, if there is one."""
+        """Remove and return a running process that has loaded exactly these rules, or None if none has."""
         with self._lock:
             places = [place for place, (loaded, _) in enumerate(self._workers) if loaded == key]
             worker = self._workers.pop(places[-1])[1] if places else None
@@ -36,7 +36,7 @@ class Idle:
         return self.take(key)
 
     def add(self, key: tuple[Any, ...], worker: Solver) -> None:
-        """Keep one, and end those beyond ``MOST_IDLE`` that were used the longest time ago."""
+        """Add a process, and end the least recently used ones beyond ``MOST_IDLE``."""
         with self._lock:
             self._workers.append((key, worker))
             late = [self._workers.pop(0)[1] for _ in range(len(self._workers) - MOST_IDLE)]
@@ -44,6 +44,6 @@ class Idle:
             unused.end()
 
     def end(self) -> None:
-        """End all."""
+        """End all processes."""
         while self._workers:
             self._workers.pop()[1].end()

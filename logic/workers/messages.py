@@ -1,4 +1,4 @@
-"""What this process and a solver process say to each other: questions, answers and remarks, a line each."""
+"""Messages between this process and a solver process: questions, answers and remarks, each a line of JSON."""
 
 from typing import Any
 
@@ -10,23 +10,25 @@ from logic.why.answer import Why
 
 
 class Question(msgspec.Struct, frozen=True, kw_only=True, tag=True):
-    """Something to be answered in these seconds."""
+    """Question that the solver process must answer in ``seconds``."""
 
     seconds: float = 0.0
 
 
 class Prepare(Question, frozen=True, tag=True):
-    """Be ready to load a grammar of this directory: ``Prepared``."""
+    """Request to get ready to load the grammar in this directory. Answer: ``Prepared``."""
 
     grammar: str
 
 
 class Open(Question, frozen=True, tag=True):
-    """Load the grammar of a directory, once: ``Loaded``, or ``Judged`` where it has ``errors`` that are asked
-    for. Without ``remarks`` only what is wrong is looked for.
+    """Request to load the grammar in a directory, once.
 
-    With ``trial`` it is tried step by step before, for houses of these numbers of rooms too, each in ``step``
-    seconds of processor time.
+    Answer: ``Loaded``, or ``Judged`` for a wrong grammar if ``errors`` is True.
+
+    Without ``remarks`` only errors are searched for. With ``trial`` the process first tries to load the
+    grammar step by step, also for houses with these numbers of rooms. Each step has ``step`` seconds of
+    processor time.
     """
 
     grammar: str
@@ -38,7 +40,7 @@ class Open(Question, frozen=True, tag=True):
 
 
 class MakeHouse(Question, frozen=True, tag=True):
-    """House ``index`` of a request, as ``Request.to_dict`` has it: ``Made``."""
+    """Request for house ``index`` of a request, which is that of ``Request.to_dict``. Answer: ``Made``."""
 
     request: dict[str, Any]
     seed: int
@@ -47,58 +49,67 @@ class MakeHouse(Question, frozen=True, tag=True):
 
 
 class MovePlan(Question, frozen=True, tag=True):
-    """The least change of a request's plan with which it keeps the grammar's lengths: ``Moved``."""
+    """Request for the smallest change of a plan that satisfies the grammar's lengths. Answer: ``Moved``."""
 
     request: dict[str, Any]
     seed: int
 
 
 class CountLayouts(Question, frozen=True, tag=True):
-    """The layouts of a request: ``Counted`` again and again in ``share`` seconds, then ``Done``."""
+    """Request to count layouts. Answers: ``Counted`` several times in ``share`` seconds, then ``Done``."""
 
     request: dict[str, Any]
     share: float
 
 
 class Explain(Question, frozen=True, tag=True):
-    """Why a part of a house is as it is: ``Explained``, part by part as it is found, then ``Done``."""
+    """Request to explain a part of a house.
+
+    Answers: ``Explained`` for each part as it is found, then ``Done``.
+    """
 
     target: str
     house: dict[str, Any]
     inferences: int
     searching: float
-    """Seconds in which it is searched for what could be instead, once the house is made again."""
+    """Seconds for the search for alternatives, after the house is generated again."""
 
 
 class Ease(Question, frozen=True, tag=True):
-    """What makes a layout of a request easy to find: ``Eased``, as it is found, then ``Done``."""
+    """Request for changes that make layouts easy to find.
+
+    Answers: ``Eased`` for each as found, then ``Done``.
+    """
 
     request: dict[str, Any]
 
 
 class Promise(Question, frozen=True, tag=True):
-    """What houses of a request promise, as ``Request.to_dict`` has it: ``Promised``."""
+    """Request for the promises of the houses of a request (``Request.to_dict``). Answer: ``Promised``."""
 
     request: dict[str, Any]
 
 
 class Lint(Question, frozen=True, tag=True):
-    """What is of no use in the rules, whatever is asked for: ``Judged``."""
+    """Request for rules without effect in any house. Answer: ``Judged``."""
 
 
 class Warn(Question, frozen=True, tag=True):
-    """The same for houses of so many rooms, in these seconds of processor time: ``Judged``."""
+    """Request for rules without effect in houses of ``rooms`` rooms. Answer: ``Judged``.
+
+    The search has ``processor`` seconds of processor time.
+    """
 
     rooms: int
     processor: float
 
 
 class Prepared(msgspec.Struct, frozen=True, tag=True):
-    """The process is ready to load a grammar."""
+    """Answer of a process that is ready to load a grammar."""
 
 
 class Loaded(msgspec.Struct, frozen=True, tag=True):
-    """The solvers' versions, the pieces of each type of room, and the most rooms that the topology allows."""
+    """Versions of the solvers, furniture of each room type, and the topology's largest number of rooms."""
 
     versions: dict[str, str]
     types: dict[str, list[str]]
@@ -106,25 +117,25 @@ class Loaded(msgspec.Struct, frozen=True, tag=True):
 
 
 class Judged(msgspec.Struct, frozen=True, tag=True):
-    """What is found in the rules."""
+    """Findings about the rules."""
 
     findings: list[Finding]
 
 
 class Made(msgspec.Struct, frozen=True, tag=True):
-    """A house, as ``House.to_dict`` has it."""
+    """House in the form of ``House.to_dict``."""
 
     house: dict[str, Any]
 
 
 class Moved(msgspec.Struct, frozen=True, tag=True):
-    """A plan, as ``Request.to_dict`` has it; None where walls can be nowhere."""
+    """Plan in the form of ``Request.to_dict``, or None if no places of the walls satisfy the lengths."""
 
     plan: dict[str, Any] | None
 
 
 class Counted(msgspec.Struct, frozen=True, tag=True):
-    """How many layouts there are so far; ``exact`` is known at the end of a count."""
+    """Number of layouts found so far. ``exact`` is None until the end of a count."""
 
     name: str
     number: int
@@ -132,47 +143,47 @@ class Counted(msgspec.Struct, frozen=True, tag=True):
 
 
 class Explained(msgspec.Struct, frozen=True, tag=True):
-    """A part of an answer."""
+    """Part of an explanation."""
 
     why: Why
 
 
 class Eased(msgspec.Struct, frozen=True, tag=True):
-    """With or without what a layout is soon found."""
+    """Change of the request with which a layout is soon found."""
 
     how: str
 
 
 class Promised(msgspec.Struct, frozen=True, tag=True):
-    """What houses keep."""
+    """Promises that the houses keep."""
 
     promises: Promises
 
 
 class Done(msgspec.Struct, frozen=True, tag=True):
-    """There are no more answers to this question."""
+    """Sent after the last answer to a question."""
 
 
 class Failed(msgspec.Struct, frozen=True, tag=True):
-    """The error that there is in the place of an answer, as ``errors.to_record`` has it."""
+    """Error instead of an answer, in the form of ``errors.to_record``."""
 
     error: dict[str, Any]
 
 
 class Trying(msgspec.Struct, frozen=True, tag=True):
-    """Before an answer: what is wrong if none comes; at the end of a trial, nothing."""
+    """Sent before an answer: the error to report if no answer follows. None at the end of a trial."""
 
     error: dict[str, Any] | None
 
 
 class Working(msgspec.Struct, frozen=True, tag=True):
-    """Before an answer that takes long: which stage is at work on it."""
+    """Sent before an answer that takes long: the current stage."""
 
     stage: str
 
 
 class Late(msgspec.Struct, frozen=True, tag=True):
-    """In the place of an answer: what the process did when its time was over."""
+    """Sent instead of an answer on timeout: what the process was doing."""
 
     account: str
 

@@ -22,35 +22,35 @@ from logic.spelling import keywords, numbered
 from logic.workers.generate import generate
 
 MOST_CONFLICTS = 60
-"""So many conflicts of a brief are looked at."""
+"""Largest number of conflicts of a brief that the search considers."""
 
 NEAR = 0.05
-"""How precisely the share is found by which bounds of a length are wider."""
+"""Relative precision of the share by which the bounds of a length are widened."""
 
 AMPLE = (NEAR, 5 * NEAR, 20 * NEAR)
-"""Shares by which the bounds are wider than that, the first with which a house is made."""
+"""Shares added to that share; a house is generated with the first of them that suffices."""
 
 EASING = 10_000_000
-"""So many Prolog inferences may a house of wider bounds take."""
+"""Largest number of Prolog inferences for a house with wider bounds."""
 
 ANY = 1e6
-"""A share that leaves a bound out."""
+"""Share that removes a bound."""
 
 
 class Broken(NamedTuple):
-    """A line of a brief that a house cannot keep with the others, and what it keeps of it in its place."""
+    """Line of a brief that a house cannot keep together with the others, and its replacement."""
 
     line: str
     instead: str = ""
-    """A length in wider bounds; nothing where the line is left out."""
+    """The length in wider bounds, or an empty text if the line is left out."""
 
     def __str__(self) -> str:
-        """Both, as in ``Bed has 11 to 13 m²: Bed has 10.2 to 13 m²``."""
+        """Return both, as in ``Bed has 11 to 13 m²: Bed has 10.2 to 13 m²``."""
         return f"{self.line}: {self.instead or 'left out'}"
 
 
 class Nearest(NamedTuple):
-    """A brief that has houses, and the lines of the user's that these break: as few as can be."""
+    """Brief that has houses, and the lines of the user's brief that these break, as few as possible."""
 
     brief: Brief
     broken: tuple[Broken, ...]
@@ -68,13 +68,14 @@ def nearest(
     inferences: int = 100_000_000,
     seconds: float = 60.0,
 ) -> Nearest:
-    """The brief that is nearest to this one of those that have houses; itself, where it has.
+    """Return the nearest brief that has houses, which is the given brief if it has houses.
 
-    As few lines as can be are broken, lengths before others where as many would do, and areas of large rooms
-    first. Of these, areas and sizes are kept in wider bounds, as little wider as a house is soon found for
-    (to a twentieth), and others are left out. Arguments are those of ``generate``; ``seconds`` is for each
-    house or proof that it takes. Raises as ``generate`` does: ``Unsatisfiable`` where the conflict is the
-    grammar's own.
+    The result breaks as few lines as possible. Among equally small sets it breaks lengths first, and areas of
+    large rooms before other lengths. Areas and sizes get wider bounds, widened only until a house is soon
+    found (to a precision of 5 %). Other broken lines are left out.
+
+    Arguments are those of ``generate``; ``seconds`` limits each house or proof on the way. Raises as
+    ``generate`` does: ``Unsatisfiable`` if the grammar itself is contradictory.
     """
 
     def house(some: Brief, inferences: int = inferences) -> House:
@@ -114,7 +115,7 @@ def nearest(
 
 
 def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]:
-    """The fewest lines of a brief without which it has a house; raises as ``house`` does."""
+    """Return the fewest lines of a brief without which it has a house. Raises as ``house`` does."""
     lines = sorted(requirements(wanted), key=_largest_room_first)
     hitting = Hitting([not is_length(line.where) for line in lines])
     for _ in range(MOST_CONFLICTS):
@@ -124,7 +125,7 @@ def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]
         except Unsatisfiable as proof:
             conflict = {reason.text for reason in proof.reasons}
             named = [place for place, line in enumerate(lines) if line.reason in conflict and line not in out]
-            if not named:  # the grammar's own, whatever the brief says
+            if not named:  # the conflict is the grammar's own
                 raise
             hitting.add(named)
         except LimitReached as late:
@@ -138,18 +139,18 @@ def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]
 
 
 def _largest_room_first(line: Requirement) -> float:
-    """An order of lines: of a large area a small share makes up for much."""
+    """Return a sort key that places large areas first, since a small share of them frees much area."""
     kind, *_, most = line.terms[0]
     return -most if kind == "area" and line.where[0] == "rooms" else 0.0
 
 
 def _eased(brief: Brief, place: Where, house_of: Callable[[Brief], House | None]) -> Brief | None:
-    """The brief with the length at this place as little wider as a house was found for; None for none."""
+    """Return the brief with the bounds at ``place`` as little wider as a house was found for, or None."""
 
     def by(down: float, up: float) -> Brief:
         return widened(brief, place, down, up)
 
-    for down, up in ((1, 0), (0, 1), (1, 1)):  # less, more, or either
+    for down, up in ((1, 0), (0, 1), (1, 1)):  # a lower bound, a higher one, or both
         if house := house_of(by(ANY * down, ANY * up)):
             break
     else:
@@ -161,6 +162,6 @@ def _eased(brief: Brief, place: Where, house_of: Callable[[Brief], House | None]
             most = min(half, off_by(house, brief, place))
         else:
             least = half
-    # At the least share rooms have hardly any other lengths, and houses are hard to find.
+    # At the least share rooms have little choice in other lengths, and houses are hard to find.
     ample = ((most + more) * (1 + more) for more in AMPLE)
     return next((some for share in ample if house_of(some := by(share * down, share * up))), None)

@@ -1,4 +1,4 @@
-"""The plan nearest to a user's that has a house: walls move, by as little as can be."""
+"""Search for the plan nearest to a user's plan that has a house: walls move as little as possible."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -19,16 +19,16 @@ from logic.workers.messages import Moved, MovePlan, Open
 from logic.workers.solver import answers
 
 SEEN = 0.0005
-"""Metres: a change that is said."""
+"""Smallest change that is reported, in metres."""
 
 
 class NearestPlan(NamedTuple):
-    """A plan that has houses, and how its rooms differ from those of the user's: ``R3 0.14 m wider``."""
+    """Plan that has houses, and the changes of its rooms, as in ``R3 0.14 m wider``."""
 
     plan: OwnPlan
     changes: tuple[str, ...]
     proof: Unsatisfiable | None = None
-    """Why the user's has none."""
+    """Proof that the user's plan has no house."""
 
 
 @keywords(pieces="furniture", rules="grammar", timeout="seconds")
@@ -46,12 +46,14 @@ def nearest_plan(
     inferences: int = 100_000_000,
     seconds: float = 60.0,
 ) -> NearestPlan:
-    """The plan that is nearest to this one of those that have houses; itself, where it has.
+    """Return the nearest plan that has houses, which is the given plan if it has houses.
 
-    Its walls move, each as a whole, by the least sum with which sizes, areas, doors and windows are the
-    grammar's, for the plan's own types and doors; where it leaves these open, of a dozen choices. Arguments
-    are those of ``generate``; ``seconds`` is for each house or proof that it takes. Raises as ``generate``
-    does: ``Unsatisfiable`` where walls elsewhere make no house of it.
+    Each wall moves as a whole. The sum of the moves is the least with which sizes, areas, doors and windows
+    satisfy the grammar, for the plan's own types and doors. If the plan leaves these open, the result is the
+    best of a dozen choices.
+
+    Arguments are those of ``generate``; ``seconds`` limits each house or proof on the way. Raises as
+    ``generate`` does: ``Unsatisfiable`` if no move of the walls gives a house.
     """
     own = read_plan(plain(plan), plan_unit, snap, storey, find(grammar or "family").types)
     asked: dict[str, Any] = {"types": types or {}, "furniture": furniture or {}}
@@ -78,7 +80,7 @@ def nearest_plan(
 
 
 def _changes(old: OwnPlan, new: OwnPlan) -> Iterator[str]:
-    """How each room that is not as it was differs."""
+    """Yield the differences of each changed room."""
     for one, other in zip(old.rooms, new.rooms, strict=True):
         parts = []
         for off, more, less in (

@@ -1,4 +1,4 @@
-"""A series of houses: solver processes at work on it, and their answers in order."""
+"""Series of houses: solver processes generate the houses, and their answers come in order."""
 
 import warnings
 from collections.abc import Generator, Iterator
@@ -20,28 +20,32 @@ from logic.workers.solver import LOADING, START_UP, Solver
 _idle = Idle()
 
 _loaded: dict[tuple[str, Open], dict[str, str]] = {}
-"""The solvers' versions, by the rules (and their hash) that a solver process of this one has loaded: clingo
-has nothing to remark on in them.
+"""Versions of the solvers, by the rules (and their hash) that a solver process of this process has loaded.
+
+For these rules clingo had no remarks.
 """
 
 _warned: set[str] = set()
-"""Hashes of the rules whose warnings this process has given: once is enough."""
+"""Hashes of the rules whose warnings this process has given, so that each is given once."""
 
 
 @dataclass(frozen=True)
 class HouseSeries:
-    """What a house is a function of, but for its seed and its index; and how long it may take."""
+    """All that determines a house except its seed and index, with the limits for each house."""
 
     grammar: Grammar
     request: dict[str, Any]
-    """As ``Request.to_dict`` has it, but that ``rooms`` may be a range, as a list: see ``request_at``."""
+    """Request in the form of ``Request.to_dict``.
+
+    In this form ``rooms`` may also be a range, as a list: see ``request_at``.
+    """
     inferences: int
-    """Most Prolog inferences for a house."""
+    """Largest number of Prolog inferences for a house."""
     seconds: float
-    """Most seconds for a house."""
+    """Largest number of seconds for a house."""
 
     def houses(self, seed: int, indices: range, workers: int = 1) -> Iterator[House]:
-        """The houses of these indices, in order; raises as ``generate`` does."""
+        """Yield the houses of these indices in order. Raises as ``generate`` does."""
         with closing(self.outcomes(seed, indices, workers)) as outcomes:
             for made in outcomes:
                 if isinstance(made, LimitReached):
@@ -49,9 +53,10 @@ class HouseSeries:
                 yield made
 
     def described(self) -> tuple[dict[str, str], Promises]:
-        """The versions of what makes its houses, and what they promise.
+        """Return the versions of the programs that generate the houses, and the promises of the houses.
 
-        Raises as ``generate`` does, and ``RequestError`` if houses of a range promise different things.
+        Raises as ``generate`` does, and ``RequestError`` if houses with different numbers of rooms promise
+        different things.
         """
         opening, key = self._opening()
         worker = _idle.take(key) or Solver(opening)
@@ -75,7 +80,7 @@ class HouseSeries:
         return _loaded[key], found.promises
 
     def _opening(self) -> tuple[Open, tuple[str, Open]]:
-        """What a solver process loads, and the name of that."""
+        """Return the question that loads the rules in a solver process, and a key for these rules."""
         opening = Open(grammar=str(self.grammar.directory), cell=float(self.request.get("cell", 0.0)))
         return opening, (self.grammar.hash, opening)
 
@@ -91,14 +96,14 @@ class HouseSeries:
         return MakeHouse(request=request, seed=seed, index=index, inferences=self.inferences)
 
     def late(self, index: int) -> str:
-        """What is said of a house that takes too many seconds."""
+        """Return the message for a house that takes too many seconds."""
         return f"house {index} reached its limit of {self.seconds:g} seconds: raise it with --seconds"
 
     def outcomes(self, seed: int, indices: range, workers: int = 1) -> Generator[House | LimitReached]:
-        """The houses of these indices, in order, or in the place of one the limit that it ended in; raises
-        what else ``generate`` raises.
+        """Yield the houses of these indices in order, or ``LimitReached`` instead of a house at a limit.
 
-        The indices are assigned in turn, so that answers come back in the order in which they are asked for.
+        Raises the other errors of ``generate``. The indices are assigned to the processes in turn, so that
+        answers arrive in the order of the questions.
         """
         opening, key = self._opening()
         warn = self.grammar.hash not in _warned and self.grammar.directory.parent != SHIPPED
@@ -132,7 +137,7 @@ class HouseSeries:
                     warn = False
                 if isinstance(made, LimitReached):
                     yield made
-                    # Where it has cut Prolog short, tables are left that no later house could use.
+                    # After a time limit in Prolog, tables remain that no later house could use.
                     worker.end()
                 if turn + len(team) < len(indices):
                     if not worker.is_alive():
@@ -156,7 +161,7 @@ class HouseSeries:
                     worker.end()
 
     def _say_what_gave_way(self, house: House, said: set[str]) -> None:
-        """Warn once of each typical rule that gave way to the request."""
+        """Warn once about each typical rule that gave way to the request."""
         assert house.provenance
         for rule in house.provenance.gave_way:
             if rule not in said:
@@ -169,9 +174,10 @@ class HouseSeries:
 
 
 def _warn(worker: Solver, rooms: int) -> None:
-    """Warn of what is of no use in the rules that a process has loaded, where these rooms are asked for.
+    """Warn about rules of a process that have no effect in houses of this many rooms.
 
-    The rules may take too much for other houses than these: then the process has ended, and nothing is said.
+    For other houses than the requested ones the rules may exceed a limit. In this case the process ends, and
+    the function gives no warning.
     """
     worker.ask(Warn(rooms=rooms, processor=LOADING), START_UP)
     try:

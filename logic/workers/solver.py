@@ -1,6 +1,6 @@
-"""Solver processes from outside: how they are started, asked and ended.
+"""Solver processes seen from outside: this module starts, asks and ends them.
 
-``worker.py`` is what runs in them.
+``worker.py`` runs in these processes.
 """
 
 import contextlib
@@ -40,22 +40,28 @@ from logic.workers.messages import (
 Kind = TypeVar("Kind")
 
 START_UP = 60.0
-"""Seconds that a solver process may take to load a grammar."""
+"""Seconds in which a solver process must load a grammar."""
 
 LOADING = 4.0
-"""Seconds of processor time to load a grammar, which takes 1 to 2; past them it is tried by steps."""
+"""Processor time to load a grammar, in seconds; most take 1 to 2.
+
+Past it the rules are tried step by step.
+"""
 
 STEP = 1.0
-"""Seconds of processor time for one of these steps (``logic.language.trial``), which take some hundredths."""
+"""Processor time for one step of a trial, in seconds: see ``logic.language.trial``.
+
+Most take some hundredths.
+"""
 
 GRACE = 1.0
-"""Seconds past a limit in which a process may say what it was doing."""
+"""Seconds after a limit in which a process may report what it was doing."""
 
 SCARCE = {errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.ENOMEM}
-"""Why a process cannot be started: too many open files or processes, or no memory."""
+"""Errors of starting a process: too many open files or processes, or too little memory."""
 
 ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
-"""Rule files are UTF-8 whatever the user's language."""
+"""Settings that make rule files UTF-8 in every language of the user."""
 
 START = """
 import sys
@@ -69,8 +75,10 @@ from logic.workers.worker import main
 
 main()
 """
-"""What a solver process runs. It imports this very package by its file, all else first from PYTHONPATH and
-where packages are installed: no file in the current folder or beside a script takes the place of a module.
+"""Program of a solver process.
+
+It imports this very package by its file, and all other modules first from PYTHONPATH and the folders of
+installed packages. Therefore no file in the current folder or beside a script replaces a module.
 """
 
 
@@ -78,7 +86,7 @@ class Solver:
     """A solver process and the two ends of its pipes."""
 
     def __init__(self, opening: Prepare | Open) -> None:
-        """Start it; it loads what ``opening`` names, or is prepared and waits for ``open``."""
+        """Start the process, which loads the grammar of ``opening`` or gets ready and waits for ``open``."""
         self._interrupted = False
         self._start()
         if isinstance(opening, Prepare):
@@ -87,7 +95,7 @@ class Solver:
             self.open(opening)
 
     def open(self, opening: Open) -> None:
-        """Let it load a grammar: what ``opening`` names. A process loads one, once."""
+        """Let the process load the grammar of ``opening``. Each process loads one grammar, once."""
         self._opening, self._grammar = opening, opening.grammar
         self.ask(opening, LOADING if opening.trial is None else START_UP)
 
@@ -97,7 +105,7 @@ class Solver:
         self._easing = False
         package, path = Path(__file__).parents[1] / "__init__.py", os.environ.get("PYTHONPATH", "")
         try:
-            # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
+            # In a new session: Ctrl-C goes only to the parent, which then ends the worker.
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-c", START, str(package), *_named(sys.path)],
                 stdin=subprocess.PIPE,
@@ -126,7 +134,7 @@ class Solver:
             self._kill()
 
     def ask(self, question: Asked, seconds: float) -> None:
-        """Send a request to be answered in these seconds; that the process is gone shows in its answer."""
+        """Send a question with a limit in seconds. If the process has ended, ``answer`` reports that."""
         self.unanswered += 1
         try:
             self._questions.write(msgspec.json.encode(replace(question, seconds=seconds)) + b"\n")
@@ -135,16 +143,19 @@ class Solver:
             pass
 
     def prepared(self) -> None:
-        """Wait until it is ready to load a grammar. Raises ``MissingProgram`` if a solver is missing."""
+        """Wait until the process is ready to load a grammar.
+
+        Raises ``MissingProgram`` if a solver is missing.
+        """
         self.answer(
             Prepared, START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?"
         )
 
     def loaded(self, seconds: float = START_UP) -> Loaded | Judged:
-        """Wait for the answer to the opening: the grammar's versions and warnings, or lint's findings.
+        """Wait for the answer to the opening: the grammar's versions and warnings, or the findings of lint.
 
-        Where the grammar ends the process or takes too much, another one tries it step by step, so that the
-        step is named (see ``logic.language.trial``). Past the seconds ``LimitReached``.
+        If the grammar ends the process or exceeds a limit, another process tries the grammar step by step to
+        find the step at fault (see ``logic.language.trial``). Raises ``LimitReached`` after ``seconds``.
         """
         late = f"{self._grammar}: loading took {seconds:g} s: do its rules recur without end?"
         end = time.monotonic() + seconds
@@ -160,8 +171,10 @@ class Solver:
         return self.answer((Loaded, Judged), max(0.0, end - time.monotonic()), late)
 
     def _help(self, stage: str, request: dict[str, Any] | None, rooms: Sequence[int], seconds: float) -> None:
-        """Let another process find out why this one is long at a stage: which rule takes too much to ground
-        in houses of so many rooms, or what of a request's rules makes its layouts hard to find.
+        """Start another process to find out why this process takes long at a stage.
+
+        At grounding it looks for a rule that grounds too slowly in houses of ``rooms`` rooms. At the search
+        for layouts it looks for the part of the request that makes layouts hard to find.
         """
         with contextlib.suppress(LimitReached):
             if stage == GROUNDING and rooms and self._helper is None:
@@ -177,7 +190,7 @@ class Solver:
             self._helper, self._easing = None, False
 
     def _found(self) -> tuple[GrammarError | None, list[str]]:
-        """What the other process has found so far: a rule at fault; how layouts are found."""
+        """Return the findings of the other process so far: a rule at fault, and ways to find layouts soon."""
         ways: list[str] = []
         if self._helper is None:
             return None, ways
@@ -200,8 +213,10 @@ class Solver:
         rooms: Sequence[int] = (),
         request: dict[str, Any] | None = None,
     ) -> Kind:
-        """Wait for the answer, of these kinds, to the oldest open question. Past the seconds ``LimitReached``
-        says ``late``, what the process was doing, and what another found meanwhile (``_help``).
+        """Wait for the answer, of these kinds, to the oldest open question.
+
+        Raises ``LimitReached`` after ``seconds``. Its message is ``late``, followed by the work of the
+        process at that time and by the findings of another process (``_help``).
         """
         deadline = time.monotonic() + seconds + GRACE
         while True:
@@ -236,15 +251,17 @@ class Solver:
         return said
 
     def asked(self, question: Asked, kind: type[Kind], seconds: float, late: str) -> Kind:
-        """Ask, and wait for the answer."""
+        """Ask a question and return the answer."""
         self.ask(question, seconds)
         return self.answer(kind, seconds, late)
 
     def series(
         self, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
     ) -> Iterator[Kind]:
-        """Ask a question that has several answers: these, as they come, all in the seconds. With ``before``
-        these count from the first one, until which a house is made again in so many seconds.
+        """Ask a question with several answers, and yield the answers as they come, all within ``seconds``.
+
+        With ``before`` the seconds count from the first answer. Until then the process has ``before`` seconds
+        to generate a house again.
         """
         says = f"the house was not made again in {before:g} seconds" if before else late
         end = time.monotonic() + (before or seconds)
@@ -252,18 +269,18 @@ class Solver:
         while not isinstance(
             found := self.answer((kind, Done), max(0.0, end - time.monotonic()), says), Done
         ):
-            self.unanswered += 1  # There is more to come.
+            self.unanswered += 1  # More answers follow.
             if says != late:
                 says, end = late, time.monotonic() + seconds
             yield found
 
     def is_alive(self) -> bool:
-        """Whether the process still runs."""
+        """Return True if the process still runs."""
         return self._process.poll() is None
 
     @property
     def is_free(self) -> bool:
-        """Whether it can be asked: it runs, has answered all, and was not told to end."""
+        """True if the process runs, has answered all questions, and was not told to end."""
         return self.is_alive() and not self.unanswered and not self._interrupted
 
     def _died(self, late: str) -> VitruviusError:
@@ -278,13 +295,16 @@ class Solver:
         return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
 
     def interrupt(self) -> None:
-        """Kill the process while another thread waits for its answer: that one gets an error, and ends it."""
+        """Kill the process while another thread waits for its answer.
+
+        That thread gets an error and ends it.
+        """
         self._interrupted = True
         self._kill()
 
     def end(self) -> None:
-        """Kill the process, once: it holds nothing that anyone needs."""
-        if self._questions.closed:  # and its number may be another's by now
+        """Kill the process, once. It holds nothing that is still needed."""
+        if self._questions.closed:  # its number may belong to another process by now
             return
         self._end_helper()
         self._kill()
@@ -292,21 +312,22 @@ class Solver:
         self._answers.close()
 
     def _kill(self) -> None:
-        # With all that directives may have started.
+        # With all processes that directives may have started.
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
 
 
 def _named(path: Iterable[str]) -> list[str]:
-    """Where modules are looked for, but for the current folder."""
+    """Return the folders of modules, without the current folder."""
     return [folder for folder in path if folder and os.path.abspath(folder) != os.getcwd()]
 
 
 def answers(
     opening: Open, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
 ) -> Generator[Kind]:
-    """All answers of a solver process to one question, as they come (``Solver.series``); past the seconds
-    ``LimitReached``.
+    """Yield all answers of a new solver process to one question, as they come: see ``Solver.series``.
+
+    Raises ``LimitReached`` after ``seconds``.
     """
     worker = Solver(opening)
     try:

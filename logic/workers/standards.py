@@ -1,4 +1,4 @@
-"""By which promises a house is judged: its own, or others that are asked for."""
+"""Promises by which a house is judged: its own, or others on request."""
 
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -19,24 +19,26 @@ from logic.workers.messages import Open, Promise, Promised
 from logic.workers.solver import Solver
 
 Standard = Promises | Mapping[str, Any] | str | Path
-"""What houses are judged by: promises, some of them by name, a JSON file of these, a grammar."""
+"""Promises that judge houses: all of them, some by name, a JSON file of some, or a grammar."""
 
 DEFAULT = "original"
-"""The promises of stars that name no grammar: the paper's constraints, whatever the sizes."""
+"""Key of the promises for stars that name no grammar: the paper's constraints for all sizes."""
 
 MOST_BYTES = 1 << 20
-"""What is read of a file of promises."""
+"""Largest size of a file of promises, in bytes."""
 
 SECONDS = 60.0
-"""Most seconds to find what a grammar promises."""
+"""Seconds in which to find the promises of a grammar."""
 
 
 def check(house: House, promises: Standard | None = None) -> list[str]:
-    """Judge a house: ``[]``, or its violations in words, each with its room, pieces and lengths.
+    """Check a house.
 
-    Without ``promises`` it is judged by its own, see ``promises_of``; with them by others, see ``standard``:
-    ``"home"`` or another grammar's, or some of them, as ``{"door_clearance": 0.9, "passage": 0.9}``.
-    Raises ``RequestError``, a ``ValueError``, for a promise that there is not.
+    Return its violations in words, with rooms, pieces and lengths, or ``[]`` if there are none.
+
+    Without ``promises`` the house's own promises judge it: see ``promises_of``. ``promises`` may be the name
+    of a grammar, as ``"home"``, or replace some promises, as ``{"door_clearance": 0.9, "passage": 0.9}``: see
+    ``standard``. Raises ``RequestError``, a ``ValueError``, for an unknown promise.
     """
     if not isinstance(house, House):
         raise TypeError(
@@ -46,10 +48,10 @@ def check(house: House, promises: Standard | None = None) -> list[str]:
 
 
 def promises_of(house: House) -> Promises:
-    """The promises that travel with the house; of a shipped grammar what ``promises.json`` says of it too.
+    """Return the promises in the house's provenance, with those of ``promises.json`` for a shipped grammar.
 
-    Of a house without any, those of the shipped grammar that it names, or of ``DEFAULT`` for stars that name
-    none (the original's among them).
+    A house without promises has those of the shipped grammar that it names. A star that names no grammar,
+    such as the original's, has those of ``DEFAULT``.
     """
     made = house.provenance
     if made is None:
@@ -90,7 +92,7 @@ def standard(named: Standard) -> Callable[[House], Promises]:
 
 
 def _read(file: Path) -> dict[str, Any]:
-    """Promises by name, as a JSON file states them."""
+    """Return the promises in a JSON file, by name."""
     try:
         stated = from_json(content_of(file, MOST_BYTES), dict[str, Any])
         read_promises(stated, Promises())
@@ -108,7 +110,7 @@ def _read(file: Path) -> dict[str, Any]:
 
 @cache
 def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
-    """What houses of so many rooms promise, by the rules that have this hash."""
+    """Return the promises of houses with ``rooms`` rooms, by the rules with this hash."""
     name, late = Path(directory).name, f"{directory}: its promises took more than {SECONDS:g} s"
     worker = Solver(Open(grammar=directory))
     try:
@@ -121,5 +123,5 @@ def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
 
 @cache
 def _hash_of(grammar: str) -> str:
-    """The hash of a shipped grammar as it is now; else nothing."""
+    """Return the current hash of a shipped grammar, or an empty text for another grammar."""
     return find(grammar).hash if grammar in shipped() else ""

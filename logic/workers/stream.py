@@ -1,4 +1,4 @@
-"""Houses of a request as a list, each made as it is asked for."""
+"""Houses of a request as a list that generates each house when it is indexed."""
 
 import hashlib
 import json
@@ -15,15 +15,16 @@ from logic.request.request import MOST_ROOMS, whole
 from logic.workers.generate import series_of
 
 MOST_HOUSES = 2**31 - 1
-"""Of a seed."""
+"""Largest number of houses of a seed."""
 
 WRITTEN = re.compile(r"(.+):rooms=(\d+)(?:\.\.(\d+))?")
-"""A stream in a line: ``home:rooms=4..10``."""
+"""Pattern of a stream in one line: ``home:rooms=4..10``."""
 
 
 class HouseStream(Sequence[House]):
-    """Houses of a grammar by requests for some numbers of rooms, in turn: house i has ``rooms[i % n]``, and
-    is a function of the grammar, that request, the seed and i. None is kept.
+    """Houses of a grammar for several numbers of rooms in turn: house i has ``rooms[i % n]`` rooms.
+
+    House i is a function of the grammar, its request, the seed and i. The stream stores no house.
     """
 
     def __init__(
@@ -35,9 +36,9 @@ class HouseStream(Sequence[House]):
         count: int = MOST_HOUSES,
         **request: Any,
     ) -> None:
-        """``rooms``: how many, or as ``range(4, 11)``. ``request``: what ``generate`` takes beside these.
+        """Set ``rooms`` (a number, or several as in ``range(4, 11)``) and further arguments of ``generate``.
 
-        Raises as ``generate`` does for what makes no sense.
+        Raises as ``generate`` does for arguments that make no sense.
         """
         numbers = [rooms] if isinstance(rooms, int) else list(rooms)
         if not numbers:
@@ -47,9 +48,10 @@ class HouseStream(Sequence[House]):
 
     @classmethod
     def read(cls, text: str) -> "HouseStream | None":
-        """A stream from a line such as ``home:rooms=4..10`` or ``family:rooms=4``; None for another text.
+        """Return the stream of a line such as ``home:rooms=4..10``, or None for another text.
 
-        Raises ``RequestError`` for numbers that no house has, and what ``generate`` raises for a grammar.
+        The numbers of rooms may be one number, as in ``family:rooms=4``. Raises ``RequestError`` for a number
+        that no house has, and as ``generate`` does for a grammar.
         """
         found = WRITTEN.fullmatch(text)
         if found is None:
@@ -61,13 +63,13 @@ class HouseStream(Sequence[House]):
 
     @property
     def hash(self) -> str:
-        """A name for the houses in their order: SHA-256 of all that they are a function of."""
+        """Hash that names the houses in their order: SHA-256 of all that determines them."""
         requests = [each.request for each in self.series]
         made_of = [self.grammar.hash, self.seed, self.length, requests]
         return hashlib.sha256(json.dumps(made_of, sort_keys=True, default=str).encode()).hexdigest()
 
     def __len__(self) -> int:
-        """How many there are; they are made as they are asked for."""
+        """Return the number of houses, none of which need exist yet."""
         return self.length
 
     @overload
@@ -75,7 +77,7 @@ class HouseStream(Sequence[House]):
     @overload
     def __getitem__(self, index: slice) -> Houses: ...
     def __getitem__(self, index: SupportsIndex | slice) -> House | Houses:
-        """Make a house, or those of a slice. Raises as ``generate`` does."""
+        """Generate a house, or the houses of a slice. Raises as ``generate`` does."""
         places = range(self.length)[index]
         if isinstance(places, range):
             return Houses(self[int(place)] for place in places)

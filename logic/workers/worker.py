@@ -1,8 +1,8 @@
-"""A solver process, started by ``logic.workers.solver``: JSON lines in and out over pipes.
+"""A solver process, started by ``logic.workers.solver``, with JSON lines in and out over pipes.
 
-Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
-confined before a rule is read (``confinement``), and the parent owns deadlines and Ctrl-C. What is said
-stands in ``messages.py``: the first line names the grammar, after one that says to prepare for it, if any.
+Rule files can loop, crash, exhaust memory or halt their process. Therefore clingo and SWI-Prolog run here,
+confined before a rule is read (``confinement``), and the parent owns deadlines and Ctrl-C. ``messages.py``
+defines the messages. The first line names the grammar, after an optional line to prepare for it.
 """
 
 import contextlib
@@ -51,20 +51,23 @@ from logic.workers.messages import (
 )
 
 EARLY = 4.0
-"""Seconds after which it is said which stage is at work, or a fourth of those there are; again at half."""
+"""Seconds after which the process reports its stage, or a fourth of its limit if that is less.
+
+It reports again at half of the limit.
+"""
 
 GRACE = 1.0
-"""Seconds of processor time beyond the limit of a request, in which the process says what it was doing."""
+"""Seconds of processor time after the limit of a request, in which the process says what it was doing."""
 
 SHARED = 10
-"""How much longer than a rule of the grammar's all shared rules may take in a trial."""
+"""Time for all shared rules in a trial, as a multiple of the time for one rule of the grammar."""
 
 SEARCHED = 0.9
-"""The share of the seconds for a question why in which it is searched for what could be instead."""
+"""Fraction of a question's seconds for the search for alternatives."""
 
 
 def main() -> None:
-    """Answer requests until the parent closes its end of the pipe."""
+    """Answer questions until the parent closes its end of the pipe."""
     questions, answers = _private_pipes()
     confinement.limit()
     requests: queue.SimpleQueue[str] = queue.SimpleQueue()
@@ -79,14 +82,14 @@ def main() -> None:
 
 
 class Answers:
-    """The lines to the parent, the last of which says at a limit of seconds what the process is doing."""
+    """Lines to the parent. At a limit of seconds the last line says what the process is doing."""
 
     def __init__(self, pipe: TextIO) -> None:
-        """Write to this pipe."""
+        """Set the pipe to the parent."""
         self._pipe, self._lock, self._asked = pipe, threading.Lock(), 0
 
     def write(self, answer: Said) -> None:
-        """A line."""
+        """Write a line."""
         with self._lock:
             self._line(answer)
 
@@ -96,8 +99,9 @@ class Answers:
 
     @contextlib.contextmanager
     def within(self, seconds: float | None, account: Callable[[], Any]) -> Iterator[None]:
-        """Answer in these seconds, if any, or end the process: the solvers cannot be interrupted, but leave
-        Python's other threads to run.
+        """Answer within these seconds, if given, or end the process.
+
+        The solvers cannot be interrupted, but they let Python's other threads run.
         """
         timers = []
         if seconds is not None:
@@ -128,22 +132,22 @@ class Answers:
 
 
 class Worker:
-    """The rules that a process has loaded, and what it answers."""
+    """The rules that a process has loaded, and the answers to questions about them."""
 
     def __init__(self) -> None:
-        """Begin with none."""
+        """Begin without rules."""
         self._builder: Any = None
 
     def account(self) -> Any:
-        """What is done: see ``account.py``."""
+        """Return the account of the current work: see ``account.py``."""
         return self._builder.at_work.account
 
     def seconds(self, question: Asked) -> float | None:
-        """How long a question may take: to load has limits of its own."""
+        """Return the limit of a question in seconds, or None for loading, which has limits of its own."""
         return None if self._builder is None else question.seconds
 
     def answers(self, question: Asked) -> Iterator[Said]:
-        """The lines that answer a question."""
+        """Yield the lines that answer a question."""
         match question:
             case Prepare():
                 _prepare(question.grammar)
@@ -158,7 +162,7 @@ class Worker:
         yield from self._answers(question)
 
     def _answers(self, question: Asked) -> Iterator[Said]:
-        """Those of rules that are loaded."""
+        """Yield the answers of loaded rules."""
         from logic.language.linter import all_warnings, warnings
         from logic.proofs.answer import house_or_proof
         from logic.proofs.easing import easing
@@ -198,7 +202,7 @@ class Worker:
                 yield Judged(warnings(builder.grammar, builder.loaded, question.rooms))
 
     def _explained(self, question: Explain) -> Iterator[Explained]:
-        """Why a house is as it is, in parts as they are found."""
+        """Yield the explanation of a house part by part as it is found."""
         from logic.house.house import House
         from logic.proofs.giving_way import without
         from logic.request.request import Request
@@ -214,7 +218,7 @@ class Worker:
             yield Explained(part)
 
     def _loaded(self, question: Open) -> Iterator[Said]:
-        """Load a grammar, or find what is wrong with it, confined; after a trial of its steps if asked to."""
+        """Load a grammar while confined, or find its mistakes, after a trial of its steps if asked for."""
         _prepare(question.grammar)
         from logic.generation.builder import Builder
         from logic.grammar import find
@@ -229,7 +233,7 @@ class Worker:
 
             last = time.process_time()
             for error in steps(grammar, question.trial):
-                # A step may begin by what those before it did: that is no fault of its own.
+                # A step may first pay for the work of earlier steps, which is no fault of its own.
                 taken, last = time.process_time() - last, time.process_time()
                 confinement.allow_seconds(question.step * (1 if error.line else SHARED) + 2 * taken)
                 yield Trying(to_record(error))
@@ -244,9 +248,9 @@ class Worker:
 
 
 def _prepare(directory: str) -> None:
-    """Import the solvers and load the core, as a grammar needs it, but no rule of the grammar's.
+    """Import the solvers and load the core that a grammar needs, but no rule of the grammar.
 
-    Here, not above: that a solver is missing is an answer too.
+    The imports are here, not at the top, because a missing solver is an answer, too.
     """
     confinement.require_files()
     from logic.grammar import RULES, find
@@ -256,7 +260,7 @@ def _prepare(directory: str) -> None:
     from logic.placement import prolog
 
     prolog.load(RULES / "core.pl")
-    with contextlib.suppress(GrammarError):  # What is wrong with the grammar is said where it is loaded.
+    with contextlib.suppress(GrammarError):  # ``_loaded`` reports mistakes of the grammar.
         topology = find(directory).topology
         core_words(topology)
         if differences.DIFFERENCES in topology:
@@ -264,7 +268,7 @@ def _prepare(directory: str) -> None:
 
 
 def _installed() -> Iterator[Path]:
-    """Where this package, Python, SWI-Prolog and their libraries are."""
+    """Return the folders of this package, of Python, of SWI-Prolog and of their libraries."""
     from pyswip.core import SWI_HOME_DIR
 
     folders = [*sys.path, sys.prefix, sys.base_prefix, SWI_HOME_DIR, "/lib", "/lib64", "/usr"]
@@ -272,7 +276,7 @@ def _installed() -> Iterator[Path]:
 
 
 def _with_errors(answers: Iterator[Said]) -> Iterator[Said]:
-    """The answers, the last of which says what ended them, if anything did."""
+    """Yield the answers. If an error ends them, yield it as the last one."""
     try:
         yield from answers
     except VitruviusError as error:
@@ -285,7 +289,7 @@ def _with_errors(answers: Iterator[Said]) -> Iterator[Said]:
 
 
 def _private_pipes() -> tuple[TextIO, TextIO]:
-    """The pipes from and to the parent; the rules read nothing, and what they print goes to stderr."""
+    """Return the pipes from and to the parent. The rules read nothing, and their output goes to stderr."""
     questions, answers = os.fdopen(os.dup(0), encoding="utf-8"), os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
@@ -294,13 +298,13 @@ def _private_pipes() -> tuple[TextIO, TextIO]:
 
 
 def _listen(parent: TextIO, requests: "queue.SimpleQueue[str]") -> None:
-    """Pass on the parent's lines, and end with it: the solvers do not notice by themselves.
+    """Pass on the parent's lines, and end with the parent, which the solvers do not notice by themselves.
 
-    The process leads a group (``solver``), which ends with it: while it looks for SWI-Prolog, a program
-    runs in it that would write to a closed pipe, and complain where the user reads.
+    The process leads a process group (``solver``), which ends with it. While the process looks for
+    SWI-Prolog, it runs a program that would write to a closed pipe and print an error for the user.
     """
     for line in parent:
         requests.put(line)
-    with contextlib.suppress(OSError):  # Once confined, it may signal no process, and has started none.
+    with contextlib.suppress(OSError):  # A confined process may signal no process, and has started none.
         os.killpg(0, signal.SIGKILL)
     os._exit(0)
