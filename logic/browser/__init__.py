@@ -1,1 +1,1 @@
-"""Pages that show what a grammar makes: watch, with a server; playground, without one."""
+"""Pages that show the houses of a grammar: watch, with a server, and playground, without one."""

@@ -1,1 +1,1 @@
-"""Whether a house keeps its promises: plain geometry, independent of the rules."""
+"""Checks that a house keeps its promises: plain geometry, independent of the rules."""

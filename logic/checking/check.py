@@ -1,7 +1,8 @@
-"""The independent check: whether a house keeps its promises, in plain geometry.
+"""Independent check that a house keeps its promises, in plain geometry.
 
-It reads coordinates alone and shares nothing with the rules that made the house. What it judges by is data:
-the promises of a grammar travel with its houses, those of the shipped ones stand in ``promises.json`` too.
+The check reads only coordinates and shares nothing with the rules that generated the house. Its standard is
+data: the promises of a grammar travel with its houses, and ``promises.json`` holds those of the shipped
+grammars, too.
 """
 
 from collections import Counter
@@ -44,24 +45,27 @@ from logic.house.kinds import Kind
 from logic.house.promises import Promises
 
 MAX_VIOLATIONS = 1000
-"""Number of violations that are listed for a house: crowded pieces and doors have millions."""
+"""Largest number of violations that are listed for a house. Crowded pieces and doors have millions."""
 
 STAR, ORIGINAL, SHARED_WALLS = {Kind.STAR}, {Kind.ORIGINAL}, {Kind.SHARED_WALLS}
 STARS, OURS, EVERY = STAR | ORIGINAL, STAR | SHARED_WALLS, {*Kind}
 
 
 class Check(NamedTuple):
-    """One thing that is asked of houses."""
+    """Check of houses or of rooms."""
 
     name: str
     kinds: Collection[Kind]
-    """Of topologies whose houses it is asked of."""
+    """Kinds of houses to which the check applies."""
     faults: Callable[..., Iterable[Any]]
-    """What is wrong with a house by promises (``Fault``); in ``IN_A_ROOM`` with a room of it, in words."""
+    """Function from a house and promises to faults (``Fault``).
+
+    In ``IN_A_ROOM`` it is a function from a house, a room and promises to texts.
+    """
 
 
 def _area(house: House, promises: Promises) -> Iterator[Fault]:
-    """Rooms that are too small or too large together."""
+    """Yield a fault if the rooms together are too small or too large."""
     if promises.house_area:
         least, most = promises.house_area
         whole = sum(room.area for room in house.rooms if room.type not in promises.outdoor)
@@ -71,7 +75,7 @@ def _area(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def _types(house: House, promises: Promises) -> Iterator[Fault]:
-    """Rooms of types that there are not, and too few of the basic ones."""
+    """Yield a fault for each unknown room type, and for too few rooms of the basic types."""
     types = Counter(room.type for room in house.counted)
     for room in house.counted:
         if promises.counts and room.type not in promises.counts:
@@ -88,7 +92,7 @@ def _types(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def _in_rooms(house: House, promises: Promises) -> Iterator[Fault]:
-    """What is asked of each room by itself."""
+    """Yield the faults of each room by itself."""
     asked = [check for check in IN_A_ROOM if house.kind in check.kinds]
     for room in house.counted:
         for check in asked:
@@ -133,10 +137,10 @@ CHECKS = (
     Check("shape", STARS, star_shape),
     Check("main room", STAR, star_main_room),
 )
-"""All that is asked of houses, in the order in which it is answered.
+"""All checks, in the order of their faults in the answer.
 
-The original's houses are judged by the paper's constraints: rooms may be empty. They do not promise where a
-front faces, how wide passages are, nor the least area of the main room.
+The paper's constraints judge the original's houses: rooms may be empty. These houses do not promise the
+direction of a front, the width of passages, or the least area of the main room.
 """
 
 
@@ -145,7 +149,7 @@ def violations(house: House, promises: Promises) -> list[str]:
 
     After ``MAX_VIOLATIONS`` the list ends with a line that states that there are more.
     """
-    # GEOS divides by zero where an offset of two parallel edges has no corner, and goes on; NumPy would warn.
+    # GEOS divides by zero if an offset of two parallel edges has no corner, and continues; NumPy would warn.
     with np.errstate(divide="ignore", invalid="ignore"):
         found = [fault.text for fault in islice(faults(house, promises), MAX_VIOLATIONS + 1)]
     if len(found) > MAX_VIOLATIONS:
@@ -154,9 +158,9 @@ def violations(house: House, promises: Promises) -> list[str]:
 
 
 def faults(house: House, promises: Promises, names: Collection[str] = ()) -> Iterator[Fault]:
-    """What a house breaks of these promises.
+    """Yield the promises that a house breaks.
 
-    ``names``: of the checks that are made; all of them where there are none.
+    ``names``: names of the checks to run; all checks if empty.
     """
     if cell := cell_of(house):
         promises = on_grid(promises, cell)

@@ -1,4 +1,7 @@
-"""What stands too near to a door: which doors count, and how near is measured, is the topology's."""
+"""Distance between furniture and doors.
+
+The topology decides which doors count and how distance is measured.
+"""
 
 from collections.abc import Callable, Iterator
 
@@ -13,7 +16,7 @@ from logic.house.promises import FRONTAL, Promises
 
 
 def near_doors(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:
-    """The doors that a piece stands too near to, each as what the piece does."""
+    """Yield a text for each door that a piece stands too near to."""
     return NEAR[house.kind](house, room, piece, promises)
 
 
@@ -22,7 +25,7 @@ def _near_any(house: House, room: Room, piece: Piece, promises: Promises) -> Ite
 
 
 def _near_its_own(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:
-    """Rooms that share walls stand back to back: what is near to others' doors is behind a wall."""
+    """Count only the room's own doors, since doors of other rooms are behind a wall if rooms share walls."""
     return _nearer(house, room, piece, house.doors_of(room.name), promises.door_clearance)
 
 
@@ -34,7 +37,7 @@ def _nearer(house: House, room: Room, piece: Piece, doors: tuple[Door, ...], lea
 
 
 def _in_front(house: House, room: Room, piece: Piece, _: Promises) -> Iterator[str]:
-    """The original keeps clear of a door in front of it and behind it, not beside it."""
+    """Count the zones in front of doors and behind them, but not beside them, as the original does."""
     for door in house.doors:
         if overlap(piece.box, front(door.box, FRONTAL)) > TOLERANCE:
             away = distance(piece.box, door.box)
@@ -50,12 +53,12 @@ NEAR: dict[Kind, Callable[[House, Room, Piece, Promises], Iterator[str]]] = {
 
 
 def _stands(away: float, where: str, whose: str, least: float) -> str:
-    """How near something stands to a door, and how near it may."""
+    """Return the distance between a piece and a door, and the least permitted distance, as text."""
     return f"stands {figure(away, least)} m {where} {whose} (at least {number(least)})"
 
 
 def _whose(house: House, room: Room, door: Door) -> str:
-    """A door as it is called in a room: by the first of its rooms, a main room's only if it has no other."""
+    """Return the name of a door in a room's faults: its first room, and not the main room if possible."""
     if room.name in door.between:
         return "its door"
     rooms = [house.room(name) for name in door.between if name != OUTSIDE]

@@ -1,11 +1,11 @@
-"""What the check finds: words, and the rooms that they are about."""
+"""Result of a check: a text, and the rooms that it concerns."""
 
 from typing import NamedTuple
 
 
 class Fault(NamedTuple):
-    """Something that a house breaks."""
+    """Promise that a house breaks."""
 
     text: str
     rooms: tuple[str, ...] = ()
-    """The rooms that it is about, by name; none where it is about the house, or a star's main room alone."""
+    """Names of the rooms; empty if the fault concerns the house, or only a star's main room."""

@@ -1,24 +1,25 @@
-"""Numbers in words: as many digits as tell a length apart from the bounds that it is beside."""
+"""Numbers as text, with enough digits to tell a length apart from the bounds in the same sentence."""
 
 from collections.abc import Callable
 
 MOST = 9
-"""Decimals: what differs by less reads alike in every text."""
+"""Largest number of decimals. Values that differ by less look alike in every text."""
 
 SAME = 1e-7
-"""A value this near to a bound is on neither side of it."""
+"""Distance from a bound within which a value is on neither side of it."""
 
 
 def number(value: float, digits: int = 0) -> str:
-    """A bound as it was stated, with at least so many decimals."""
+    """Return a bound as it was stated, with at least ``digits`` decimals."""
     whole, _, decimals = f"{value:.7f}".rstrip("0").partition(".")
     decimals = decimals.ljust(digits, "0")
     return f"{whole}.{decimals}" if decimals else whole
 
 
 def figure(value: float, *bounds: float, digits: int = 2) -> str:
-    """A value in the fewest decimals, from ``digits`` on, in which it is not zero, and is on the side of each
-    bound, as ``number`` writes these, on which it is in fact.
+    """Return a value with the fewest decimals, at least ``digits``, that show it correctly.
+
+    The text is not zero, and lies on the true side of each bound, as ``number`` writes the bounds.
     """
     if abs(value) < SAME:
         return "0"
@@ -32,12 +33,12 @@ def figure(value: float, *bounds: float, digits: int = 2) -> str:
 
 
 def percent(share: float, *bounds: float) -> str:
-    """A share as ``figure`` writes it, in hundredths."""
+    """Return a fraction in percent, as ``figure`` writes it."""
     return f"{figure(100 * share, *(100 * bound for bound in bounds), digits=0)}%"
 
 
 def apart(*values: float, holds: Callable[..., bool], digits: int = 2) -> list[str]:
-    """Values in the fewest decimals, from ``digits`` on, in which something holds of what is read."""
+    """Return values with the fewest decimals, at least ``digits``, whose texts satisfy ``holds``."""
     for decimals in range(digits, MOST + 1):
         texts = [f"{value:.{decimals}f}" for value in values]
         if holds(*map(float, texts)):

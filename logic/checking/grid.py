@@ -1,4 +1,4 @@
-"""Houses on a grid of cells: what is promised of them, and edges off the grid."""
+"""Houses on a grid of cells: their promises, and a check for edges off the grid."""
 
 import math
 from collections.abc import Iterator
@@ -15,12 +15,12 @@ from logic.house.promises import Promises, Thickness
 
 
 def cell_of(house: House) -> float:
-    """The side of its grid's cells, metres; 0 where it lies on none."""
+    """Return the side of the cells of a house's grid, metres; 0 for a house without a grid."""
     return house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
 
 
 def on_grid(promises: Promises, cell: float) -> Promises:
-    """What is promised of a house on a grid: fixed lengths, and least ones, in whole cells."""
+    """Return the promises of a house on a grid, with fixed and least lengths rounded up to whole cells."""
 
     def up(length: float) -> float:
         return math.ceil(length / cell - TOLERANCE) * cell
@@ -58,7 +58,10 @@ def on_grid(promises: Promises, cell: float) -> Promises:
 
 
 def off_grid(house: House, _: Promises) -> Iterator[Fault]:
-    """Edges that do not lie on the grid of the main room's corner, or without one of the outline's corner."""
+    """Yield a fault for each edge off the grid.
+
+    The grid begins at the main room's corner, or at the outline's corner if there is no main room.
+    """
     cell = cell_of(house)
     if not cell:
         return
@@ -82,7 +85,7 @@ def off_grid(house: House, _: Promises) -> Iterator[Fault]:
 
 
 def broken_cells(house: House, _: Promises) -> Iterator[Fault]:
-    """A main room that is not whole cells wide and deep."""
+    """Yield a fault if the main room is not a whole number of cells wide and deep."""
     cell, main = cell_of(house), house.main_room
     for size, name in ((main.width, "wide"), (main.height, "deep")) if cell and main else ():
         if abs(size / cell - round(size / cell)) * cell > TOLERANCE:

@@ -1,4 +1,4 @@
-"""The least main room that fits a house's rooms, against which the check measures the one there is."""
+"""Least main room that fits a house's rooms. The check compares the house's main room with it."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -8,11 +8,11 @@ from logic.house.boxes import TOLERANCE, WALLS, is_on_wall
 from logic.house.star import Star, StarRoom
 
 ELONGATION = 2.0
-"""The most that the main room may be longer than wide."""
+"""Largest ratio of the main room's length to its width."""
 
 
 def side_of(star: Star, room: StarRoom) -> str | None:
-    """The wall of the main room that a room touches from outside with its door on it."""
+    """Return the wall of the main room that a room touches from outside with its door, or None."""
     for index, wall in enumerate(WALLS):
         if is_on_wall(room.door, star.floor, index) and is_on_wall(room.door, room, (index + 2) % 4):
             return wall
@@ -20,13 +20,13 @@ def side_of(star: Star, room: StarRoom) -> str | None:
 
 
 def least_area(star: Star, room_gap: float = math.inf) -> float:
-    """Area of the least main room that fits the house's rooms, square metres.
+    """Return the area of the least main room that fits the house's rooms, square metres.
 
-    The rooms keep their sizes, sides, order and the places of their doors; neighbours, on a side or around
-    a corner, come as near as ``room_gap`` (metres), or nearer where any two do so in this star. A side's
-    wall then reaches from the first door to the last, for a room may stand out past the corner of the main
-    room; but where the side around the corner has rooms too, it may do so only if it does so in this star.
-    The main room is no smaller than any room and at most twice as long as wide.
+    The rooms keep their sizes, sides, order and the places of their doors. Neighbours, on a side or around a
+    corner, come as near as ``room_gap`` (metres), or nearer if any two in this star do so. The wall of a side
+    reaches from the first door to the last, since a room may stand out past the corner of the main room. If
+    the side around the corner has rooms too, a room may stand out only if it does so in this star. The main
+    room is no smaller than any room and at most twice as long as wide.
 
     Raises ``ValueError`` if a door is not on the main room's wall.
     """
@@ -53,13 +53,13 @@ def least_area(star: Star, room_gap: float = math.inf) -> float:
 
 
 def least_rectangle(width: float, height: float, area: float) -> float:
-    """Least area of a rectangle at least so wide, high and large, and at most twice as long as wide."""
+    """Return the least area of a rectangle with these least sides and area, at most twice as long as wide."""
     # A side is at least half the other. Beyond that, the rectangle can grow to any area in proportion.
     return max(max(width, height / ELONGATION) * max(height, width / ELONGATION), area)
 
 
 def _needed_wall(star: Star, wall: str, sides: Mapping[str, list[StarRoom]], gap: float) -> float:
-    """The least length of a wall of the main room that holds the doors of the rooms on it, metres."""
+    """Return the least length of a wall of the main room that holds the doors of its rooms, metres."""
     chain = sides[wall]
     if not chain:
         return 0.0
@@ -77,19 +77,22 @@ def _needed_wall(star: Star, wall: str, sides: Mapping[str, list[StarRoom]], gap
 
 
 def _corners(sides: Mapping[str, list[StarRoom]]) -> Iterator[tuple[str, str]]:
-    """The corners of the main room with rooms on both sides."""
+    """Yield the corners of the main room that have rooms on both sides."""
     for one, other in product(("west", "east"), ("north", "south")):
         if sides[one] and sides[other]:
             yield one, other
 
 
 def _short_of(star: Star, sides: Mapping[str, list[StarRoom]], wall: str, other: str) -> float:
-    """How far the last room on a wall stays short of the corner with the other, metres; negative past it."""
+    """Return the distance from the last room on a wall to the corner with the other wall, metres.
+
+    The distance is negative if the room reaches past the corner.
+    """
     end = WALLS.index(other)
     edge = star.floor.box[end]
     return min(room.box[end] - edge if end < 2 else edge - room.box[end] for room in sides[wall])
 
 
 def _along(wall: str) -> int:
-    """The box's number at which a wall begins: 0 (west) for a wall that runs east, 1 (north) for south."""
+    """Return the index in a box at which a wall begins: 0 (west) for a wall along x, 1 (north) along y."""
     return 0 if wall in {"north", "south"} else 1

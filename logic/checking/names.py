@@ -1,4 +1,4 @@
-"""What the check calls the rooms and the pieces of a house."""
+"""Names of rooms and pieces in the texts of the check."""
 
 from collections import Counter
 
@@ -7,17 +7,17 @@ from logic.house.parts import Piece, Room
 
 
 def named(room: Room) -> str:
-    """A room by its name and type."""
+    """Return the name and type of a room."""
     return f"{room.name} ({room.type})"
 
 
 def space_name(house: House, room: Room) -> str:
-    """The same, but for a main room."""
+    """Return the name and type of a room, or ``the main room``."""
     return "the main room" if room is house.main_room else named(room)
 
 
 def named_pieces(room: Room) -> list[tuple[Piece, str]]:
-    """Each piece with its type, numbered where a room has several of it."""
+    """Return each piece with its type, numbered if the room has several pieces of the type."""
     total = Counter(piece.type for piece in room.pieces)
     seen: Counter[str] = Counter()
     found = []

@@ -80,8 +80,9 @@ def plan_corners(house: House, _: Promises) -> Iterator[Fault]:
 
 
 def plan_windows(house: House, promises: Promises) -> Iterator[Fault]:
-    """Yield a fault for each window in no outer wall, over another opening or behind furniture, and for each
-    room that lacks one.
+    """Yield a fault for each wrong window, and for each room that lacks a window.
+
+    A window is wrong if it lies in no outer wall, over another opening, or behind furniture.
     """
     rooms = {room.name: room for room in house.tiles}
     tiles, doors, windows = _Rects(rooms.values()), _Rects(house.doors), _Rects(house.windows)

@@ -1,5 +1,6 @@
-"""What the check asks of a room by its promises: which pieces stand where, sizes, counts, fronts of pieces,
-how they stand together. All say what is wrong, without the room.
+"""Checks of a room by its promises: places, sizes and counts of pieces, their fronts and arrangement.
+
+Each check yields texts without the name of the room.
 """
 
 from collections import Counter
@@ -17,13 +18,16 @@ from logic.house.promises import Promises, Relation, Sizes
 
 
 def unfurnished(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """A room without furniture that may not be empty."""
+    """Yield a text for a room without furniture that may not be empty."""
     if not room.pieces and room.type not in promises.empty:
         yield "has no furniture"
 
 
 def misplaced(house: House, room: Room, promises: Promises) -> Iterator[str]:
-    """Pieces that do not suit the room, jut out of it, stand too near to doors or away from walls."""
+    """Yield a text for each piece that does not suit the room or stands in a wrong place.
+
+    Wrong places are outside the room, too near to a door, and, for some types, away from the walls.
+    """
     for piece, name in named_pieces(room):
         if not promises.suits(room.type, piece.type):
             yield f"{name} does not suit the room"
@@ -36,7 +40,7 @@ def misplaced(house: House, room: Room, promises: Promises) -> Iterator[str]:
 
 
 def overlapping(_: House, room: Room, __: Promises) -> Iterator[str]:
-    """Pieces that overlap each other."""
+    """Yield a text for each two pieces that overlap."""
     for (one, a), (other, b) in combinations(named_pieces(room), 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
@@ -44,7 +48,10 @@ def overlapping(_: House, room: Room, __: Promises) -> Iterator[str]:
 
 
 def wrong_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """A piece at a wall has its back to it, or a side if it turns; children turn to their parent."""
+    """Yield a text for each piece at a wall that faces the wrong way.
+
+    The piece's back must be to the wall, or also a side if pieces of its type may turn.
+    """
     for piece, name in named_pieces(room):
         if piece.orientation not in {"", *BACK}:
             yield f"{name} faces {piece.orientation!r} (must be N, E, S, W or empty)"
@@ -62,19 +69,22 @@ def wrong_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
 
 
 def no_turning(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """A room in which no square is free that is to be."""
+    """Yield a text for a room that lacks its promised free square."""
     side = promises.turning.get(room.type, 0.0)
     if side and free_floor(room).buffer(TOLERANCE - side / 2, join_style="mitre").is_empty:
         yield f"has no free square of {number(side)} m"
 
 
 def wrong_sizes(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """Sizes of pieces out of their bounds; one without a front may lie either way."""
+    """Yield a text for each size of a piece out of its bounds. A piece without a front may lie either way."""
     return sizes_of_pieces(room, promises, None)
 
 
 def sizes_of_pieces(room: Room, promises: Promises, along_x: bool | None) -> Iterator[str]:
-    """Sizes of pieces out of their bounds; without a front it lies along x, along y, or (None) either way."""
+    """Yield a text for each size of a piece out of its bounds.
+
+    A piece without a front lies along x if ``along_x`` is True, along y if False, and either way if None.
+    """
     for piece, name in named_pieces(room):
         yield from _share_violations(room, piece, name, promises)
         bounds = promises.piece_size.get(piece.type), promises.piece_relations.get(piece.type, ())
@@ -134,12 +144,12 @@ def _in_words(a: float, b: float, c: float) -> str:
 
 
 def _beside(value: float, least: float, most: float, unit: str) -> str:
-    """A value that is out of its bounds, and these."""
+    """Return a value that is out of its bounds, and the bounds, as text."""
     return f"{figure(value, least, most, digits=3)} {unit} ({number(least, 3)} to {number(most, 3)})"
 
 
 def wrong_counts(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """Pieces and companions out of their numbers."""
+    """Yield a text for each type with a wrong number of pieces or companions."""
     yield from _counted("it", room.children, promises.counts.get(room.type, {}))
     for piece in room.children:
         wanted = promises.companions.get(piece.type, {})
@@ -156,14 +166,14 @@ def _counted(owner: str, pieces: tuple[Piece, ...], wanted: dict[str, tuple[int,
 
 
 def is_turned(piece: Piece, room: Room) -> bool:
-    """Whether a piece stands at a wall with its side, its back not to a wall or to one that ends it."""
+    """Return True if a side of a piece, neither its back nor its front, touches a wall."""
     walls = walls_touched(piece, room)
     side = [wall for wall in walls if piece.orientation and wall % 2 != BACK[piece.orientation] % 2]
     return bool(side)
 
 
 def blocked_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """What stands too near in front of a piece that is used from there, or its wall."""
+    """Yield a text for each piece whose front is too near to another piece or to a wall."""
     passage = promises.passage if promises.front is None else promises.front
     named = named_pieces(room)
     for piece, name in named:
@@ -186,7 +196,10 @@ def blocked_fronts(_: House, room: Room, promises: Promises) -> Iterator[str]:
 
 
 def wrong_arrangement(_: House, room: Room, promises: Promises) -> Iterator[str]:
-    """How pieces stand to each other: those that meet round corners, and turned ones with a free foot."""
+    """Yield a text for each wrong arrangement of pieces.
+
+    Pieces that meet round corners must do so, and turned pieces must have a free foot.
+    """
     tops = [(piece, name) for piece, name in named_pieces(room) if piece in room.children]
     for type_ in promises.meet:
         walls: dict[int, Piece] = {}
@@ -215,7 +228,7 @@ def wrong_arrangement(_: House, room: Room, promises: Promises) -> Iterator[str]
 
 
 def _touch(piece: Piece, wall: int, other: Piece) -> bool:
-    """Whether another piece touches this one's side towards a wall."""
+    """Return True if another piece touches this piece's side towards a wall."""
     gap = other.box[(wall + 2) % 4] - piece.box[wall]
     across = 1 - wall % 2
     shared = min(piece.box[across + 2], other.box[across + 2]) - max(piece.box[across], other.box[across])

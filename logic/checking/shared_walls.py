@@ -1,5 +1,6 @@
-"""Checks of houses whose rooms share walls: rooms that tile the outline, in the numbers, sizes and units
-that were promised.
+"""Checks of houses whose rooms share walls.
+
+The rooms tile the outline, in the promised numbers, sizes and units.
 """
 
 from collections.abc import Iterator
@@ -19,11 +20,11 @@ from logic.house.promises import PASSAGE, Promises
 from logic.spelling import numbered
 
 COURT = 1.0
-"""Metres: no court between rooms is narrower."""
+"""Least width of a court between rooms, metres."""
 
 
 def plan_rooms(house: House, promises: Promises) -> Iterator[Fault]:
-    """Rooms that overlap, leave a gap, lie apart, or have another area or shape than promised."""
+    """Yield a fault for rooms that overlap, leave a gap or lie apart, and for a wrong area or shape."""
     between = 2 * house.half_wall
     for one, other in combinations(house.rooms, 2):
         depth = overlap(one.box, other.box)
@@ -43,7 +44,7 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def _other_walls(house: House, promises: Promises) -> Iterator[Fault]:
-    """Walls of another thickness than promised."""
+    """Yield a fault for walls of another thickness than promised."""
     wanted, has = promises.wall_thickness, house.wall_thickness
     for kind in ("inner", "outer") if wanted else ():
         least, thick = getattr(wanted, kind), getattr(has, kind) if has else 0.0
@@ -54,7 +55,7 @@ def _other_walls(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def _area_violations(room: Room, promises: Promises) -> Iterator[str]:
-    """An area out of its bounds, or a room that is too narrow."""
+    """Yield a text for an area out of its bounds, and for a room that is too narrow."""
     least, most = promises.room_area.get(room.type, (0.0, room.area))
     if not least - TOLERANCE <= room.area <= most + TOLERANCE:
         area = figure(room.area, least, most)
@@ -66,7 +67,7 @@ def _area_violations(room: Room, promises: Promises) -> Iterator[str]:
 
 
 def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
-    """A size out of its bounds, whichever of its sides is the width."""
+    """Yield a text for a size out of its bounds, with either side of the room as its width."""
     bounds = promises.room_size.get(room.type), promises.room_relations.get(room.type, ())
     ways = [
         list(out_of("it", *sides, *bounds))
@@ -76,7 +77,7 @@ def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
 
 
 def gaps(house: House) -> Any:
-    """What squares as wide as a passage close between rooms: courtyards of any size, and slits."""
+    """Return the area between rooms that no square as wide as a passage can leave: courts and slits."""
     floor = _floor(house)
     hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
     closed = shapely.union_all(hulls).buffer(PASSAGE / 2, join_style="mitre")
@@ -84,7 +85,7 @@ def gaps(house: House) -> Any:
 
 
 def _filled(house: House, courts: int) -> float:
-    """Of how many square metres between its rooms a house has none, but for so many courts."""
+    """Return the area between rooms that belongs to no room, without the largest ``courts`` courts, m²."""
     free = gaps(house)
     half = COURT / 2 - TOLERANCE
     wide = free.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
@@ -125,7 +126,10 @@ def plan_outline(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def plan_parts(house: House, promises: Promises) -> Iterator[Fault]:
-    """Parts of rooms behind a wall, or of rooms of other types; rooms that should be parts."""
+    """Yield a fault for each wrong part of a room, and for each room that should be a part.
+
+    A part is wrong if it lies behind a wall or belongs to a room of another type.
+    """
     rooms = {room.name: room for room in house.rooms}
     for room in house.rooms:
         whole = rooms.get(room.part_of or "")
@@ -153,7 +157,10 @@ def plan_parts(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def plan_sizes(house: House, promises: Promises) -> Iterator[Fault]:
-    """Rooms that are of another size than those of their type before them, in the house or in their unit."""
+    """Yield a fault for each room whose size differs from the previous room of its type.
+
+    The comparison is within the house, or within the unit if the house has public rooms.
+    """
     for unit in _units(house, promises) if promises.public else [{room.name for room in house.rooms}]:
         of_unit = [room for room in house.rooms if room.name in unit]
         types = {room.type for room in of_unit}
@@ -171,7 +178,7 @@ def plan_sizes(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def _units(house: House, promises: Promises) -> Iterator[set[str]]:
-    """The names of rooms that doors join, public rooms left out."""
+    """Yield the names of the rooms of each unit, which doors join without public rooms."""
     public = {room.name for room in house.rooms if room.type in promises.public}
     ends = {OUTSIDE, *public}
     left = {room.name for room in house.rooms} - public
@@ -186,7 +193,7 @@ def _units(house: House, promises: Promises) -> Iterator[set[str]]:
 
 
 def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
-    """Units that are entered from no public room, by several doors, or from outside."""
+    """Yield a fault for each unit that is entered from no public room, by several doors, or from outside."""
     ends = {OUTSIDE, *(room.name for room in house.rooms if room.type in promises.public)}
     for unit in _units(house, promises) if promises.public else ():
         doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
@@ -199,6 +206,6 @@ def plan_units(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def _wall(one: Box, other: Box, thickness: float) -> float:
-    """How much wall of this thickness two rooms share, metres; 0 where they share none."""
+    """Return the length of the wall of this thickness between two rooms, metres; 0 if they share none."""
     spans = [min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in (0, 1)]
     return max(*spans, 0.0) if abs(min(spans) + thickness) <= TOLERANCE else 0.0

@@ -1,7 +1,7 @@
-"""What the check asks of a star: its doors, its sides, its main room and the rooms around it.
+"""Checks of stars: doors, sides, the main room and the rooms around it.
 
-The original's houses are stars too, which are judged by the paper's constraints. They do not promise how far
-rooms stand apart, nor the least area of the main room.
+The original's houses are stars too, judged by the paper's constraints. They promise neither the distance
+between rooms nor the least area of the main room.
 """
 
 import math
@@ -23,11 +23,11 @@ from logic.house.promises import Promises
 from logic.spelling import numbered
 
 SPACIOUSNESS = 2.0
-"""The most that the main room may be larger than the least main room that fits its rooms."""
+"""Largest ratio of the main room's area to that of the least main room that fits its rooms."""
 
 
 def star_doors(house: House, promises: Promises) -> Iterator[Fault]:
-    """Doors of another width than promised, or on no wall that their rooms share."""
+    """Yield a fault for each door of another width than promised, or on no wall that its rooms share."""
     star = house.star
     first = star.rooms[0].door.length if star.rooms else 0.0
     wanted = first if promises.door_width is None else promises.door_width
@@ -45,7 +45,7 @@ def star_doors(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def star_rooms(house: House, promises: Promises) -> Iterator[Fault]:
-    """Rooms that overlap, stand too near to each other, or are larger than the main room."""
+    """Yield a fault for rooms that overlap, are too near to each other, or exceed the main room's area."""
     floor, rooms, names = house.main, house.secondary, _names(house)
     slack = TOLERANCE * (floor.width + floor.height)
     for room, name in zip(rooms, names, strict=True):
@@ -67,7 +67,7 @@ def star_rooms(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def star_sides(house: House, promises: Promises) -> Iterator[Fault]:
-    """Too many rooms on one side of the main room."""
+    """Yield a fault for each side of the main room with too many rooms."""
     star = house.star
     if promises.a_side is None or len(star.rooms) < 4:
         return
@@ -79,7 +79,7 @@ def star_sides(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def star_shape(house: House, _: Promises) -> Iterator[Fault]:
-    """A main room that is too long."""
+    """Yield a fault for a main room that is too long."""
     floor = house.star.floor
     short, long = sorted((floor.width, floor.height))
     if long > ELONGATION * short + TOLERANCE:
@@ -88,7 +88,7 @@ def star_shape(house: House, _: Promises) -> Iterator[Fault]:
 
 
 def star_main_room(house: House, promises: Promises) -> Iterator[Fault]:
-    """A main room that is too large."""
+    """Yield a fault for a main room that is too large."""
     star = house.star
     if house.provenance and "keep" in house.provenance.request:
         return  # It reaches from one fixed room to the other, however far.
@@ -103,7 +103,7 @@ def star_main_room(house: House, promises: Promises) -> Iterator[Fault]:
 
 
 def star_sizes(house: House, room: Room, promises: Promises) -> Iterator[str]:
-    """Sizes out of their bounds, as seen from the door: of a room, and of its pieces."""
+    """Yield a text for each size of a room and of its pieces out of its bounds, as seen from the door."""
     along_x = side_of(house.star, house.star.rooms[house.counted.index(room)]) in {"north", "south"}
     width, depth = (room.width, room.height) if along_x else (room.height, room.width)
     bounds = promises.room_size.get(room.type), promises.room_relations.get(room.type, ())

@@ -1,7 +1,7 @@
-"""Where a square can go in a house: its configuration space, exact, since every edge is axis-aligned.
+"""Configuration space of a square in a house, which is exact since every edge is axis-aligned.
 
-A square's centre keeps half a side, in x and in y, from every wall and piece: grow each by that much, and
-what is left of the floor falls into spaces that the square cannot leave.
+The centre of a square keeps half a side, in x and in y, from every wall and piece. Each obstacle grows by
+that much, and the rest of the floor falls into spaces that the square cannot leave.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -17,12 +17,12 @@ from logic.house.parts import OUTSIDE, Door, Rect, Room
 
 
 def spaces(house: House, *sides: float) -> Iterator[list[Polygon]]:
-    """For squares of each of these sides (metres) the places of its centre: a polygon (metres) for each part
-    that the square cannot leave.
+    """Yield for a square of each side (metres) the polygons (metres) of the places of its centre.
 
-    Squares pass where there is room for the side to within the tolerance.
+    Each polygon is a part that the square cannot leave. Squares pass through gaps as wide as their side to
+    within the tolerance.
     """
-    # Floors that touch within the tolerance are joined; the walls around them are far thicker, once grown.
+    # Floors that touch within the tolerance are joined. The walls around them, once grown, are far thicker.
     half, standing = house.half_wall, [piece.box for room in house.rooms for piece in room.pieces]
     if half:
         ways = [way_through(door, half) for door in house.doors if not door.is_entrance]
@@ -38,23 +38,21 @@ def spaces(house: House, *sides: float) -> Iterator[list[Polygon]]:
 
 
 def swept(space: BaseGeometry, side: float) -> BaseGeometry:
-    """All that a square covers while its centre goes everywhere in a space (square metres of floor)."""
+    """Return the floor that a square covers while its centre visits every place of a space."""
     return space.buffer(side / 2, join_style="mitre")
 
 
 def first_room(house: House) -> Room:
-    """The room from which a body walks through a house: that of the first entrance, else the hub, else the
-    first.
-    """
+    """Return the room where the robot starts: that of the first entrance, else the hub, else the first."""
     entered = [name for door in house.doors if door.is_entrance for name in door.between if name != OUTSIDE]
     return next((house.room(name) for name in (*entered, house.hub) if name), house.rooms[0])
 
 
 def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
-    """The space in which a square is in the first room: in a star ``floor`` minus the rooms.
+    """Return the space of a square's centre in the first room (in a star ``floor`` without the rooms).
 
-    Rooms that cut the main room in parts leave several: the one with most of it. Empty where a square of
-    this side (metres) does not fit into the first room.
+    If rooms divide the main room into several parts, the result is the space with the largest share of it.
+    The polygon is empty if a square of this side (metres) does not fit into the first room.
     """
     first = first_room(house)
     others = [shapely.box(*room.box) for room in house.cut_from(first)]
@@ -65,15 +63,17 @@ def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
 
 
 def way_through(opening: Rect, half: float) -> Box:
-    """What a door or window takes of its wall, of which half is so thick, metres."""
+    """Return the box that an opening takes of its wall; ``half`` is half the wall's thickness, metres."""
     x, y = (half, 0.0) if opening.width < opening.height else (0.0, half)
     west, north, east, south = opening.box
     return west - x, north - y, east + x, south + y
 
 
 def doorway(door: Door, side: float, half: float = 0.0) -> BaseGeometry:
-    """Where the centre of a square is that goes through a door: the door itself, or as near as it comes to an
-    entrance, which is shut, or to a door that is narrower. ``half``: of the thickness of its wall, metres.
+    """Return the places of a square's centre at a door.
+
+    These are the door itself, or the places nearest to it if the door is an entrance, which is shut, or too
+    narrow. ``half`` is half the thickness of its wall, metres.
     """
     west, north, east, south = door.box
     line = shapely.LineString([(west, north), (east, south)])
@@ -82,8 +82,9 @@ def doorway(door: Door, side: float, half: float = 0.0) -> BaseGeometry:
 
 
 def joins_all(room: Rect, doorways: Iterable[BaseGeometry], spaces: Iterable[Polygon]) -> bool:
-    """Whether a square, whose ``spaces`` in the house these are, can go from each of a room's doorways to
-    each other without leaving the room.
+    """Return True if a square can go between all doorways of a room without leaving the room.
+
+    ``spaces`` are the spaces of the square in the house.
     """
     doorways, floor = list(doorways), shapely.box(*room.box)
     parts = [part for space in spaces for part in _polygons(space.intersection(floor))]
@@ -93,19 +94,20 @@ def joins_all(room: Rect, doorways: Iterable[BaseGeometry], spaces: Iterable[Pol
 
 
 def places_inside(room: Rect, side: float) -> BaseGeometry:
-    """The places of the centre of a square that is wholly inside a room, were it empty."""
+    """Return the places of the centre of a square that is wholly inside a room, ignoring furniture."""
     return _shrunk(shapely.box(*room.box), side)
 
 
 def free_floor(room: Room) -> BaseGeometry:
-    """A room minus its pieces."""
+    """Return a room's floor without its pieces."""
     standing = _grown([piece.box for piece in room.pieces], 0.0)
     return shapely.difference(shapely.box(*room.box), standing)
 
 
 def _walls(house: House) -> Iterator[Box]:
-    """Every wall as boxes without thickness: the rooms' but for the doors between them. Of a star's main room
-    they are where no room is.
+    """Yield all walls as boxes without thickness, except the doors between rooms.
+
+    A star's main room has walls where no other room is.
     """
     if main := house.main_room:
         yield from _edges(main, [room.box for room in house.cut_from(main)])
@@ -115,7 +117,7 @@ def _walls(house: House) -> Iterator[Box]:
 
 
 def _edges(rect: Rect, gaps: Sequence[Box]) -> Iterator[Box]:
-    """What gaps leave of the edges of a rectangle, from west to east and from north to south."""
+    """Yield the parts of a rectangle's edges outside the gaps, from west to east and from north to south."""
     west, north, east, south = rect.box
     for along, across in ((0, north), (0, south), (1, west), (1, east)):
         start, end = (west, east) if along == 0 else (north, south)
@@ -137,7 +139,7 @@ def _polygons(geometry: BaseGeometry) -> Iterator[Polygon]:
 
 
 def _grown(boxes: Sequence[Box], by: float) -> BaseGeometry:
-    """All that boxes cover, each grown by this much (metres) on all sides."""
+    """Return the union of boxes, each grown by ``by`` (metres) on all sides."""
     west, north, east, south = np.array(boxes, float).reshape(-1, 4).T
     return shapely.union_all(shapely.box(west - by, north - by, east + by, south + by))
 

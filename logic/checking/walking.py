@@ -1,6 +1,4 @@
-"""What the check asks of the ways through a house: that the body gets through, and squares as wide as a
-passage.
-"""
+"""Checks that the robot gets through a house, and that squares as wide as a passage do."""
 
 from collections.abc import Iterator, Sequence
 
@@ -27,20 +25,20 @@ from logic.house.parts import BODY, Door, Room
 from logic.house.promises import Promises
 
 REACHABLE = 0.6
-"""The least share of a room's free floor that the body reaches from the room's doors."""
+"""Least fraction of a room's free floor that the robot must reach from the room's doors."""
 SLIVER = 1e-4
-"""Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
+"""Area in square metres. A square whose centre has less area than this only just fits and does not count."""
 
 
 def unentered(house: House, _: Promises) -> Iterator[Fault]:
-    """Rooms that the body cannot get into from the first room."""
+    """Yield a fault for each room that the robot cannot enter from the first room."""
     (bodies,) = spaces(house, BODY)
     first = first_space(house, bodies, BODY)
     return (_unentered(house, room) for room in house.counted if not _enters(first, room))
 
 
 def impassable(house: House, promises: Promises) -> Iterator[Fault]:
-    """The same, and of the rooms that it gets into those whose floor it does not reach, or by narrow ways."""
+    """Yield the faults of ``unentered``, then those of rooms with unreachable floor or narrow ways."""
     passage = max(promises.passage, SLIVER)
     bodies, squares = spaces(house, BODY, passage)
     first = first_space(house, bodies, BODY)
@@ -77,7 +75,7 @@ def _unentered(house: House, room: Room) -> Fault:
 
 
 def _unreached(room: Room, doors: Sequence[Door], reached: BaseGeometry) -> Iterator[str]:
-    """A room of whose floor too little is ``reached``."""
+    """Yield a text if too little of a room's floor is ``reached``."""
     free = free_floor(room)
     share = reached.intersection(free).area / free.area
     its = "its door" if len(doors) == 1 else "its doors"
@@ -89,7 +87,7 @@ def _unreached(room: Room, doors: Sequence[Door], reached: BaseGeometry) -> Iter
 def _narrow(
     room: Room, doors: Sequence[Door], squares: Sequence[Polygon], passage: float, half: float
 ) -> Iterator[str]:
-    """A room with places that a square gets to from no door, or from one door and not from the others."""
+    """Yield a text for places in a room that a square reaches from no door, or not from all doors."""
     free, by_square = free_floor(room), [doorway(door, passage, half) for door in doors]
     wide = shapely.union_all(by_square)
     closed = [space for space in squares if space.intersection(free).area > SLIVER]

@@ -1,1 +1,1 @@
-"""Sets of many houses: files of rows that are made apart from each other, again, and read by other tools."""
+"""Sets of many houses: files of rows, generated independently, reproducible, and readable by other tools."""

@@ -1,4 +1,4 @@
-"""The card of a set, as the Hugging Face Hub and people read it, and its description in Croissant 1.1."""
+"""Card of a set for the Hugging Face Hub and for people, and its description in Croissant 1.1."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ COLUMNS = {
     "why": (TEXT, "The limit that the house ended in."),
     "sha256": (TEXT, "Of the house's canonical JSON."),
 }
-"""The flat columns: type and meaning."""
+"""Type and meaning of the flat columns."""
 
 NESTED = {
     "topology": "How the rooms lie together.",
@@ -35,7 +35,7 @@ NESTED = {
     "windows": "Segments in outer walls of a room, metres.",
     "pieces": "Furniture: rectangles with type, room and orientation, metres.",
 }
-"""What is in the column ``house``."""
+"""Parts of the column ``house``."""
 
 ENCODING = {"parquet": "application/x-parquet", "jsonl": "application/jsonlines"}
 
@@ -63,7 +63,7 @@ CONTEXT: dict[str, Any] = {
 
 
 def described(of: Set, manifest: Manifest) -> dict[str, bytes]:
-    """The last files of a set, the manifest among them."""
+    """Return the last files of a set, with the manifest."""
     content = encoded(manifest)
     croissant = json.dumps(_croissant(of, manifest, hashlib.sha256(content).hexdigest()), indent=1)
     card = "\n".join(_card(of, manifest)) + "\n"
@@ -84,7 +84,7 @@ def _name(of: Set) -> str:
 
 
 def _card(of: Set, manifest: Manifest) -> Iterator[str]:
-    """The card, line by line."""
+    """Yield the lines of the card."""
     rows = dict.fromkeys(of.houses, 0)
     for shard in manifest.shards:
         rows[shard.split] += shard.rows
@@ -108,7 +108,7 @@ def _card(of: Set, manifest: Manifest) -> Iterator[str]:
 
 
 def _croissant(of: Set, manifest: Manifest, digest: str) -> dict[str, Any]:
-    """The description for machines."""
+    """Return the description in Croissant."""
     files = {
         "@type": "cr:FileSet",
         "@id": "shards",

@@ -1,4 +1,4 @@
-"""Files of rows: JSON Lines, and Parquet by pyarrow. The same rows give the same bytes."""
+"""Files of rows: JSON Lines, and Parquet by pyarrow. Equal rows give equal bytes."""
 
 import os
 import secrets
@@ -20,17 +20,17 @@ Files = Literal["parquet", "jsonl"]
 FILES: tuple[str, ...] = get_args(Files)
 
 GROUP = 256
-"""Rows that are held at once: of a row group in Parquet."""
+"""Number of rows in memory at a time, and in a row group of Parquet."""
 
 COMPRESSION = "zstd"
 
 MAX_ROW_BYTES = 1 << 23
-"""Size of a row of JSON Lines."""
+"""Largest size of a row of JSON Lines, in bytes."""
 
 
 @cache
 def schema() -> Any:
-    """The columns, as pyarrow has them."""
+    """Return the columns as a schema of pyarrow."""
     import pyarrow as pa
 
     text, real = pa.string(), pa.float64()
@@ -65,9 +65,9 @@ def schema() -> Any:
 
 @contextmanager
 def written(path: Path, files: Files) -> Iterator[Callable[[list[Row]], None]]:
-    """Write rows, some at a time, beside their place; at the end the file is flushed to disk and renamed.
+    """Write rows group by group to a temporary file, which is flushed to disk and renamed at the end.
 
-    Raises ``OSError`` if that fails: then nothing is left.
+    Raises ``OSError`` if this fails, and leaves no file.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
@@ -98,7 +98,7 @@ def _writer(file: BinaryIO, files: Files) -> Iterator[Callable[[list[Row]], None
 
 
 def in_groups(rows: Iterable[Row]) -> Iterator[list[Row]]:
-    """The rows, as many at a time as a file holds together."""
+    """Yield the rows in groups of ``GROUP``."""
     group = list[Row]()
     for row in rows:
         group.append(row)
@@ -112,8 +112,8 @@ def in_groups(rows: Iterable[Row]) -> Iterator[list[Row]]:
 def read(path: Path, first: int = 0) -> Iterator[Row]:
     """Yield the rows of a file from number ``first`` on, one group at a time.
 
-    Raises ``OSError`` if the file cannot be read, and ``ValueError`` if it is too large or holds no
-    rows of a set.
+    Raises ``OSError`` if the file cannot be read, and ``ValueError`` if it is too large or contains no rows
+    of a set.
     """
     if path.suffix == ".jsonl":
         with opened(path, MAX_FILE_BYTES, unpack=False) as file:

@@ -1,8 +1,8 @@
-"""Reader of untrusted Parquet files, which checks the footer and the page headers before it unpacks a page.
+"""Reader of untrusted Parquet files that checks the footer and the page headers before it unpacks a page.
 
 A few kilobytes of Parquet may unpack to terabytes: pages are compressed, texts of a dictionary are repeated,
 and texts share the beginning of the previous text (``DELTA_BYTE_ARRAY``). The footer may state other sizes
-than the page headers, so the headers are read too: https://parquet.apache.org/docs/file-format/.
+than the page headers, so the reader checks the headers, too: https://parquet.apache.org/docs/file-format/.
 """
 
 from collections.abc import Iterator
@@ -13,16 +13,16 @@ from typing import Any, BinaryIO
 from logic.opener import opened
 
 MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 26
-"""Size of a file, and of its footer, which lists the row groups."""
+"""Largest size of a file, and of its footer, which lists the row groups, in bytes."""
 
 MAX_GROUP_BYTES, MAX_GROUP_VALUES = 1 << 27, 1 << 23
-"""Size of a row group, unpacked: bytes, and values in all columns together."""
+"""Largest size of an unpacked row group: bytes, and values in all columns together."""
 
 MAX_HEADER_BYTES = 1 << 16
-"""Size of a page header, which may state a least and a greatest value."""
+"""Largest size of a page header, which may state a least and a greatest value, in bytes."""
 
 ENCODINGS = {0, 2, 3, 8}
-"""Encodings that repeat nothing but texts of a dictionary: plain, dictionary (two numbers), run lengths."""
+"""Encodings that repeat only texts of a dictionary: plain, dictionary (two numbers), run lengths."""
 
 DATA, INDEX, DICTIONARY, DATA_2 = range(4)
 """Page types."""
@@ -134,7 +134,7 @@ def _length(array: Any) -> int:
 
 
 class Thrift:
-    """Decoder of Thrift's compact protocol, as far as page headers use it."""
+    """Decoder of the part of Thrift's compact protocol that page headers use."""
 
     def __init__(self, content: bytes) -> None:
         """Begin at the first byte."""

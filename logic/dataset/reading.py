@@ -1,4 +1,4 @@
-"""A set as a list of houses that are read as they are asked for: no more than a group of rows is held."""
+"""Set as a list of houses, read on access, with only one group of rows in memory."""
 
 import hashlib
 from bisect import bisect_right
@@ -23,7 +23,7 @@ from logic.readers.world import MOST_BYTES, read_world
 from logic.spelling import numbered, unknown
 
 WORLDS = (".json", ".geojson", ".geojsonl", ".geojsons")
-"""How the names of plans end that are read as houses to simulate."""
+"""Suffixes of the names of plans that are read as houses to simulate."""
 
 
 class Counts(msgspec.Struct, frozen=True):
@@ -41,14 +41,15 @@ class Counts(msgspec.Struct, frozen=True):
 
 
 class HouseSet(Sequence[House]):
-    """The houses of a whole set, or of some of its splits, in their order; rows of limits have none.
+    """Houses of a complete set, or of some of its splits, in order, without rows of limits.
 
-    Iterating reads file after file. By its place a house is read with the group of rows around it.
+    Iteration reads file after file. Indexing reads the group of rows around the house.
     """
 
     def __init__(self, folder: str | Path, *splits: str) -> None:
-        """Read the manifest. Raises ``HouseFileError`` if there is none, ``RequestError`` for a split that
-        it does not have.
+        """Read the manifest.
+
+        Raises ``HouseFileError`` if there is none, and ``RequestError`` for an unknown split.
         """
         self.folder = Path(folder)
         self.of, self._shards = _opened(self.folder)
@@ -61,20 +62,20 @@ class HouseSet(Sequence[House]):
 
     @property
     def splits(self) -> set[str]:
-        """Those that its houses are of."""
+        """Splits of its houses."""
         return {each.split for each in self._shards}
 
     @property
     def hash(self) -> str:
-        """A name for the houses in their order: SHA-256 of the hashes that the manifest has of them."""
+        """Hash that names the houses in their order: SHA-256 of their hashes in the manifest."""
         return hashlib.sha256("\n".join(each.rows_sha256 for each in self._shards).encode()).hexdigest()
 
     def __len__(self) -> int:
-        """How many houses."""
+        """Return the number of houses."""
         return self._ends[-1] if self._ends else 0
 
     def __iter__(self) -> Iterator[House]:
-        """All houses, file after file."""
+        """Yield all houses, file after file."""
         for shard in self._shards:
             for row in self._rows(shard):
                 if row.get("house") is not None:
@@ -102,7 +103,7 @@ class HouseSet(Sequence[House]):
     @overload
     def __getitem__(self, index: slice) -> Houses: ...
     def __getitem__(self, index: SupportsIndex | slice) -> House | Houses:
-        """A house by its place; of a slice, the list of its houses."""
+        """Return the house at an index, or a list of the houses of a slice."""
         places = range(len(self))[index]
         if isinstance(places, range):
             return Houses(self[place] for place in places)
@@ -114,13 +115,13 @@ class HouseSet(Sequence[House]):
         return self._house(self._row(shard, row))
 
     def rows(self) -> Iterator[Row]:
-        """All rows, those of limits too."""
+        """Yield all rows, with those of limits."""
         for shard in self._shards:
             yield from self._rows(shard)
 
     def _row(self, shard: Held, place: int) -> Row:
         first = place - place % GROUP
-        group = self._group  # another thread may take another one meanwhile
+        group = self._group  # another thread may replace it meanwhile
         if group is None or group[:2] != (shard, first):
             self._group = group = shard, first, list(islice(self._rows(shard, first), GROUP))
         if place - first >= len(group[2]):
@@ -130,8 +131,8 @@ class HouseSet(Sequence[House]):
     def _rows(self, shard: Held, first: int = 0) -> Iterator[Row]:
         """Yield the rows of a shard from number ``first`` on.
 
-        The file is compared with the manifest before the first row, the rows after the last one. Raises
-        ``HouseFileError`` if they differ.
+        The file is compared with the manifest before the first row, and the rows after the last one. Raises
+        ``HouseFileError`` for a difference.
         """
         path = self.folder / shard.file
         try:
@@ -172,7 +173,10 @@ class HouseSet(Sequence[House]):
 
 
 def _as_stated(rows: Iterator[Row], shard: Held) -> Iterator[Row]:
-    """Yield the rows of a shard. Raises ``ValueError`` after the last where the manifest states others."""
+    """Yield the rows of a shard.
+
+    Raises ``ValueError`` after the last row if the manifest states other rows.
+    """
     number, limits, digest = 0, list[int](), hashlib.sha256()
     for number, row in enumerate(rows, 1):
         if row.get("house") is None:
@@ -186,7 +190,7 @@ def _as_stated(rows: Iterator[Row], shard: Held) -> Iterator[Row]:
 
 
 def _opened(folder: Path) -> tuple[Set, list[Held]]:
-    """What a folder is a set of, and its shards."""
+    """Return the record of a set and its shards."""
     of, manifest = read_set(folder), read_manifest(folder)
     if of is None:
         raise HouseFileError(f"{folder}: is no set of houses: it has no {SET}")
@@ -196,10 +200,10 @@ def _opened(folder: Path) -> tuple[Set, list[Held]]:
 
 
 def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequence[House]:
-    """The houses of a set's folder, which are read as they are asked for, or of a house file; a plan of
-    HouseExpo (``.json``) or GeoJSON, with walls at any angle, is one house to simulate.
+    """Return the houses of a set's folder, which are read on access, or of a house file.
 
-    See ``HouseSet``, ``logic.house.files.load`` and ``logic.readers.world``.
+    A plan of HouseExpo (``.json``) or GeoJSON, with walls at any angle, is one house to simulate. See
+    ``HouseSet``, ``logic.house.files.load`` and ``logic.readers.world``.
     """
     path = Path(path)
     if file is None and (path / SET).is_file():
@@ -209,7 +213,7 @@ def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequ
 
 
 def _world(path: Path) -> House | None:
-    """Return the house of a file that holds a plan; None for another file or one that cannot be read."""
+    """Return the house of a file that holds a plan, or None for another or unreadable file."""
     try:
         return read_world(content_of(path, MOST_BYTES), path)
     except OSError:

@@ -1,4 +1,4 @@
-"""Rows made again: the house that a row's columns and the rules give, beside the hash that the row has."""
+"""Regeneration of rows: the house that a row's columns and the rules give, compared with the row's hash."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -21,11 +21,14 @@ from logic.request.request import require_series, whole
 from logic.workers.series import HouseSeries
 
 INFERENCES, SECONDS = 100_000_000, 60.0
-"""Most for a house, where no set says."""
+"""Limits for a house without a set: Prolog inferences and seconds."""
 
 
 class Again(NamedTuple):
-    """A row, and what came of it: its house or limit; None where that is the row's, else in words why not."""
+    """Row and its regenerated house or limit.
+
+    ``differs`` is the difference in words, or None if they agree.
+    """
 
     row: Columns
     made: House | LimitReached
@@ -33,7 +36,7 @@ class Again(NamedTuple):
 
 
 def rows_of(path: Path) -> tuple[Iterator[Row], Set | None]:
-    """The rows of a set's folder, of one of its files, or of a file of rows elsewhere, and the set."""
+    """Return the rows of a set's folder, of one of its files, or of a file elsewhere, and the set or None."""
     if (path / SET).is_file():
         houses = HouseSet(path)
         return houses.rows(), houses.of
@@ -49,11 +52,11 @@ def _lines(path: Path) -> Iterator[Row]:
 
 
 def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = None) -> Iterator[Again]:
-    """The rows of these places, from 0, or all, each made again.
+    """Yield the rows at these indices (from 0), or all rows, each with its regenerated house.
 
-    The rules are those of ``grammar``, a folder or a shipped one's name, else those that travel with the set,
-    else the shipped ones that the row names. Raises ``HouseFileError`` for what is no row, ``GrammarError``
-    where the rules are not those that made it, and what ``generate`` raises.
+    The rules are those of ``grammar``, a folder or a shipped name. Otherwise they are those that travel with
+    the set, or else the shipped rules that the row names. Raises ``HouseFileError`` for a malformed row,
+    ``GrammarError`` if the rules differ from those of the row, and the errors of ``generate``.
     """
     wanted = {whole("--row", place, 0) for place in places}
     kept: dict[tuple[str, str], HouseSeries] = {}
@@ -98,7 +101,7 @@ def _rules(row: Columns, path: Path, of: Set | None, grammar: str | None) -> Gra
 
 
 def _differs(row: Columns, made: House | LimitReached, of: Set | None) -> str | None:
-    """Why what was made is not the row's; None where it is."""
+    """Return the difference between a regenerated house and its row in words, or None if they agree."""
     if isinstance(made, LimitReached):
         return f"{row.id}: {made}" if row.verdict == HOUSE else None
     digest = house_sha256(made)

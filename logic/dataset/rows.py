@@ -1,8 +1,8 @@
-"""A house as a row of a table: flat columns to select by, and the house itself, nested, in float64.
+"""Houses as rows of a table: flat columns for selection, and the house itself, nested, in float64.
 
-A row's ``sha256`` is that of its house's canonical JSON: the record ``vitruvius-2`` without its provenance,
-keys sorted, no white space, numbers as Python writes them, UTF-8. A house that ended in a limit is a row
-without a house, whose ``verdict`` is ``limit``.
+A row's ``sha256`` is the hash of its house's canonical JSON: the record ``vitruvius-2`` without its
+provenance, with sorted keys, no white space, numbers as Python writes them, in UTF-8. A house that reached a
+limit is a row without a house, whose ``verdict`` is ``limit``.
 """
 
 import hashlib
@@ -20,16 +20,16 @@ from logic.house.promises import Promises
 from logic.opener import from_json
 
 HOUSE, LIMIT = "house", "limit"
-"""Verdicts."""
+"""Values of the column ``verdict``."""
 
 SIDES = "x", "y", "width", "height"
 
 Row = dict[str, Any]
-"""A row, by column."""
+"""Row, by column."""
 
 
 class Columns(msgspec.Struct, frozen=True):
-    """Columns of a row from which its house is read or made again."""
+    """Columns of a row from which its house is read or generated again."""
 
     id: str
     seed: Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
@@ -48,7 +48,7 @@ class Columns(msgspec.Struct, frozen=True):
 
     @property
     def asked(self) -> dict[str, Any]:
-        """Return the request. Raises ``ValueError`` if it is no JSON."""
+        """Request of the house. Raises ``ValueError`` if the column is no JSON."""
         return from_json(self.request.encode(), dict[str, Any])
 
 
@@ -58,19 +58,19 @@ def columns_of(row: Row) -> Columns:
 
 
 def canonical(value: Any) -> str:
-    """JSON that is the same for the same value."""
+    """Return JSON that is the same for equal values."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
 
 
 def house_sha256(house: House) -> str:
-    """The identity of a house, whatever its format and whoever made it."""
+    """Return the hash that identifies a house in any file format, with any provenance."""
     record = house.converted().to_dict()
     record.pop("provenance", None)
     return hashlib.sha256(canonical(record).encode()).hexdigest()
 
 
 def source(grammar: str, grammar_hash: str, request: Mapping[str, Any], seed: int, index: int) -> Row:
-    """The columns that say what a row's house is a function of."""
+    """Return the columns that determine a row's house."""
     asked = canonical(request)
     series = hashlib.sha256(f"{grammar_hash}\n{asked}".encode()).hexdigest()[:12]
     return {
@@ -85,7 +85,7 @@ def source(grammar: str, grammar_hash: str, request: Mapping[str, Any], seed: in
 
 
 def house_row(house: House) -> Row:
-    """The row of a house that says where it comes from."""
+    """Return the row of a house with provenance."""
     made = house.provenance
     assert made is not None, "a house that was made says how"
     said = source(made.grammar, made.grammar_hash, made.request, made.seed, made.index)
@@ -101,13 +101,13 @@ def house_row(house: House) -> Row:
 
 
 def limit_row(said: Row, why: str) -> Row:
-    """The row of a house that ended in a limit: where it would come from, and why it is not there."""
+    """Return the row of a house that reached a limit, with the columns that determine it and the reason."""
     none = {"types": None, "area": None, "verdict": LIMIT, "why": why, "sha256": None, "house": None}
     return said | {"rooms": json.loads(said["request"])["rooms"], **none}
 
 
 def house_of(row: Row, versions: dict[str, str], promises: Promises | None) -> House | None:
-    """Return the house of a row, with provenance and promises of its set; None if the row ended in a limit.
+    """Return the house of a row, with its set's versions and promises, or None if the row is a limit.
 
     Raises ``ValueError`` if it is no row of a set.
     """
@@ -123,7 +123,7 @@ def house_of(row: Row, versions: dict[str, str], promises: Promises | None) -> H
 
 
 def _nested(house: House) -> Row:
-    """The house's column: its rooms, doors and windows, and the pieces of all rooms."""
+    """Return the column ``house``: rooms, doors and windows, and the pieces of all rooms."""
     west, north, east, south = zip(*(room.box for room in house.rooms), strict=True)
     x, y = min(west), min(north)
     return {
@@ -144,7 +144,7 @@ def _nested(house: House) -> Row:
 
 
 def _pieces(house: House) -> Iterator[Row]:
-    """All pieces, each before its children, which name it by its place in the list."""
+    """Yield all pieces, each before its children, which refer to it by its index in the list."""
     number = 0
 
     def family(piece: Piece, room: str, parent: int | None) -> Iterator[Row]:
@@ -161,7 +161,7 @@ def _pieces(house: House) -> Iterator[Row]:
 
 
 def _record(nested: Row, made: Provenance) -> Row:
-    """The record ``vitruvius-2`` of a house's column."""
+    """Return the record ``vitruvius-2`` of the column ``house``."""
     children: dict[str | int, list[Row]] = {room["name"]: [] for room in nested["rooms"]}
     for place, piece in enumerate(nested["pieces"]):
         named, own = {"type": piece["type"], "orientation": piece["orientation"], **_in(piece)}, list[Row]()

@@ -1,12 +1,11 @@
-"""A set of houses in a folder: what it is a set of, the shards that it is divided into, and its manifest.
+"""Set of houses in a folder: the record that determines its houses, its shards, and its manifest.
 
-========================================  ==================================================================
-``set.json``                              what the houses are a function of (``Set``), written first
-``grammar/NAME``                          the rules that make them
-``data/train-00003-of-00098.parquet``     a shard: rows, each a house (``rows.py``)
-``manifest.json``                         the shards with their hashes (``Manifest``), written last
-``README.md``, ``croissant.json``         the set's card, and its description for machines
-========================================  ==================================================================
+======================================== ==================================================================
+``set.json`` what the houses are a function of (``Set``), written first ``grammar/NAME`` the rules that make
+them ``data/train-00003-of-00098.parquet`` a shard: rows, each a house (``rows.py``) ``manifest.json`` the
+shards with their hashes (``Manifest``), written last ``README.md``, ``croissant.json`` the set's card, and
+its description for machines ========================================
+==================================================================
 """
 
 import hashlib
@@ -37,59 +36,59 @@ SET, MANIFEST, CARD, CROISSANT, DATA, GRAMMAR = (
     *("set.json", "manifest.json", "README.md", "croissant.json"),
     *("data", "grammar"),
 )
-"""What a set's folder holds."""
+"""Names of the files and folders in a set's folder."""
 
 SHARD = re.compile(rf"({'|'.join(SPLITS)})-\d{{5,}}-of-\d{{5,}}\.(parquet|jsonl)")
-"""The name of a shard's file."""
+"""Name of a shard's file."""
 
 BESIDE = re.compile(r"\.(.+)\.[0-9a-f]{8}")
-"""The name of a file while it is written, and after a kill."""
+"""Name of a temporary file during writing, and after a kill."""
 
 MAX_RECORD_BYTES = 1 << 26
-"""Size of ``set.json``, and of the manifest."""
+"""Largest size of ``set.json`` and of the manifest, in bytes."""
 
 MAX_SHARDS = 10**5
-"""Number of shards of a set."""
+"""Largest number of shards of a set."""
 
 RULES = (".lp", ".pl", ".json")
-"""What is copied of a grammar's folder."""
+"""Suffixes of the files that are copied from a grammar's folder."""
 
 
 class Shard(NamedTuple):
-    """A part of a set that is made by itself: some indices of the seed of a split."""
+    """Part of a set that is generated independently: some indices of a split's seed."""
 
     number: int
     split: str
     seed: int
     indices: range
     place: Path
-    """Of its file, in the set's folder."""
+    """Path of its file, relative to the set's folder."""
 
 
 class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """All that the rows of a set are a function of, and how they are divided into files."""
+    """Record that determines all rows of a set and their division into files."""
 
     format: Literal["vitruvius-set-1"]
     grammar: str
     grammar_hash: str
     request: dict[str, Any]
-    """As ``HouseSeries.request``."""
+    """Request in the form of ``HouseSeries.request``."""
     seed: int
-    """Of the houses to train on; those of the other splits have the seeds that are as far in theirs."""
+    """Position of the seed in each split's range of seeds; for training houses it is the seed itself."""
     start: int
-    """Index of the first house, in each split."""
+    """Index of the first house of each split."""
     houses: dict[str, int]
-    """How many, by split."""
+    """Number of houses of each split."""
     shards: int
     files: Files
     inferences: int
-    """Most Prolog inferences for a house."""
+    """Largest number of Prolog inferences for a house."""
     seconds: float
-    """Most seconds for a house."""
+    """Largest number of seconds for a house."""
     versions: dict[str, str]
-    """Of what made the houses."""
+    """Versions of the programs that generated the houses."""
     promises: Promises
-    """What the houses keep, by plain geometry."""
+    """Promises that the houses keep, for the check in plain geometry."""
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for values that no set has."""
@@ -109,15 +108,15 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             raise ValueError(f"{self.grammar!r} is no name of a grammar")
 
     def seed_of(self, split: str) -> int:
-        """The seed of a split's houses."""
+        """Return the seed of a split's houses."""
         return SPLITS[split][self.seed]
 
     def row_source(self, seed: int, index: int) -> Row:
-        """The columns that say what a house is a function of."""
+        """Return the columns that determine a house."""
         return source(self.grammar, self.grammar_hash, request_at(index, self.request), seed, index)
 
     def divided(self) -> list[Shard]:
-        """All shards: each split has as many as its share of the houses, and one at least."""
+        """Return all shards. Each split has a number of shards in proportion to its houses, at least one."""
         parts = dict.fromkeys(self.houses, 1)
         for _ in range(self.shards - len(parts)):
             largest = max(parts, key=lambda split: self.houses[split] / parts[split])
@@ -132,14 +131,14 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return shards
 
     def series(self, folder: Path) -> HouseSeries:
-        """Return the grammar of the set's houses: the rules in the set, or identical shipped rules.
+        """Return the series of the set's houses, with the rules in the set or identical shipped rules.
 
-        Raises ``GrammarError`` if those are not the rules that made it.
+        Raises ``GrammarError`` if these rules differ from those that generated the set.
         """
         return HouseSeries(self.rules(folder), self.request, self.inferences, self.seconds)
 
     def rules(self, folder: Path) -> Grammar:
-        """See ``series``."""
+        """Return the rules of ``series``."""
         if self.grammar in shipped() and (own := find(self.grammar)).hash == self.grammar_hash:
             return own
         own = find(inside(folder, f"{GRAMMAR}/{self.grammar}"))
@@ -153,43 +152,49 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Held(msgspec.Struct, frozen=True):
-    """What a shard's file holds, by its name in the set's folder."""
+    """Contents of a shard's file, with its name in the set's folder."""
 
     file: str
     split: str
     rows: int
     limits: list[int]
-    """The places, in the file, of rows without a house."""
+    """Indices, in the file, of rows without a house."""
     bytes: int
     sha256: str
-    """Of the file."""
+    """SHA-256 of the file."""
     rows_sha256: str
-    """Of the ``sha256`` of its rows, a line each, empty for a limit: the same in any format of files."""
+    """SHA-256 of the ``sha256`` of its rows, one a line, empty for a limit.
+
+    It is equal in all file formats.
+    """
 
 
 class Manifest(msgspec.Struct, frozen=True):
-    """That a set is whole, and what its files hold."""
+    """Record that a set is complete, with the contents of its files."""
 
     format: Literal["vitruvius-manifest-1"]
     set_sha256: str
-    """Of ``set.json``."""
+    """SHA-256 of ``set.json``."""
     houses: int
     limits: int
     shards: list[Held]
 
 
 def encoded(record: Set | Manifest) -> bytes:
-    """A record as its file has it."""
+    """Return a record in the bytes of its file."""
     return msgspec.json.format(msgspec.json.encode(record), indent=1) + b"\n"
 
 
 def read_set(folder: Path) -> Set | None:
-    """What a folder is a set of; None where it does not say. Raises ``HouseFileError`` for a wrong file."""
+    """Return the record of a folder's set, or None without one.
+
+    Raises ``HouseFileError`` for a wrong file.
+    """
     return _read(folder / SET, Set)
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """Return the manifest of a set; None where the set is not complete.
+    """Return the manifest of a set, or None if the set is incomplete.
 
     Raises ``HouseFileError`` for a wrong file, and for a manifest that contradicts ``set.json``.
     """
@@ -231,12 +236,12 @@ def _read(path: Path, kind: type[Kind]) -> Kind | None:
 
 
 def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
-    """Write what the set is of, and its rules, unless that is there; another one goes with ``replace``.
+    """Write the record and the rules of a set, unless they are there; ``replace`` removes another set.
 
-    What it is of comes first: of several processes that begin at once, each finds it before anything else.
-    Raises ``RequestError`` if another set or something else is there.
+    The record comes first, so that each of several processes that begin at once finds it before any other
+    file. Raises ``RequestError`` if another set or something else is there.
     """
-    others = _others(folder)  # Before what the set is of: what another process writes comes after that.
+    others = _others(folder)  # Listed first: files of other processes follow the record.
     there = _there(folder)
     if there != of and (there or others):
         if not replace and there:
@@ -259,7 +264,7 @@ def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
 
 
 def _others(folder: Path) -> bool:
-    """Whether a folder holds more than the beginning of ``set.json`` beside its place."""
+    """Return True if a folder holds more than a temporary file of ``set.json``."""
     if not folder.is_dir():
         return False
     beside = (BESIDE.fullmatch(path.name) for path in folder.iterdir())
@@ -274,13 +279,13 @@ def _there(folder: Path) -> Set | None:
 
 
 def files_of_shards(folder: Path) -> Iterator[Path]:
-    """The files in a set's folder that are named as shards are."""
+    """Yield the files in a set's folder that have names of shards."""
     data = folder / DATA
     return (path for path in data.iterdir() if SHARD.fullmatch(path.name)) if data.is_dir() else iter(())
 
 
 def leftovers(folder: Path) -> Iterator[Path]:
-    """Files that kills have left beside their places."""
+    """Yield temporary files that killed processes have left."""
     for place in (folder, folder / DATA, *(folder / GRAMMAR).glob("*")):
         for path in place.iterdir() if place.is_dir() else ():
             named = BESIDE.fullmatch(path.name)
@@ -289,19 +294,19 @@ def leftovers(folder: Path) -> Iterator[Path]:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file, unless it holds just that."""
+    """Write a file, unless it already has this content."""
     if not path.is_file() or path.read_bytes() != content:
         write_whole(path, content)
 
 
 def finish(folder: Path, content: dict[str, bytes]) -> None:
-    """Write the last files of a set, the manifest after all others; what kills have left goes."""
+    """Write the last files of a set, the manifest last, and remove temporary files of killed processes."""
     for path in leftovers(folder):
         path.unlink(missing_ok=True)
     for name in sorted(content, key=lambda name: name == MANIFEST):
         try:
             _write(folder / name, content[name])
-        except FileNotFoundError:  # it went with the leftovers of another process, which writes the same
+        except FileNotFoundError:  # another process, which writes the same, removed it as a leftover
             _write(folder / name, content[name])
 
 

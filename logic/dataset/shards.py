@@ -1,4 +1,4 @@
-"""Shards of a set: each is made whole or not at all, and one that is there is verified."""
+"""Shards of a set: each is written whole or not at all, and an existing one is verified."""
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator
@@ -14,10 +14,10 @@ from logic.house.house import House
 from logic.workers.series import HouseSeries
 
 Mapper = Callable[[Callable[[Shard], Held], list[Shard]], Iterable[Held]]
-"""As the built-in ``map``."""
+"""Function with the signature of the built-in ``map``."""
 
 KILLS = 3
-"""Times that a solver process may be killed from outside at one house."""
+"""Number of kills from outside at the same house after which the set stops."""
 
 
 def make(
@@ -29,10 +29,11 @@ def make(
     replace: bool = False,
     report: Callable[[int], None] = lambda rows: None,
 ) -> bool:
-    """Make a shard; whether it was not there. ``report`` hears of rows as they are made.
+    """Generate a shard. Return False if a correct one exists already.
 
-    Raises ``RequestError`` if its place holds something else (which goes with ``replace``), and what
-    ``generate`` raises but for limits of a house, which are rows.
+    ``report`` is called with the number of rows as they are made. Raises ``RequestError`` if another file is
+    in its place, unless ``replace`` is True. Raises the errors of ``generate``, except limits of a house,
+    which become rows.
     """
     path = folder / shard.place
     if path.exists():
@@ -50,13 +51,16 @@ def make(
                 write(group)
                 report(len(group))
     except FileNotFoundError:
-        if not path.exists():  # else another process made it, and took our half for what a kill had left
+        if not path.exists():  # otherwise another process made it and removed our file
             raise
     return True
 
 
 def make_on_node(folder: Path, of: Set, replace: bool, shard: Shard) -> bool:
-    """``make`` by another machine. Raises ``MissingProgram`` if it would make something else."""
+    """Call ``make`` on another machine.
+
+    Raises ``MissingProgram`` if the machine would generate other houses.
+    """
     if read_set(folder) != of:
         raise MissingProgram(f"{folder}: the set is not there: the folder must be one that all nodes share")
     series = of.series(folder)
@@ -68,7 +72,7 @@ def make_on_node(folder: Path, of: Set, replace: bool, shard: Shard) -> bool:
 
 
 def _rows(of: Set, shard: Shard, series: HouseSeries, workers: int) -> Iterator[Row]:
-    """The rows of a shard, a house that a killed process worked on again."""
+    """Yield the rows of a shard. A house whose process was killed is generated again."""
     kills, indices = 0, shard.indices
     while indices:
         for made in series.outcomes(shard.seed, indices, workers):
@@ -84,12 +88,12 @@ def _rows(of: Set, shard: Shard, series: HouseSeries, workers: int) -> Iterator[
 
 
 def _why(said: str, late: str) -> str:
-    """What limit a house ended in, without what it was at work on, which depends on the machine."""
+    """Return the limit of a house, without the current work of the process, which depends on the machine."""
     return late if said.startswith(late) else said.partition("\n")[0].partition(". ")[0]
 
 
 def held(folder: Path, of: Set, shard: Shard) -> Held:
-    """What a shard's file holds. Raises ``ValueError`` if that is not what it is to hold."""
+    """Return the contents of a shard's file. Raises ``ValueError`` if they differ from the shard's."""
     path = folder / shard.place
     limits, number, digest = list[int](), 0, hashlib.sha256()
     for number, row in enumerate(read(path), 1):
@@ -110,7 +114,7 @@ def held(folder: Path, of: Set, shard: Shard) -> Held:
 
 
 def _made_again(row: Row, said: Row, of: Set) -> Row | None:
-    """The row that its house has, or its limit; None where it has neither."""
+    """Return the row for the house or limit in a row, or None if the row has neither."""
     try:
         house = house_of(row | said, of.versions, of.promises)
         return house_row(house) if house else limit_row(said, str(row["why"]))
@@ -119,13 +123,13 @@ def _made_again(row: Row, said: Row, of: Set) -> Row | None:
 
 
 def missing(folder: Path, of: Set) -> list[Shard]:
-    """The shards that are not there."""
+    """Return the shards whose files are missing."""
     there = {path.name for path in (folder / "data").glob("*")}
     return [shard for shard in of.divided() if shard.place.name not in there]
 
 
 def verified(folder: Path, of: Set, shard: Shard) -> Held:
-    """``held``. Raises ``HouseFileError`` if a shard's file is not what it is to be."""
+    """Return ``held``. Raises ``HouseFileError`` if the contents of the file differ from the shard's."""
     try:
         return held(folder, of, shard)
     except ValueError as error:
@@ -133,9 +137,9 @@ def verified(folder: Path, of: Set, shard: Shard) -> Held:
 
 
 def complete(folder: Path, of: Set, each: Mapper = map) -> Manifest | None:
-    """Write the manifest if all shards are there, and verify them before; None where some are missing.
+    """Verify all shards and write the manifest; return None if shards are missing.
 
-    ``each`` calls what verifies a shard. Raises ``HouseFileError`` for one that is not what it is to be.
+    ``each`` maps the verification over the shards. Raises ``HouseFileError`` for a wrong shard.
     """
     if missing(folder, of):
         return None

@@ -1,12 +1,12 @@
-"""Seeds that are set apart for training, validation and test: by its seed, a house is of one of them."""
+"""Seeds reserved for training, validation and test. The seed of a house decides its split."""
 
 TRAINING, VALIDATION, TEST = range(10**9), range(10**9, 2 * 10**9), range(2 * 10**9, 2**31)
-"""Seeds of the generator: to learn from, to choose settings by, and to be measured by alone."""
+"""Seeds of the generator for training, for the choice of settings, and for the final evaluation alone."""
 
 SPLITS = {"train": TRAINING, "validation": VALIDATION, "test": TEST}
-"""By the names that other tools have for them."""
+"""Splits by the names that other tools use."""
 
 
 def split_of(seed: int) -> str:
-    """The split that a seed is reserved for."""
+    """Return the split of a seed."""
     return next(name for name, seeds in SPLITS.items() if seed in seeds)

@@ -1,4 +1,4 @@
-"""What the page knows from Python, as ``rules.json``: rules, and what Python says and assumes beside them."""
+"""Data that the page takes from Python, as ``rules.json``: rules, messages and constants."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -55,11 +55,11 @@ from logic.request.request import MOST_ROOMS
 from logic.workers.explain import INFERENCES
 
 BUILDING = "building"
-"""The topology of houses of units: the page does not make those."""
+"""Topology of houses with units, which the page does not generate."""
 
 
 def bundle() -> dict[str, object]:
-    """The core's rule files by path, the shipped grammars' by name, and what Python knows beside them."""
+    """Return the core's rule files by path, the shipped grammars' files by name, and Python's own data."""
     names = [name for name in shipped() if find(name).topology_name != BUILDING]
     return {
         "version": version("vitruvius"),
@@ -110,8 +110,9 @@ def bundle() -> dict[str, object]:
 
 
 def letter_widths() -> dict[str, float]:
-    """Return the widths of Latin letters and signs on plans, and by how much pairs of letters differ from
-    theirs (kerning), in font sizes.
+    """Return the widths of Latin letters and signs on plans, and the kerning of pairs of letters.
+
+    The widths are multiples of the font size.
     """
     letters = [chr(code) for code in (*range(0x20, 0x7F), *range(0xA0, 0x180))]
     widths = {letter: text_width(letter, 1) for letter in letters}
@@ -121,8 +122,9 @@ def letter_widths() -> dict[str, float]:
 
 
 def _topologies() -> dict[str, object]:
-    """By name, and as ``own`` for those of users, the files that come with a topology, and what is closed to
-    a grammar by them.
+    """Return the files of each topology, and the words that these files close to a grammar.
+
+    The key is the topology's name, or ``own`` for the topologies of users.
     """
     shared = [file for file in sorted(TOPOLOGIES.glob("*.lp")) if file.stem not in (BUILDING, STAR.stem)]
     files = {STAR.stem: (STAR,), "own": (*PLANS, GUARD), **{file.stem: (*PLANS, file) for file in shared}}
@@ -161,11 +163,11 @@ def _path(file: Path) -> str:
 
 def _rule_files(folder: Path) -> list[Path]:
     files = (file for file in folder.rglob("*") if file.suffix in {".lp", ".pl"})
-    return sorted(files, key=lambda file: file.name)  # as a grammar's hash takes them
+    return sorted(files, key=lambda file: file.name)  # the order in which a grammar's hash takes them
 
 
 def _others(folder: Path) -> dict[str, str]:
-    """What else a grammar has, by name: how its types look."""
+    """Return the other files of a grammar by name: the looks of its types."""
     return {file.name: _text(file) for file in sorted(folder.glob("*.json"))}
 
 

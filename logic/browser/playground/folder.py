@@ -20,14 +20,14 @@ PACKAGES = {
         ("dist/swipl/swipl-web.js", "dist/swipl/swipl-web.wasm", "dist/swipl/swipl-web.data", "LICENSE.txt"),
     ),
 }
-"""Folders of the page, each with the package and the files of it that the page needs."""
+"""Folders of the page, each with a package and the files of the package that the page needs."""
 
 
 def write(folder: Path) -> None:
-    """Write the playground into a folder, which appears whole or not at all.
+    """Write the playground into a folder, which appears complete or not at all.
 
-    Raises ``RequestError`` if something is in the folder, ``MissingProgram`` if npm is needed and
-    missing, ``VitruviusError`` if it cannot fetch the packages.
+    Raises ``RequestError`` if the folder is not empty, ``MissingProgram`` if npm is needed and missing, and
+    ``VitruviusError`` if npm cannot fetch the packages.
     """
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise RequestError(f"--out {folder}: is there already and not empty: name a new folder")
@@ -44,7 +44,7 @@ def write(folder: Path) -> None:
 
 
 def size(folder: Path) -> int:
-    """Bytes of all files of a folder."""
+    """Return the size of all files of a folder, in bytes."""
     return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
 
 
@@ -61,5 +61,5 @@ def _fill(folder: Path, packages: Path) -> None:
 
 
 def solvers() -> Path:
-    """The folder ``node_modules`` with the packages of the page. Raises as ``write``."""
+    """Return the folder ``node_modules`` with the packages of the page. Raises as ``write`` does."""
     return installed(HERE, "the solvers for browsers")

@@ -1,4 +1,4 @@
-"""Packages of npm, by the hashes of a lock."""
+"""Packages of npm, pinned by the hashes of a lock file."""
 
 import hashlib
 import os
@@ -12,17 +12,17 @@ from pathlib import Path
 from logic.errors import MissingProgram, VitruviusError
 
 LOCK = ("package.json", "package-lock.json")
-"""What npm installs, by their hashes."""
+"""Files that list the packages to install, with their hashes."""
 
 SECONDS = 600
-"""For npm."""
+"""Timeout of npm, in seconds."""
 
 
 def installed(folder: Path, what: str) -> Path:
-    """The folder ``node_modules`` with the packages of a folder's lock, which npm fetches once.
+    """Return the folder ``node_modules`` with the packages of a folder's lock file, which npm fetches once.
 
-    ``what`` names them in errors. Raises ``MissingProgram`` if npm is needed and missing,
-    ``VitruviusError`` if it cannot fetch the packages.
+    ``what`` names the packages in errors. Raises ``MissingProgram`` if npm is needed and missing, and
+    ``VitruviusError`` if npm cannot fetch the packages.
     """
     lock = [(folder / name).read_bytes() for name in LOCK]
     kept = _cache() / f"{folder.name}-{hashlib.sha256(b''.join(lock)).hexdigest()[:16]}"
@@ -49,7 +49,7 @@ def installed(folder: Path, what: str) -> Path:
 
 
 def _install(npm: str, folder: Path, what: str) -> None:
-    """Install what the lock says; scripts of packages are not run."""
+    """Install the packages of the lock file, without running their scripts."""
     command = [npm, "ci", "--ignore-scripts", "--omit=dev", "--no-audit", "--no-fund", "--loglevel=error"]
     try:
         done = subprocess.run(
@@ -64,7 +64,7 @@ def _install(npm: str, folder: Path, what: str) -> None:
 
 
 def _cache() -> Path:
-    """The folder of this user for what can be fetched again."""
+    """Return this user's folder for files that can be fetched again."""
     home = Path.home()
     if os.name == "nt":
         default = home / "AppData" / "Local"

@@ -1,4 +1,4 @@
-"""A folder of static files, served to this machine alone."""
+"""Server of a folder of static files, for this machine alone."""
 
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -14,13 +14,18 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
-"""``wasm-unsafe-eval`` allows WebAssembly and nothing else. The solvers have one thread each, so they need no
-shared memory, and the page no cross-origin isolation (COOP, COEP): any web server will do.
+"""HTTP headers. ``wasm-unsafe-eval`` allows WebAssembly and nothing else.
+
+The solvers have one thread each. Therefore they need no shared memory, the page needs no cross-origin
+isolation (COOP, COEP), and any web server can serve it.
 """
 
 
 class Handler(SimpleHTTPRequestHandler):
-    """Files of a folder, with the types that browsers ask for, whatever this system's table says."""
+    """Handler for the files of a folder, with the types that browsers need.
+
+    The types do not depend on this system's table.
+    """
 
     extensions_map = {  # noqa: RUF012 (declared so by the base class)
         "": "application/octet-stream",
@@ -32,21 +37,21 @@ class Handler(SimpleHTTPRequestHandler):
     }
 
     def end_headers(self) -> None:
-        """Add ours."""
+        """Add the headers of ``HEADERS``."""
         for name, value in HEADERS.items():
             self.send_header(name, value)
         super().end_headers()
 
     def list_directory(self, path: object) -> None:
-        """No lists of files."""
+        """Refuse to list a folder."""
         self.send_error(404)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Nothing."""
+        """Write no log."""
 
 
 class Server(ThreadingHTTPServer):
-    """At a free port, each request in a thread of its own."""
+    """Server with a thread for each request."""
 
     daemon_threads = True
 
@@ -57,9 +62,9 @@ class Server(ThreadingHTTPServer):
 
 
 def listening(folder: Path, port: int) -> Server:
-    """A server of this folder that is ready for ``serve_forever``.
+    """Return a server of this folder that is ready for ``serve_forever``.
 
-    Raises ``RequestError`` for a port that another program has, or that is not for this user.
+    Raises ``RequestError`` for a port that another program uses, or that this user may not use.
     """
     try:
         return Server((LOOPBACK, port), partial(Handler, directory=str(folder)))

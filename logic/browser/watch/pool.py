@@ -1,4 +1,4 @@
-"""Solver processes that have loaded one version of a grammar, asked from asyncio."""
+"""Solver processes that have loaded one version of a grammar, for questions from asyncio."""
 
 import asyncio
 import contextlib
@@ -16,16 +16,19 @@ from logic.workers.solver import Solver
 Kind = TypeVar("Kind")
 
 SIZE = min(4, os.cpu_count() or 1)
-"""Processes that make the houses of a sheet side by side."""
+"""Number of processes that generate the houses of a sheet in parallel."""
 
 GRACE = 0.8
-"""Seconds in which a process may still give an answer that nobody waits for. Most take less, and it is then
-free for the next question; past them it is killed, and another one has to load the rules.
+"""Seconds in which a process may finish an answer that nobody waits for any more.
+
+Most answers take less, and the process is then free for the next question. After these seconds the process is
+killed, and another one has to load the rules.
 """
 
 REFILL = 3.0
-"""Seconds after which spare processes take the place of those that were taken, if they have not yet: to start
-them takes processor time that a sheet needs, so they wait until it is drawn.
+"""Seconds after which new spare processes replace those in use.
+
+Starting a process takes processor time that a sheet needs, so the start waits until the sheet is drawn.
 """
 
 
@@ -34,10 +37,10 @@ class Stale(Exception):
 
 
 class Spares:
-    """Processes that are ready to load a grammar: to start one takes longer than to load."""
+    """Processes that are ready to load a grammar, since starting a process takes longer than loading."""
 
     def __init__(self, directory: Path) -> None:
-        """Start them, for a grammar's directory."""
+        """Start the processes for a grammar's directory."""
         self._opening = Prepare(grammar=str(directory))
         self._ready: list[Solver] = []
         self._ended = False
@@ -53,7 +56,7 @@ class Spares:
         self.refill()
 
     def take(self) -> Solver:
-        """One of them, or one that has just been started."""
+        """Return a spare process, or start one if there is none."""
         while self._ready:
             worker = self._ready.pop(0)
             if worker.is_alive():
@@ -66,13 +69,16 @@ class Spares:
         return worker
 
     def refill(self) -> None:
-        """Start as many as were taken, unless all has ended: connections are closed after the processes."""
+        """Replace the processes that were taken, unless ``end`` was called.
+
+        The server may still call this method then, since connections close after the processes end.
+        """
         if self._ended:
             return
         self._ready += [Solver(self._opening) for _ in range(SIZE - len(self._ready))]
 
     def end(self) -> None:
-        """End all, and start no more."""
+        """End all processes, and start no more."""
         self._ended = True
         for worker in self._ready:
             worker.end()
@@ -80,35 +86,35 @@ class Spares:
 
 
 class Pool:
-    """Processes that load the same rules; a question goes to the first that is free.
+    """Processes that load the same rules; the first free process gets a question.
 
-    One of them says what is wrong with the rules. The others take no time for that, and so have the first
-    houses when it is known that the rules are right.
+    One of the processes looks for mistakes in the rules. The others do not, and so have the first houses by
+    the time the rules are known to be right.
     """
 
     def __init__(self, directory: Path, spares: Spares) -> None:
-        """Let them load a grammar's directory as it is now."""
+        """Let the processes load the grammar in its current state."""
         self._opening = Open(grammar=str(directory), errors=True)
         self._spares, self._ended = spares, False
         self._busy: set[Solver] = set()
         self._left = SIZE
-        # Or the error that stands in the place of all of them.
+        # Or an error to raise at every question.
         self._free: asyncio.Queue[Solver | VitruviusError | Stale] = asyncio.Queue()
         self._verdict, *others = (asyncio.ensure_future(self._open(remarks=not each)) for each in range(SIZE))
         for each in (self._verdict, *others):
             each.add_done_callback(_heard)
 
     async def verdict(self) -> Loaded | Judged:
-        """What is said of the rules. Raises what they raise, and ``Stale``."""
+        """Return the findings about the rules. Raises the errors of the rules, and ``Stale``."""
         await asyncio.wait([self._verdict])
         if self._ended:
             raise Stale
         return self._verdict.result()
 
     async def ask(self, asked: Callable[[Solver], Kind]) -> Kind:
-        """What is asked of the first process that is free. Raises what that raises, and ``Stale``.
+        """Return the answer of the first free process. Raises the errors of ``asked``, and ``Stale``.
 
-        A caller that is cancelled leaves at once; the process that worked for it is free again soon.
+        A cancelled caller leaves at once. The process that worked for it is soon free again.
         """
         worker = await self._free.get()
         if not isinstance(worker, Solver):
@@ -130,7 +136,7 @@ class Pool:
             raise
 
     def end(self) -> None:
-        """End all processes; what waits for them gets an error."""
+        """End all processes. Waiting callers get an error."""
         self._ended = True
         for worker in self._busy:
             worker.interrupt()
@@ -141,7 +147,7 @@ class Pool:
         self._free.put_nowait(Stale())
 
     async def _open(self, remarks: bool = False) -> Loaded | Judged:
-        """Add a process, and say what it says of the rules; raises ``Stale`` past the end."""
+        """Add a process, and return its findings about the rules. Raises ``Stale`` after the end."""
         if self._ended:
             raise Stale
         worker = self._spares.take()
@@ -164,7 +170,7 @@ class Pool:
         return answer
 
     def _lose(self, worker: Solver, why: VitruviusError) -> None:
-        """One process less; where none is left, what is asked is answered by this error."""
+        """Remove a process. If none is left, every question raises this error."""
         self._busy.discard(worker)
         worker.end()
         self._left -= 1
@@ -172,7 +178,7 @@ class Pool:
             self._free.put_nowait(why)
 
     def _release(self, worker: Solver) -> None:
-        """The process is free, or where it is of no use any more, another one takes its place."""
+        """Mark a process as free, or replace it if it is no longer usable."""
         self._busy.discard(worker)
         if self._ended:
             worker.end()
@@ -188,7 +194,7 @@ class Pool:
 
 
 def _heard(future: asyncio.Future[Any]) -> None:
-    """Errors of what nobody waits for any more are of no use, but for our own."""
+    """Raise unexpected errors of a future, and drop those that no caller waits for any more."""
     error = None if future.cancelled() else future.exception()
     if error and not isinstance(error, VitruviusError | Stale):
         raise error

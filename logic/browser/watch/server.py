@@ -1,4 +1,4 @@
-"""The page's server: on this machine alone, for those who know its token."""
+"""Server of the page, for this machine alone and for those who know its token."""
 
 import contextlib
 import secrets
@@ -26,10 +26,10 @@ from logic.errors import RequestError, VitruviusError
 
 PAGE = Path(__file__).with_name("page")
 HOSTS = {LOOPBACK, "localhost"}
-"""Names of this machine: a page of another name that resolves to it (DNS rebinding) is refused."""
+"""Names of this machine. A page with another name that resolves to it (DNS rebinding) is refused."""
 
 MOST_BYTES = 1 << 22
-"""Of a question: the largest is a house."""
+"""Largest size of a question, in bytes; the largest one contains a house."""
 
 STALE = "The rules have changed since: ask again."
 
@@ -43,7 +43,7 @@ HEADERS = {
 
 
 class Asked(msgspec.Struct):
-    """A question of the page."""
+    """Question of the page."""
 
     version: int
     request: Sheet | None = None
@@ -52,7 +52,7 @@ class Asked(msgspec.Struct):
 
 
 def application(session: Session, token: str) -> ASGIApp:
-    """The page under ``/TOKEN/``, and its questions."""
+    """Return the application that serves the page under ``/TOKEN/`` and answers its questions."""
 
     async def events(request: Request) -> Response:
         async def lines() -> AsyncIterator[bytes]:
@@ -100,14 +100,14 @@ def application(session: Session, token: str) -> ASGIApp:
 
 
 class Guard:
-    """Lets through what comes from this machine's own names with the token, and adds headers to answers."""
+    """Application that admits only requests to this machine's own names with the token, and adds headers."""
 
     def __init__(self, app: ASGIApp, token: str) -> None:
-        """In front of an application."""
+        """Wrap an application."""
         self._app, self._token = app, token.encode()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer one request."""
+        """Answer a request."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
@@ -132,10 +132,10 @@ class Guard:
 
 
 class Server(uvicorn.Server):
-    """Ends its session first: streams to a page end with it, and Ctrl-C at once."""
+    """Server that ends its session first, so that streams to a page end with it and Ctrl-C works at once."""
 
     def __init__(self, session: Session, token: str) -> None:
-        """For one session."""
+        """Configure uvicorn for one session."""
         super().__init__(
             uvicorn.Config(
                 application(session, token),
@@ -149,12 +149,12 @@ class Server(uvicorn.Server):
         self._session, self.ended_by = session, 0
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Remember the signal: uvicorn raises it again where asyncio may not hear it."""
+        """Store the signal, because uvicorn raises it again in a place where asyncio may miss it."""
         self.ended_by = sig
         super().handle_exit(sig, frame)
 
     def run(self, sockets: list[socket.socket] | None = None) -> None:
-        """Serve until a signal; raises ``KeyboardInterrupt``."""
+        """Serve until a signal. Raises ``KeyboardInterrupt`` for Ctrl-C."""
         super().run(sockets)
         if self.ended_by == signal.SIGINT:
             raise KeyboardInterrupt
@@ -166,7 +166,10 @@ class Server(uvicorn.Server):
 
 
 def listening(port: int) -> socket.socket:
-    """A socket on the loopback interface; 0 for any free port. Raises ``RequestError`` for no free one."""
+    """Return a socket on the loopback interface; port 0 takes any free port.
+
+    Raises ``RequestError`` if the port is in use or not allowed.
+    """
     require_port(port)
     try:
         return socket.create_server((LOOPBACK, port))
@@ -175,7 +178,7 @@ def listening(port: int) -> socket.socket:
 
 
 async def _asked(request: Request) -> Asked:
-    """The question of a request; raises ``RequestError``."""
+    """Return the question in a request. Raises ``RequestError`` for a malformed one."""
     body = b""
     async for part in request.stream():
         body += part
@@ -188,7 +191,7 @@ async def _asked(request: Request) -> Asked:
 
 
 async def _answer(asked: Awaitable[Any]) -> Response:
-    """An answer, or in its place a line that says why there is none."""
+    """Return an answer, or a record with the error that prevents it."""
     try:
         return JSONResponse(await asked)
     except VitruviusError as error:
@@ -198,5 +201,5 @@ async def _answer(asked: Awaitable[Any]) -> Response:
 
 
 def _refused(_: Request, error: Exception) -> Response:
-    """What is no question at all."""
+    """Return the response to a malformed question."""
     return PlainTextResponse(f"{error}\n", 400)

@@ -1,4 +1,4 @@
-"""A grammar that is being edited: its rule files as they are now, and the answers about them."""
+"""A grammar under edit: its current rule files, and answers to questions about them."""
 
 import asyncio
 import contextlib
@@ -25,19 +25,22 @@ from logic.workers.explain import INFERENCES, MAKING
 from logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
 
 PLAN = 300
-"""CSS pixels: the sides of a plan's square, which the page scales."""
+"""Side of the square of a plan, in CSS pixels; the page scales the plan."""
 
 STEP, DEBOUNCE = 10, 200
-"""Milliseconds without another change after which a save is over, and the most to wait for that."""
+"""Time without a change after which a save is complete, and the longest wait for it, in milliseconds."""
 
 LOOK = 1000
-"""Milliseconds after which the files are read without a change too: not all file systems tell of changes."""
+"""Interval at which the files are read without a reported change, in milliseconds.
+
+Not all file systems report changes.
+"""
 
 MOST_HOUSES = 48
 
 
 class Rules(msgspec.Struct, frozen=True):
-    """The rule files at one time."""
+    """Rule files of one version."""
 
     version: int
     grammar: str
@@ -45,7 +48,7 @@ class Rules(msgspec.Struct, frozen=True):
 
 
 class Sheet(msgspec.Struct, frozen=True, omit_defaults=True):
-    """The houses of a contact sheet: houses 0 to ``count - 1`` of a request."""
+    """Contact sheet of houses 0 to ``count - 1`` of a request."""
 
     rooms: Annotated[int, Meta(ge=1, le=MOST_ROOMS)]
     seed: Annotated[int, Meta(ge=0, lt=2**31)]
@@ -62,10 +65,13 @@ class Sheet(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Session:
-    """The rules of a directory as they are, told to all who listen, and questions about them."""
+    """Current rules of a directory, reported to all listeners, and answers to questions about them."""
 
     def __init__(self, directory: Path, name: str, seconds: float) -> None:
-        """Start spare processes; raises ``MissingProgram``. ``seconds`` bound each answer."""
+        """Start spare processes. ``seconds`` limits each answer.
+
+        Raises ``MissingProgram`` if a solver is missing.
+        """
         self._directory, self._name, self._seconds = directory, name, seconds
         self._files: dict[str, str] = {}
         self._ended = False
@@ -74,13 +80,13 @@ class Session:
         self._spares.check()
 
     def begin(self) -> None:
-        """Read the rules, and go on with each change of them, in the loop that runs."""
+        """Read the rules, and follow their changes in the running event loop."""
         self.rules = self._read(1)
         self._pool = Pool(self._directory, self._spares)
         self._watching = asyncio.ensure_future(self._watch())
 
     def end(self) -> None:
-        """End all processes, and what listens."""
+        """End all processes, and notify the listeners."""
         self._ended = True
         self._watching.cancel()
         self._changed.set()
@@ -88,7 +94,7 @@ class Session:
         self._spares.end()
 
     async def versions(self) -> AsyncIterator[Rules]:
-        """The rules as they are now, then at each change, until the end: the newest always."""
+        """Yield the current rules, then the newest version after each change, until the end."""
         version = 0
         while not self._ended:
             if self.rules.version > version:
@@ -98,7 +104,7 @@ class Session:
                 await self._changed.wait()
 
     async def sheet(self, version: int, sheet: Sheet) -> AsyncIterator[dict[str, Any]]:
-        """The parts of an answer, as ``page/page.js`` lists them."""
+        """Yield the parts of an answer, as ``page/page.js`` lists them."""
         pool = self._pool_of(version)
         houses = [asyncio.ensure_future(self._house(pool, sheet, index)) for index in range(sheet.count)]
         try:
@@ -117,7 +123,7 @@ class Session:
             self._spares.refill()
 
     async def _verdict(self, pool: Pool) -> dict[str, Any]:
-        """The part of an answer that says whether the rules are right."""
+        """Return the part of an answer about mistakes in the rules, or the room types if there are none."""
         try:
             said = await pool.verdict()
         except GrammarError as error:
@@ -131,14 +137,14 @@ class Session:
         return {"kinds": {"types": said.types, "most_rooms": said.most_rooms}}
 
     async def lint(self, version: int) -> list[dict[str, Any]]:
-        """Findings in rules without errors."""
+        """Return findings about rules without errors."""
         pool = self._pool_of(version)
         late = "lint reached its limit: raise it with --seconds"
         found = await pool.ask(lambda worker: worker.asked(Lint(), Judged, self._seconds, late))
         return self._named(found.findings)
 
     async def why(self, version: int, house: dict[str, Any], part: str) -> dict[str, Any]:
-        """Why a part of a house that these rules made is as it is; raises as ``explain_house`` does."""
+        """Return the explanation of a part of a house of these rules. Raises as ``explain_house`` does."""
         try:
             made = House.from_dict(house)
         except ValueError as error:
@@ -160,7 +166,7 @@ class Session:
         return self._pool
 
     async def _house(self, pool: Pool, sheet: Sheet, index: int) -> dict[str, Any]:
-        """House ``index`` and its plan, or why there is none."""
+        """Return house ``index`` and its plan, or the reason for its absence."""
         late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         try:
             request = Request.read(sheet.asked()).to_dict()
@@ -175,7 +181,7 @@ class Session:
         return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
 
     async def _watch(self) -> None:
-        """Take each change of the files, also where the directory is removed and comes back."""
+        """Follow all changes of the files, even if the directory is removed and created again."""
         while True:
             place, folders = _identity(self._directory), self._folders()
             if place is None:
@@ -196,7 +202,7 @@ class Session:
                     break
 
     def _take(self) -> None:
-        """Go on with the files as they are, if they have changed."""
+        """Load the current files if they have changed."""
         rules = self._read(self.rules.version + 1)
         if rules.files == self.rules.files:
             return
@@ -206,17 +212,17 @@ class Session:
         self._changed.clear()
 
     def _folders(self) -> set[Path]:
-        """Where the files lie."""
+        """Return the folders of the files."""
         return {self._directory, *(Path(file).parent for file in self._files)}
 
     def _read(self, version: int) -> Rules:
-        """The rule files, ``.lp`` before ``.pl``, then the looks, and then what the files include."""
+        """Return the rule files, ``.lp`` before ``.pl``, then the looks, then the included files."""
         reading = reading_of(self._directory)
         own = [file for suffix in (".lp", ".pl") for file in _shown(self._directory, f"*{suffix}")]
         reading.follow(own)
         contents = {file: reading.contents[file] for file in own if file in reading.contents}
         for file in _shown(self._directory, looks.NAME):
-            with contextlib.suppress(OSError):  # What is wrong with it, the solver process says.
+            with contextlib.suppress(OSError):  # The solver process reports what is wrong with it.
                 contents[file] = file.read_bytes()
         contents |= reading.contents
         self._files = {str(file): reading.name(file) for file in contents}
@@ -225,14 +231,17 @@ class Session:
         return Rules(version, self._name, tuple({"name": name, "text": text} for name, text in named))
 
     def _problem(self, error: VitruviusError) -> Any:
-        """Why there is no house, as the page reads it: limits of all kinds are ``LimitReached``."""
+        """Return the error that replaces a house, for the page.
+
+        All kinds of limits become ``LimitReached``.
+        """
         record = to_record(error)
         if isinstance(error, LimitReached):
             record["kind"] = LimitReached.__name__
         return self._named(record)
 
     def _named(self, said: Any) -> Any:
-        """What is said as JSON, with rule files in short: ``rooms.lp``, ``home/furniture.lp``."""
+        """Return a message as JSON with short file names: ``rooms.lp``, ``home/furniture.lp``."""
         return self._short(msgspec.to_builtins(said))
 
     def _short(self, record: Any) -> Any:
@@ -247,7 +256,7 @@ class Session:
 
 
 def _shown(directory: Path, pattern: str) -> list[Path]:
-    """Files whose text may be shown: ``grammar.find`` refuses others, and says so."""
+    """Return files whose text may be shown. ``grammar.find`` refuses other files with a message."""
     return [
         file
         for file in sorted(directory.glob(pattern))
