@@ -1,4 +1,4 @@
-"""A drawing is a list of shapes in CSS pixels; here it becomes SVG text or a Pillow image."""
+"""Drawings as lists of shapes in CSS pixels, and their conversion to SVG text or a Pillow image."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -17,18 +17,18 @@ Box = tuple[float, float, float, float]
 Point = tuple[float, float]
 
 DENSITY = 2
-"""Image pixels to a CSS pixel."""
+"""Image pixels per CSS pixel."""
 SMOOTHING = 2
-"""Pillow's shapes have hard edges: they are drawn this many times larger, then scaled down."""
+"""Factor of oversampling: Pillow's shapes have hard edges, so they are drawn larger and scaled down."""
 CURVE_STEPS = 12
-"""Straight lines that stand for a cubic curve in images."""
+"""Number of straight lines that approximate a cubic curve in images."""
 ASCENT = 0.36
-"""Half the height of a capital letter, in font sizes: words are placed by their middle."""
+"""Half the height of a capital letter, in font sizes. Words are placed by their middle."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """A rectangle, filled and edged where it has these colours (``#rrggbb``), its corners round."""
+    """Rectangle with round corners, filled and outlined in the given colours (``#rrggbb``)."""
 
     box: Box
     fill: str = ""
@@ -39,7 +39,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Oval:
-    """The ellipse that fills a box."""
+    """Ellipse that fills a box."""
 
     box: Box
     fill: str = ""
@@ -49,18 +49,18 @@ class Oval:
 
 @dataclass(frozen=True)
 class Line:
-    """A line through points."""
+    """Line through points."""
 
     points: tuple[Point, ...]
     stroke: str
     width: float = 1.0
     dash: float = 0.0
-    """Length of its dashes, and of the gaps between them; 0 for none."""
+    """Length of its dashes and of the gaps between them, or 0 for a solid line."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Cubic Bézier curves, one after the other: where the first begins, then three points for each."""
+    """Cubic Bézier curves in sequence: the start of the first, then three points for each curve."""
 
     points: tuple[Point, ...]
     stroke: str
@@ -69,7 +69,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Strokes:
-    """Straight strokes apart from each other: a pattern."""
+    """Separate straight strokes, which form a pattern."""
 
     ends: tuple[tuple[Point, Point], ...]
     stroke: str
@@ -78,7 +78,7 @@ class Strokes:
 
 @dataclass(frozen=True)
 class Rings:
-    """An area with borders along both axes: the points that an odd number of closed ``rings`` encloses."""
+    """Area with borders along both axes: the points that an odd number of closed ``rings`` encloses."""
 
     rings: tuple[tuple[Point, ...], ...]
     fill: str
@@ -103,7 +103,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Part:
-    """The shapes of a part of a house, by the name that ``explain --why`` takes: ``data-part`` in SVG."""
+    """Shapes of a part of a house, with the name that ``explain --why`` takes: ``data-part`` in SVG."""
 
     name: str
     shapes: tuple["Shape", ...]
@@ -114,7 +114,7 @@ Shape = Plain | Part
 
 
 def flat(shapes: Iterable[Shape]) -> Iterator[Plain]:
-    """All shapes, those of parts among them, the lowest first."""
+    """Yield all shapes, with those of parts, the lowest first."""
     for shape in shapes:
         if isinstance(shape, Part):
             yield from flat(shape.shapes)
@@ -124,7 +124,7 @@ def flat(shapes: Iterable[Shape]) -> Iterator[Plain]:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Shapes on white, the first lowest."""
+    """Shapes on white, the lowest first."""
 
     width: float
     height: float
@@ -163,18 +163,18 @@ def png(cells: Iterable[tuple[Point, Drawing]], width: float, height: float) -> 
 
 
 def text_width(text: str, size: float) -> float:
-    """Width of a text, CSS pixels."""
+    """Return the width of a text, CSS pixels."""
     return _ems(text) * size
 
 
 @lru_cache(4096)
 def _ems(text: str) -> float:
-    """Width of a text in font sizes."""
+    """Return the width of a text in font sizes."""
     return _font(64).getlength(printable(text)) / 64
 
 
 def _element(shape: Shape) -> str:
-    """The SVG element of a shape."""
+    """Return the SVG element of a shape."""
     match shape:
         case Part(name, shapes):
             return f'<g data-part="{markup(name)}">{"".join(map(_element, shapes))}</g>'
@@ -200,12 +200,12 @@ def _element(shape: Shape) -> str:
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
             place += f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turned else ""
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
-            place += ' pointer-events="none"'  # A click on a room's name is one on the room.
+            place += ' pointer-events="none"'  # A click on a room's name selects the room.
             return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{markup(text)}</text>"
 
 
 def _path(shape: Curve | Strokes | Rings) -> str:
-    """The data of an SVG path."""
+    """Return the data of an SVG path."""
     if isinstance(shape, Rings):
         return "".join(f"M{_listed(ring)}Z" for ring in shape.rings)
     if isinstance(shape, Strokes):
@@ -214,12 +214,12 @@ def _path(shape: Curve | Strokes | Rings) -> str:
 
 
 def _listed(points: Iterable[Point]) -> str:
-    """Points as SVG writes them."""
+    """Return points in the notation of SVG."""
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
 def _ink(pen: ImageDraw.ImageDraw, shape: Plain, scale: int) -> None:
-    """Draw a shape with Pillow, ``scale`` image pixels to a CSS pixel."""
+    """Draw a shape with Pillow, with ``scale`` image pixels per CSS pixel."""
 
     def length(value: float) -> int:
         return max(1, round(value * scale))
@@ -279,7 +279,7 @@ def boxes_of_rings(rings: Iterable[Sequence[Point]]) -> Iterator[Box]:
 
 
 def _bent(points: Sequence[Point]) -> Iterator[Point]:
-    """Points along cubic Bézier curves."""
+    """Yield points along cubic Bézier curves."""
     yield points[0]
     for first in range(0, len(points) - 1, 3):
         corners = points[first : first + 4]
@@ -291,7 +291,7 @@ def _bent(points: Sequence[Point]) -> Iterator[Point]:
 
 
 def _dashes(points: Sequence[Point], dash: float) -> Iterator[tuple[Point, Point]]:
-    """The dashes of a line, each side of it beginning with one."""
+    """Yield the dashes of a line; each straight part of the line begins with a dash."""
     for (x0, y0), (x1, y1) in pairwise(points):
         length = math.dist((x0, y0), (x1, y1))
         for start in range(0, math.ceil(length / dash), 2):
@@ -300,7 +300,10 @@ def _dashes(points: Sequence[Point], dash: float) -> Iterator[tuple[Point, Point
 
 
 def _around(box: Box, width: float, scale: int) -> Box:
-    """A box in image pixels: Pillow strokes inside it and SVG on its edge, so it grows by half a stroke."""
+    """Return a box in image pixels, larger by half a stroke.
+
+    Pillow draws the stroke inside the box, SVG on its edge.
+    """
     left, top, right, bottom = box
     by = width / 2
     # To whole pixels by way of hundredths, so that edges on one line are drawn on one line.
@@ -312,7 +315,7 @@ def _around(box: Box, width: float, scale: int) -> Box:
 
 @cache
 def _font(size: int) -> ImageFont.FreeTypeFont:
-    """DejaVu Sans from matplotlib's own files, so that every machine draws alike."""
+    """Return DejaVu Sans from matplotlib's own files, so that drawings are equal on every machine."""
     import matplotlib
 
     return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts/ttf/DejaVuSans.ttf"), size)

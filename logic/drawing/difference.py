@@ -1,4 +1,4 @@
-"""Two houses on one plan: the second, and over it what came, what went and what moved since the first."""
+"""Two houses on one plan: the second house, with marks for added, removed and moved parts."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -15,21 +15,22 @@ from logic.house.diff import Change, changes
 from logic.house.house import House
 
 COLOURS = {"came": "#0072b2", "went": "#d55e00", "moved": "#cc79a7"}
-"""Of the marks, which differ in their lines too: whole, dashed, and both with an arrow between them. Okabe
-and Ito's, for the colour-blind.
+"""Colours of the marks, by Okabe and Ito, for the colour-blind.
+
+The marks also differ in their lines: solid, dashed, and both with an arrow between them.
 """
 FLOOR = "#f5f5f3"
-"""All floors: what is coloured has changed."""
+"""Colour of all floors, so that only changes have a colour."""
 
 
 def diff_svg(before: House, after: House, width: int = WIDTH) -> str:
-    """Draw what differs between two houses as the text of an SVG file, of this width in CSS pixels."""
+    """Draw the differences between two houses as the text of an SVG file of this width in CSS pixels."""
     drawing = diff_drawing(before, after, changes(before, after), width)
     return svg([((0, 0), drawing)], drawing.width, drawing.height)
 
 
 def diff_drawing(before: House, after: House, found: list[Change], width: int = WIDTH) -> Drawing:
-    """The same as a drawing, of the changes that were found."""
+    """Draw the given changes between two houses."""
     plain = style([after])
     look = Style(plain.inks, plain.looks, {room.type: Fill(FLOOR) for room in after.rooms})
     frame, height = _frame(before, after, width)
@@ -50,7 +51,7 @@ def diff_drawing(before: House, after: House, found: list[Change], width: int = 
 
 
 def _frame(before: House, after: House, width: int) -> tuple[Frame, float]:
-    """Both houses in the middle of a picture; and its height."""
+    """Return a frame that centres both houses in a picture, and the picture's height."""
     ends = list(zip(drawn_extent(before), drawn_extent(after), strict=True))
     west, north, east, south = (*map(min, ends[:2]), *map(max, ends[2:]))
     scale = min((width - 2 * MARGIN) / (east - west), 1.5 * width / (south - north))
@@ -71,7 +72,7 @@ def _marks(change: Change, frame: Frame) -> Iterator[Shape]:
 
 
 def _seen(box: Box) -> Box:
-    """A box on the picture, a little larger than a segment is."""
+    """Return a box on the picture, slightly enlarged if it is a segment."""
     return grown(box, 3.0 if min(box[2] - box[0], box[3] - box[1]) < 1 else -1.2)
 
 
@@ -87,7 +88,7 @@ def _middle(box: Box) -> Point:
 
 
 def _arrow(tail: Point, tip: Point, colour: str) -> Iterator[Shape]:
-    """An arrow, where it is long enough to be seen."""
+    """Yield an arrow, unless it is too short to be seen."""
     x, y = tip[0] - tail[0], tip[1] - tail[1]
     length = (x**2 + y**2) ** 0.5
     if length < 8:
@@ -98,7 +99,7 @@ def _arrow(tail: Point, tip: Point, colour: str) -> Iterator[Shape]:
 
 
 def _key(counts: Counter[str], look: Style, y: float) -> Iterator[Shape]:
-    """How many of each kind there are, each beside its mark."""
+    """Yield the mark of each kind of change with the number of changes."""
     x = float(MARGIN)
     if not counts:
         yield Text((x, y), "nothing differs", 10, look.inks.ink, "start")

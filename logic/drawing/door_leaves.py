@@ -1,5 +1,6 @@
-"""How doors swing: which way is free, and where the leaves of open doors stand. Plans show it; no rule asks
-for it.
+"""Swings of doors: the free direction of each, and the places of the leaves of open doors.
+
+Plans show the swings; no rule uses them.
 """
 
 import math
@@ -12,32 +13,32 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Room
 
 Place = tuple[float, float]
-"""Metres."""
+"""Point, metres."""
 
 
 class Leaf(NamedTuple):
-    """An open door: from hinge to tip it stands at right angles to the wall, as long as the door is wide."""
+    """Open door: it stands at right angles to the wall, from hinge to tip, as long as the door is wide."""
 
     room: str
-    """Where it swings into."""
+    """Name of the room that the leaf swings into."""
     hinge: Place
     tip: Place
     jamb: Place
-    """The end of the doorway where the tip is when the door is shut."""
+    """End of the doorway at which the tip is when the door is shut."""
 
     @property
     def swing(self) -> Box:
-        """The square around the quarter of a circle that it sweeps: (west, north, east, south), metres."""
+        """Square around the quarter of a circle that the leaf sweeps: (west, north, east, south), metres."""
         xs, ys = zip(self.hinge, self.tip, self.jamb, strict=True)
         return min(xs), min(ys), max(xs), max(ys)
 
 
 def door_leaves(house: House) -> list[Leaf]:
-    """A leaf for each door that is no opening, in the order of ``house.doors``.
+    """Return a leaf for each door that is no opening, in the order of ``house.doors``.
 
-    It swings into the room farther from where bodies start, hung on the jamb nearer to a corner; where that
-    would sweep over furniture, walls or another door's swing, one of the other three ways, if it is free.
-    Where none is, over the least.
+    The leaf swings into the room farther from the robot's start, with its hinge at the jamb nearer to a
+    corner. If it would sweep over furniture, walls or another door's swing there, the leaf takes one of the
+    other three ways that is free. If none is free, it takes the way that sweeps over least.
     """
     steps, rooms = _steps(house), {room.name: room for room in house.rooms}
     pieces = {room.name: [piece.box for piece in room.pieces] for room in house.rooms}
@@ -63,7 +64,7 @@ def door_leaves(house: House) -> list[Leaf]:
 
 
 def _steps(house: House) -> dict[str, int]:
-    """Through how many doors each room is reached from where bodies start."""
+    """Return for each room the least number of doors on the way from the robot's start."""
     steps, level = {house.start.name: 0}, [house.start.name]
     while level:
         following = [
@@ -79,14 +80,14 @@ def _steps(house: House) -> dict[str, int]:
 
 
 def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
-    """The leaves that a door may have: into each of its rooms, hung on each of its jambs."""
+    """Return the possible leaves of a door: into each of its rooms, with the hinge at each of its jambs."""
     ends = (door.x, door.y), (door.x + door.width, door.y + door.height)
     names = sorted(
         (name for name in door.between if name != OUTSIDE),
         key=lambda name: rooms[name] is house.main_room,
     )
-    # A star's main room may reach under the room, so that one says on which side it is, and the other lies
-    # beyond.
+    # A star's main room may reach under the room. Therefore the room decides on which side of the door it
+    # lies, and the main room lies on the other side.
     box, across = rooms[names[0]].box, int(door.height == 0)
     side = 1 if (box[across] + box[across + 2]) / 2 > (door.x, door.y)[across] else -1
     reach = (0.0, side * door.length) if across else (side * door.length, 0.0)
@@ -101,7 +102,7 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
 
 
 def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: np.ndarray) -> tuple[float, float]:
-    """Return how far a leaf cuts into furniture and walls, and into the swings ``others`` (N, 4), metres."""
+    """Return the depth of a leaf in furniture and walls, and in the swings ``others`` (N, 4), metres."""
     swing, length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
     point = (*leaf.hinge, *leaf.hinge)
     hit = [length - distance(point, piece) for piece in pieces if overlap(swing, piece) > TOLERANCE]

@@ -1,4 +1,4 @@
-"""Plans of houses as SVG, PNG and PDF: each alone, many on a sheet, or each on paper, to a scale."""
+"""Plans of houses as SVG, PNG and PDF: single plans, sheets of many, or plans on paper to a scale."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -33,9 +33,9 @@ from logic.house.house import House
 from logic.house.replacing import DRAWN_BY
 
 TITLE, FOOT, MARGIN = 30, 22, 12
-"""CSS pixels above a plan, below it and around it."""
+"""Space above a plan, below it and around it, CSS pixels."""
 WIDTH, CELL = 720, 300
-"""CSS pixels: the width of a plan, and of a plan on a sheet."""
+"""Width of a plan, and of a plan on a sheet, CSS pixels."""
 
 MEASURED = 400
 """Least width of a plan with dimension lines, CSS pixels."""
@@ -49,7 +49,7 @@ Cells = list[tuple[Point, Drawing]]
 def plan_svg(
     house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
 ) -> str:
-    """Draw a plan as the text of an SVG file, of this width in CSS pixels; for ``scale`` see ``plan``.
+    """Draw a plan as the text of an SVG file of this width in CSS pixels. For ``scale`` see ``plan``.
 
     Each part has its name in ``data-part``, as ``explain_house`` takes it.
     """
@@ -60,7 +60,7 @@ def plan_svg(
 def plan_png(
     house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
 ) -> Image.Image:
-    """Draw the same plan as an image, two pixels to a CSS pixel."""
+    """Draw the same plan as an image, with two image pixels per CSS pixel."""
     drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MEASURED)
     return png([((0, 0), drawing)], drawing.width, drawing.height)
 
@@ -74,7 +74,8 @@ def contact_sheet(
 ) -> Image.Image:
     """Draw many plans on one image, each in a square of ``cell`` CSS pixels.
 
-    Each is as large as it fits, or with ``one_scale`` as large as all of them fit.
+    Each plan is as large as its square permits. With ``one_scale`` all plans have the largest scale at which
+    all fit.
     """
     return png(*_sheet(houses, columns, cell, one_scale, palette))
 
@@ -98,13 +99,13 @@ def draw(
     palette: palettes.Name = "colour",
     grammar: str | Path | None = None,
 ) -> list[Path]:
-    """Write a plan of each house, then the sheet of all; return the files' paths.
+    """Write a plan of each house, then the sheet of all plans. Return the paths of the files.
 
-    Plan ``house-0`` is that of the first house. A PDF is one file, ``plans.pdf``, with a page for each. With
-    ``one_scale`` a metre is as long on all plans, and as long on all of the sheet. ``grammar``: a shipped one
-    or a folder, whose ``looks.json`` says how types look; by default the houses' own where they are shipped
-    ones. Each file appears whole or not at all. Raises ``ValueError`` for another format or no house,
-    ``GrammarError`` for looks that are wrong.
+    The first plan is ``house-0``. A PDF is one file, ``plans.pdf``, with a page for each house. With
+    ``one_scale`` all plans have the same scale, and so do all plans on the sheet. ``grammar`` is a shipped
+    grammar or a folder, whose ``looks.json`` defines the looks of types. By default houses of shipped
+    grammars have the looks of their grammar. Each file appears whole or not at all. Raises ``ValueError`` for
+    another format or no house, and ``GrammarError`` for wrong looks.
     """
     houses = require_drawable(houses, out_dir, format)
     look = style(houses, palette, grammar)
@@ -118,11 +119,14 @@ def draw(
 
 
 Page = tuple[Cells, float, float]
-"""Drawings, and the width and height of what they are on, CSS pixels."""
+"""Drawings, and the width and height of the page that they are on, CSS pixels."""
 
 
 def require_drawable(houses: Iterable[House], out_dir: str | Path, format: str) -> list[House]:
-    """The houses as a list. Raises ``ValueError`` for a format that is none of plans, and for no house."""
+    """Return the houses as a list.
+
+    Raises ``ValueError`` for a format that plans do not have, and for no house.
+    """
     houses = list(houses)
     if format not in Format.__args__:
         raise ValueError(f"plans are drawn as svg, png or pdf, not {format!r}")
@@ -134,9 +138,9 @@ def require_drawable(houses: Iterable[House], out_dir: str | Path, format: str) 
 def write_pages(
     pages: Sequence[Page], out: Path, format: Format, sheet: Page | None = None, unit: str = ""
 ) -> list[Path]:
-    """Write each page as a file, or all of them as a PDF, then the sheet; the files' paths.
+    """Write each page as a file, or all of them as a PDF, then the sheet. Return the paths of the files.
 
-    ``unit``: ``mm`` where an SVG says its size in millimetres.
+    ``unit`` is ``mm`` if an SVG states its size in millimetres.
     """
     if format == "pdf":
         from logic.drawing.pdf import pdf
@@ -153,7 +157,7 @@ def write_pages(
 
 
 def encoded(page: Page, format: Literal["svg", "png"], unit: str = "") -> bytes:
-    """A page as the content of a file."""
+    """Return a page as the content of a file."""
     cells, width, height = page
     if format == "svg":
         size = (f"{width * MILLIMETRE:g}mm", f"{height * MILLIMETRE:g}mm") if unit == "mm" else None

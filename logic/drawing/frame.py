@@ -40,7 +40,7 @@ class Frame:
 
 
 def thickness(house: House) -> tuple[float, float]:
-    """Return half an inner wall's thickness, and how far an outer wall reaches out beyond that, metres."""
+    """Return half an inner wall's thickness, and how far an outer wall reaches beyond that, metres."""
     if thick := house.wall_thickness:
         return house.half_wall, thick.outer - house.half_wall
     return INNER / 2, BEYOND

@@ -76,7 +76,7 @@ def room_names(
 
 
 def background(house: House, frame: Frame, least: float = LEAST) -> tuple[Shape, ...]:
-    """Return the shapes of a house and its rooms' names, without door leaves, as a ground for bodies."""
+    """Return the shapes of a house and its rooms' names, without door leaves, as a background for robots."""
     look = style([house])
     names = room_names(house, frame, look, {}, least)
     return (*house_shapes(house, frame, look), *(word for name in names for word in name))
@@ -87,7 +87,7 @@ def _area(square_metres: float) -> str:
 
 
 def _shared(one: Box, other: Box) -> float:
-    """Return the area that two boxes have in common."""
+    """Return the common area of two boxes."""
     across, along = (min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in range(2))
     return max(0.0, across) * max(0.0, along)
 

@@ -1,4 +1,4 @@
-"""Plans on paper, to a scale: pages whose millimetres are those of the print."""
+"""Plans on paper, to a scale: the millimetres of a page are those of the print."""
 
 import math
 import re
@@ -13,17 +13,17 @@ from logic.errors import RequestError
 from logic.house.house import House
 
 SIZES = {"A4": (210, 297), "A3": (297, 420), "A2": (420, 594), "A1": (594, 841), "A0": (841, 1189)}
-"""Millimetres: ISO 216."""
+"""Sizes of paper by ISO 216, millimetres."""
 
 USUAL = (20, 50, 100, 200, 500, 1000)
-"""Scales of plans, as 1 to so many."""
+"""Usual scales of plans, as N in 1:N."""
 
 BORDER = 10
-"""Millimetres around the drawing, where many printers do not print."""
+"""Margin around the drawing that many printers leave blank, millimetres."""
 
 
 def scale_of(text: str) -> int:
-    """Metres in the house to a metre on paper, as in ``1:50``. Raises ``RequestError`` for another text."""
+    """Return the scale in a text such as ``1:50``, here 50. Raises ``RequestError`` for another text."""
     found = re.fullmatch(r"1\s*:\s*([1-9]\d{0,3})", text.strip())
     if found is None:
         raise RequestError(f"--scale {text}: write it as 1:50, one metre on paper to 50 in the house")
@@ -31,10 +31,10 @@ def scale_of(text: str) -> int:
 
 
 def page(house: House, look: Style, ratio: int, size: str | None = None, name: str = "the house") -> Page:
-    """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest
-    of ``SIZES`` that holds it.
+    """Return a house at 1 to ``ratio`` on a page, upright or lying as it fits.
 
-    Raises ``RequestError`` if the page, or the largest one, is too small; ``name`` is the house's in it.
+    The default ``size`` is the smallest of ``SIZES`` that holds the house. Raises ``RequestError`` if the
+    page, or the largest one, is too small; ``name`` is the name of the house in the message.
     """
     for each in [size] if size else SIZES:
         short, long = SIZES[each]
@@ -53,7 +53,7 @@ def page(house: House, look: Style, ratio: int, size: str | None = None, name: s
 
 
 def _least_ratio(house: House, width: float, height: float) -> float:
-    """The least ratio at which a house fits on a page of these millimetres."""
+    """Return the least ratio at which a house fits on a page of this size in millimetres."""
     across, down = ((side - 2 * BORDER) / MILLIMETRE for side in (width, height))
     return 1000 / MILLIMETRE / least_scale(house, across, down - BLOCK, paper=True)
 

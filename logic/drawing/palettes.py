@@ -1,4 +1,4 @@
-"""Palettes: which colours and patterns a drawing has. ``palettes.json``."""
+"""Palettes: the colours and patterns of a drawing, from ``palettes.json``."""
 
 from __future__ import annotations
 
@@ -19,45 +19,49 @@ from logic.house.looks import INK, Looks, looks_of
 from logic.spelling import unknown
 
 Name = Literal["colour", "distinct", "grey"]
-"""``colour``: each type has its own. ``distinct``: colours that the colour-blind tell apart.
-``grey``: for print. In the last two, types of one drawing differ in colour or pattern, all of them.
+"""``colour``: each type has its own colour. ``distinct``: colours that the colour-blind tell apart.
+
+``grey``: for print. In the last two, all types of one drawing differ in colour or pattern.
 """
 
 
 APART = 10.0
-"""How much a new type's colour differs from all others where it can: see ``difference``."""
+"""Least difference between a new type's colour and all others, if possible: see ``difference``."""
 
 
 class Inks(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Colours of all but floors, ``#rrggbb``."""
+    """Colours of everything except floors, ``#rrggbb``."""
 
     ink: str = INK
-    """Words."""
+    """Colour of words."""
     paper: str = "#fbfaf6"
-    """The main room of a star."""
+    """Colour of a star's main room."""
     wall: str = "#333a45"
     faint: str = "#8b929d"
-    """Symbols, swings of doors."""
+    """Colour of symbols and of swings of doors."""
     edge: str = "#626a76"
-    """Of furniture."""
+    """Colour of the edges of furniture."""
     wood: str = "#ffffff"
-    """Furniture."""
+    """Colour of furniture."""
     mark: str = "#c8552d"
-    """Entrances, and fronts that no symbol shows."""
+    """Colour of entrances, and of fronts that no symbol shows."""
     pattern: str = "#8b929d"
 
 
 class Palette(Inks, frozen=True, forbid_unknown_fields=True):
-    """Inks, and floors where each type has no colour of its own: first all colours without a pattern."""
+    """Inks, and floors for palettes in which types have no colour of their own.
+
+    All colours come first without a pattern.
+    """
 
     floors: tuple[str, ...] = ()
     new: tuple[str, ...] = ()
-    """Without ``floors``: of types that have no colour in their looks, first those that differ most."""
+    """Colours of types without a colour in their looks, most distinct first. Used without ``floors``."""
     hatches: tuple[str, ...] = ("",)
 
 
 class Fill(msgspec.Struct, frozen=True):
-    """How a floor is filled: its colour, and its pattern, a character of ``Palette.hatches``."""
+    """Filling of a floor: a colour, and a pattern, which is a character of ``Palette.hatches``."""
 
     colour: str
     hatch: str = ""
@@ -70,22 +74,22 @@ PALETTES = msgspec.json.decode(
 
 @dataclass(frozen=True)
 class Style:
-    """How a drawing looks."""
+    """Style of a drawing."""
 
     inks: Inks
     looks: Looks
     fills: dict[str, Fill]
-    """Of the room types that the houses have."""
+    """Fillings for the room types of the houses."""
 
     def fill(self, kind: str) -> Fill:
-        """How the floor of a room type is filled."""
+        """Return the filling for the floor of a room type."""
         return self.fills[kind]
 
 
 def style(houses: Iterable[House], palette: Name = "colour", grammar: str | Path | None = None) -> Style:
-    """The style of a drawing of these houses, with the looks of their grammars, or of a grammar's folder.
+    """Return the style of a drawing of these houses, with the looks of their grammars or of a given one.
 
-    Raises ``RequestError`` for a palette that there is not, ``GrammarError`` for looks that are wrong.
+    Raises ``RequestError`` for an unknown palette, and ``GrammarError`` for wrong looks.
     """
     if palette not in PALETTES:
         raise RequestError(unknown("palette", palette, get_args(Name)))
@@ -97,7 +101,7 @@ def style(houses: Iterable[House], palette: Name = "colour", grammar: str | Path
 
 
 def _patterned(palette: Palette, types: Iterable[str], looks: Looks) -> dict[str, Fill]:
-    """Each type in the next colour, and when all were taken in the next pattern."""
+    """Return fillings that give each type the next colour and, after all colours, the next pattern."""
     known = {kind: number for number, kind in enumerate(looks.rooms)}
     fills = {}
     for number, kind in enumerate(sorted(types, key=lambda kind: (known.get(kind, len(known)), kind))):
@@ -108,8 +112,10 @@ def _patterned(palette: Palette, types: Iterable[str], looks: Looks) -> dict[str
 
 
 def _coloured(palette: Palette, types: Iterable[str], looks: Looks) -> dict[str, Fill]:
-    """Each type in the colour of its looks. Without one it is the first that differs from all others here,
-    from a place in the palette that its name gives: mostly the same for the same name.
+    """Return fillings with the colour of each type's looks.
+
+    A type without looks has the first colour that differs from all others here. The search starts at a place
+    in the palette that the type's name determines, so that the same name mostly has the same colour.
     """
     types = sorted(types)
     chosen = {kind: looks.rooms[kind] for kind in types if kind in looks.rooms}
@@ -126,12 +132,12 @@ def _coloured(palette: Palette, types: Iterable[str], looks: Looks) -> dict[str,
 
 
 def difference(one: str, other: str) -> float:
-    """How much two colours differ as people see them: CIE 1976, of 0 to about 100; 2.3 is just noticed."""
+    """Return the perceived difference of two colours by CIE 1976, 0 to about 100; 2.3 is just visible."""
     return math.dist(_lab(one), _lab(other))
 
 
 def _lab(colour: str) -> tuple[float, float, float]:
-    """CIE L*a*b* of an sRGB colour, in the light of day (D65)."""
+    """Return the CIE L*a*b* values of an sRGB colour, for daylight (D65)."""
     values = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
     red, green, blue = (((v + 0.055) / 1.055) ** 2.4 if v > 0.04045 else v / 12.92 for v in values)
     xyz = (

@@ -1,4 +1,7 @@
-"""Drawings as pages of a PDF: lines and letters, no pixels. By matplotlib, whose font the plans have."""
+"""Drawings as pages of a PDF, with lines and letters, not pixels.
+
+By matplotlib, which has the plans' font.
+"""
 
 from collections.abc import Iterable, Sequence
 from io import BytesIO
@@ -29,12 +32,14 @@ from logic.house.replacing import DRAWN_BY
 from logic.spelling import printable
 
 POINT = 72 / 96
-"""Points to a CSS pixel: matplotlib's unit of lines and letters."""
+"""Points per CSS pixel. The point is matplotlib's unit of lines and letters."""
 
 
 def pdf(pages: Iterable[tuple[Sequence[tuple[Point, Drawing]], float, float]]) -> bytes:
-    """The content of a PDF, with a page for each: drawings, each with the place of its top left corner, and
-    the page's width and height, all in CSS pixels, 96 to an inch.
+    """Return the content of a PDF with a page for each item.
+
+    An item holds drawings, each with the place of its top left corner, and the page's width and height. All
+    lengths are in CSS pixels, 96 per inch.
     """
     buffer = BytesIO()
     # Without dates the same pages give the same bytes.
@@ -51,7 +56,7 @@ def pdf(pages: Iterable[tuple[Sequence[tuple[Point, Drawing]], float, float]]) -
 
 
 def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
-    """Draw a shape, moved by x and y, over those of a lower order."""
+    """Draw a shape, moved by x and y, above those of a lower order."""
     common = {"zorder": order, "clip_on": False}
     if isinstance(shape, Strokes):
         ends = [[(a + x, b + y) for a, b in pair] for pair in shape.ends]
@@ -88,7 +93,7 @@ def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
     text = axes.text(
         x + shape.at[0] + (down if shape.turned else 0),
         y + shape.at[1] + (0 if shape.turned else down),
-        printable(shape.text).replace("$", r"\$"),  # else it is a formula
+        printable(shape.text).replace("$", r"\$"),  # otherwise matplotlib reads a formula
         fontsize=POINT * shape.size,
         color=shape.fill,
         ha={"start": "left", "middle": "center", "end": "right"}[shape.anchor],

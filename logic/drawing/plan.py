@@ -1,4 +1,4 @@
-"""A house as shapes: walls, floors by room type, furniture, doors and windows. Plans and films draw these."""
+"""Shapes of a house: walls, floors by room type, furniture, doors and windows. Plans and films draw these."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -31,7 +31,7 @@ QUARTER_CIRCLE = 0.5523
 """Distance of the inner points from the ends of a cubic curve that draws a quarter of a circle, in radii."""
 
 HATCH = 6.0
-"""CSS pixels between the lines of a pattern."""
+"""Distance between the lines of a pattern, CSS pixels."""
 
 
 def house_shapes(
@@ -41,9 +41,9 @@ def house_shapes(
     leaves: Sequence[Leaf] = (),
     numbers: Mapping[str, str] | None = None,
 ) -> list[Shape]:
-    """Draw a house without the words of its plan, walls over the furniture.
+    """Draw a house without the words of its plan, with walls above the furniture.
 
-    ``leaves`` are those of ``door_leaves``; films draw none, since bodies and rays pass through doors.
+    ``leaves`` are those of ``door_leaves``. Films draw none, since robots and rays pass through doors.
     ``numbers`` are the key's numbers by piece type (see ``unlabelled``).
     """
     numbers = numbers or {}
@@ -55,7 +55,7 @@ def house_shapes(
         shapes.append(Part(main.name, (Block(frame.box(main), inks.paper),)))
     for room in house.counted:
         fill = style.fill(house.whole(room).type)
-        if room.type in house.outdoor:  # Boards, and no colour: there is no roof.
+        if room.type in house.outdoor:  # Boards without a colour, since there is no roof.
             fill = structs.replace(fill, colour=inks.paper, hatch="|")
         shapes.append(Part(room.name, tuple(floor(frame.box(room), fill, inks))))
     shapes += furniture_parts(house, frame, style, numbers)
@@ -68,7 +68,7 @@ def house_shapes(
         leaf = None if door.opening else next(left, None)
         shapes.append(Part(name, tuple(_door(house, tiles, door, leaf, frame, inks))))
     for room in house.counted:
-        if room.part_of:  # The floor goes on where no wall is.
+        if room.part_of:  # The floor continues where no wall is.
             joints = [door for door in house.doors if {*door.between} == {room.name, room.part_of}]
             fill = style.fill(house.whole(room).type)
             shapes += [
@@ -84,7 +84,7 @@ def house_shapes(
 def _map_shapes(
     house: House, grid: OccupancyGrid, frame: Frame, style: Style, numbers: Mapping[str, str]
 ) -> list[Shape]:
-    """A map: free cells, areas that have names, furniture, and all other cells."""
+    """Return the shapes of a map: free cells, named areas, furniture, and all other cells."""
     inks, (whole, *areas) = style.inks, house.rooms
     shapes: list[Shape] = [Part(whole.name, (Block(frame.box(whole), inks.paper),))]
     shapes += [Part(area.name, tuple(floor(frame.box(area), style.fill(area.type), inks))) for area in areas]
@@ -107,7 +107,7 @@ def _free_walls(house: House, frame: Frame, inks: Inks) -> Iterator[Line]:
 
 
 def wall_boxes(house: House) -> Iterator[Box]:
-    """Walls without a thickness as thick as inner ones, without the doorways between rooms: metres."""
+    """Yield boxes for walls without a thickness, as thick as inner walls, without doorways, metres."""
     half, walls = INNER / 2, house.walls
     for axis, lines in enumerate(walls):
         across = np.array(walls[1 - axis])
@@ -138,14 +138,17 @@ def opening(house: House, tiles: np.ndarray, segment: Door | Window) -> Box:
 
 
 def floor(box: Box, fill: Fill, inks: Inks) -> Iterator[Shape]:
-    """A floor with its colour and its pattern, in a box of CSS pixels."""
+    """Yield the shapes of a floor with its colour and its pattern, in a box of CSS pixels."""
     yield Block(box, fill.colour)
     if fill.hatch:
         yield Strokes(tuple(_hatch(box, fill.hatch)), inks.pattern, 0.7)
 
 
 def _hatch(box: Box, pattern: str) -> Iterator[tuple[Point, Point]]:
-    """The strokes of a pattern within a box; CSS pixels. Patterns of neighbours go on in each other."""
+    """Yield the strokes of a pattern within a box, CSS pixels.
+
+    Patterns of neighbours join without a break.
+    """
     left, top, right, bottom = box
 
     def steps(low: float, high: float, gap: float) -> Iterator[float]:
@@ -191,7 +194,10 @@ def _door(
 
 
 def _entrance(place: Box, room: Box, size: float, inks: Inks) -> Line:
-    """A tip outside of an entrance that points in. ``size``: CSS pixels, within a plan's margin."""
+    """Return an arrow tip outside an entrance that points inwards.
+
+    ``size``: CSS pixels, within a plan's margin.
+    """
     x, y = (place[0] + place[2]) / 2, (place[1] + place[3]) / 2
     if place[2] - place[0] > place[3] - place[1]:
         u, v = 0.0, size if y < (room[1] + room[3]) / 2 else -size
@@ -204,7 +210,7 @@ def _entrance(place: Box, room: Box, size: float, inks: Inks) -> Line:
 
 
 def _window(place: Box, inks: Inks) -> Iterator[Shape]:
-    """A pane between the two faces of the wall."""
+    """Yield a pane between the two faces of the wall."""
     left, top, right, bottom = place
     thin = min(right - left, bottom - top) / 8
     yield Block(place, inks.wood, inks.wall, min(thin, 1.0))

@@ -21,8 +21,8 @@ Ring = tuple[tuple[float, float], ...]
 def wall_rings(house: House, beyond: float, inner: Iterable[Box] = ()) -> list[Ring]:
     """Return the borders of all walls: a point lies in a wall if an odd number of borders encloses it.
 
-    ``beyond``: metres by which outer walls reach over the tiles; ``inner``: boxes of walls whose middles lie
-    on the edges of rooms. Around outdoor rooms the outer walls are parapets.
+    ``beyond``: metres by which outer walls reach over the tiles. ``inner``: boxes of walls whose middles lie
+    on the edges of rooms. Outer walls of outdoor rooms are parapets.
     """
     tiles = [(tile.box, tile.type in house.outdoor) for tile in house.tiles]
     indoors = _union(grown(box, beyond) for box, is_outdoor in tiles if not is_outdoor)

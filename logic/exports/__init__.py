@@ -1,7 +1,7 @@
-"""Houses in the formats of other tools, a file a house: what ``vitruvius convert --to`` writes.
+"""Houses in the formats of other tools, a file for each house: the output of ``vitruvius convert --to``.
 
-A format is a function that writes a house: ``write(house, path)``, with a path without an ending. What it
-needs is imported when it is used.
+A format is a function that writes a house: ``write(house, path)``, with a path without an ending. Its
+libraries are imported when it is used.
 """
 
 from collections.abc import Callable, Iterable
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 class Format(NamedTuple):
-    """Where a format is written, and what it is."""
+    """Format: the module that writes it, and a description."""
 
     module: str
     endings: tuple[str, ...]
-    """Of the files that are written for one house; the first is named in messages."""
+    """Endings of the files for one house, the first of which is named in messages."""
     words: str
-    """What the command's help says of it."""
+    """Description in the command's help."""
 
 
 FORMATS = {
@@ -33,14 +33,16 @@ FORMATS = {
     "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2"),
     "usd": Format("usd", (".usda",), "OpenUSD, the same solids as gltf"),
 }
-"""By the name that ``--to`` takes."""
+"""Formats by the name that ``--to`` takes."""
 
 
 def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path]:
-    """Write each house into the folder ``out`` in a format of ``FORMATS``; return the first file of each.
+    """Write each house into the folder ``out`` in a format of ``FORMATS``.
+
+    Return the first file of each house.
 
     House 0 is ``house-0``. Each file appears whole or not at all. Raises ``ValueError`` for another format
-    and for no house, ``RequestError`` for a house that the format cannot hold, ``ImportError`` if its
+    and for no house, ``RequestError`` for a house that the format cannot hold, and ``ImportError`` if its
     library is missing.
     """
     if format not in FORMATS:

@@ -12,7 +12,7 @@ from logic.house.parts import FreeWall, Room
 def floor(house: House, room: Room) -> Any:
     """Return the floor of a room.
 
-    A map's floor is all of its free cells; the floor of a star's main room leaves out the other rooms.
+    The floor of a map is all of its free cells. The floor of a star's main room excludes the other rooms.
     """
     if house.occupancy:
         return shapely.union_all([shapely.box(*box) for box in house.occupancy.blocks(FREE)])

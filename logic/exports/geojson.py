@@ -24,7 +24,7 @@ def write(house: House, path: Path) -> None:
 
 
 def to_geojson(house: House) -> dict[str, Any]:
-    """A house as a feature collection."""
+    """Return a house as a feature collection."""
     features = []
     for room in house.rooms:
         part = {"part_of": room.part_of} if room.part_of else {}
@@ -48,8 +48,8 @@ def to_geojson(house: House) -> dict[str, Any]:
 
 
 def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
-    """A polygon anticlockwise, as RFC 7946 asks, or a line where a side is zero."""
-    # Edges are rounded, not sizes: what two rooms share stays shared. Adding 0.0 makes -0.0 a plain 0.0.
+    """Return a polygon, anticlockwise as RFC 7946 requires, or a line if a side is zero."""
+    # Edges are rounded, not sizes, so that shared edges stay shared. Adding 0.0 turns -0.0 into 0.0.
     edges = (rect.x, -rect.y, rect.x + rect.width, -rect.y - rect.height)
     west, north, east, south = (round(edge, 9) + 0.0 for edge in edges)
     if rect.width and rect.height:
@@ -61,14 +61,14 @@ def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
 
 
 def _cells(house: House) -> dict[str, Any]:
-    """Return the free cells of a map. As RFC 7946 asks, outer rings run anticlockwise and holes clockwise."""
+    """Return the free cells of a map, with outer rings anticlockwise and holes clockwise as in RFC 7946."""
     cells = shapely.simplify(floor(house, house.rooms[0]), 0)
     northward = shapely.transform(cells, lambda corners: np.round(corners * (1, -1), 9) + 0.0)
     return dict(mapping(shapely.orient_polygons(northward)))
 
 
 def _free_wall(wall: FreeWall) -> dict[str, Any]:
-    """A polygon anticlockwise, or a line for a wall without a thickness."""
+    """Return a polygon, anticlockwise, or a line for a wall without a thickness."""
     if not wall.thickness:
         return {"type": "LineString", "coordinates": [(wall.x1, -wall.y1), (wall.x2, -wall.y2)]}
     ring = [(x, -y) for x, y in reversed(wall.corners)]

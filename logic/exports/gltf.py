@@ -1,4 +1,4 @@
-"""Binary glTF 2.0, by trimesh: a node for each solid, named as it is. x east, y up, z south; metres."""
+"""Binary glTF 2.0, by trimesh: a node with the name of each solid. x east, y up, z south; metres."""
 
 from pathlib import Path
 
@@ -35,7 +35,7 @@ def write(house: House, path: Path) -> None:
 
 
 def _linear(colour: str) -> list[int]:
-    """A colour of CSS as glTF has it: linear, not sRGB."""
+    """Return a colour of CSS in the linear values of glTF."""
     values = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
     linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
     return [round(255 * value) for value in linear.tolist()]

@@ -1,8 +1,8 @@
-"""MJCF, the XML of MuJoCo (mujoco.readthedocs.io): the house, and in it a robot with range finders.
+"""MJCF, the XML of MuJoCo (mujoco.readthedocs.io): a house that contains a robot with range finders.
 
-z up; x east, y north; metres. MuJoCo's range finders ignore boxes that are wholly transparent. A wall without
-thickness is therefore two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and a
-transparent one that bodies touch.
+z up; x east, y north; metres. MuJoCo's range finders ignore boxes that are wholly transparent. Therefore a
+wall without thickness is two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and
+a transparent one that the robot touches.
 """
 
 from math import cos, radians, sin
@@ -19,19 +19,22 @@ from logic.house.house import House
 from logic.house.parts import BODY
 
 RAYS, FIRST_RAY, SPACING = 40, 58.5, 3.0
-"""The simulator's rays: how many, degrees from the heading to ray 0, counter-clockwise, and to the next."""
+"""The simulator's rays: their number, the angle from the heading to ray 0 and the angle between rays.
+
+Angles are in degrees, counter-clockwise.
+"""
 
 EYE = 0.3
-"""Metres above the floor: lower than any piece of ``looks.json``."""
+"""Height of the range finders above the floor, metres: lower than any piece of ``looks.json``."""
 
 TOUCHED = 0.01
-"""Metres: how thick walls are to bodies, which may not pass through in one step of MuJoCo."""
+"""Thickness of walls for the robot, metres, enough that it does not pass through in one step of MuJoCo."""
 
 THIN = 2e-6
-"""Metres: how thick walls are to rays."""
+"""Thickness of walls for rays, metres."""
 
 HEIGHT = 0.4
-"""Metres, of the robot."""
+"""Height of the robot, metres."""
 
 
 def write(house: House, path: Path) -> None:
@@ -44,10 +47,10 @@ def write(house: House, path: Path) -> None:
 def to_mjcf(house: House, name: str = "house") -> Element:
     """Return a house as the element ``mujoco``.
 
-    The robot stands in the middle of the largest free place of the room where bodies start. It slides along
-    ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east), each driven by a
-    velocity. Sensor ``ray_i`` is the distance along ray i, metres, or -1 where nothing is. Raises
-    ``RequestError`` if no room has a free place for the robot.
+    The robot stands in the middle of the largest free place of the room where episodes start. It slides along
+    ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east). A velocity drives each
+    of these joints. Sensor ``ray_i`` is the distance along ray i, metres, or -1 if the ray hits nothing.
+    Raises ``RequestError`` if no room has a free place for the robot.
     """
     root = Element("mujoco", model=name)
     SubElement(root, "compiler", angle="radian")
@@ -59,7 +62,7 @@ def to_mjcf(house: House, name: str = "house") -> Element:
         is_whole = touched[each.name] == each and each.kind != "floor"
         seen = {} if is_whole else {"contype": "0", "conaffinity": "0"}
         _box(world, each, _rgba(each), name=each.name, **seen)
-        if touched[each.name] != each:  # no dot in this name: names of other parts have one
+        if touched[each.name] != each:  # no dot in this name, since names of other parts have one
             _box(world, touched[each.name], "0 0 0 0", name=f"{each.name}_body")
     _robot(root, world, *_free_place(house))
     return root
@@ -106,8 +109,10 @@ def _numbers(*values: float) -> str:
 
 
 def _free_place(house: House) -> tuple[float, float]:
-    """Return the centre of the largest free circle in the room where bodies start, or in another room if the
-    robot does not fit there. In a map the circle lies on the largest connected floor.
+    """Return the centre of the largest free circle in the room where episodes start.
+
+    If the robot does not fit there, the circle lies in another room. In a map it lies on the largest
+    connected floor.
     """
     taken = [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
     taken += [outline(wall).buffer(THIN) for wall in house.free_walls]

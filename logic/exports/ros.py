@@ -1,5 +1,6 @@
-"""An occupancy map for map_server of ROS (wiki.ros.org/map_server) and ROS 2 (nav2_map_server): a picture of
-cells and its description. x east, y north; metres.
+"""Occupancy map for map_server of ROS (wiki.ros.org/map_server) and ROS 2 (nav2_map_server).
+
+The map is a picture of cells and its description. x east, y north; metres.
 """
 
 from io import BytesIO
@@ -19,13 +20,13 @@ from logic.house.occupancy import OccupancyGrid
 from logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
-"""Metres of a cell, in the map of a house that is none itself."""
+"""Side of a cell, metres, in the map of a house that is not a map itself."""
 
 MARGIN = 10
-"""Cells around the house."""
+"""Number of cells around the house."""
 
 OCCUPIED, FREE, UNKNOWN = 0, 254, 205
-"""Grey values, as map_server's mode ``trinary`` reads them."""
+"""Grey values of map_server's mode ``trinary``."""
 
 DESCRIPTION = """\
 image: {image}
@@ -39,7 +40,7 @@ mode: trinary
 
 
 def write(house: House, path: Path) -> None:
-    """Write the map's picture, then its description, ``.yaml``, which names it."""
+    """Write the map's picture, then its description, ``.yaml``, which names the picture."""
     if grid := house.occupancy:
         cells, corner, cell = _pixels(grid), (grid.x, -grid.box[3]), grid.cell
     else:
@@ -49,8 +50,8 @@ def write(house: House, path: Path) -> None:
         shapes += [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
     for shape in shapes:
         _fill(cells, shape, corner[0], -corner[1] - cell * len(cells), cell)
-    # Of y in ROS's axes no more digits are left than metres can have. Without an exponent: to YAML 1.1, which
-    # many readers go by, 6e-08 is a word.
+    # Rounding leaves y in ROS's axes no more digits than metres can have. Numbers have no exponent, since
+    # YAML 1.1, which many readers follow, reads 6e-08 as a word.
     west, south, side = (
         np.format_float_positional(each, trim="0") for each in (*np.round(corner, 9).tolist(), float(cell))
     )
@@ -63,16 +64,17 @@ def write(house: House, path: Path) -> None:
 
 
 def _pixels(grid: OccupancyGrid) -> np.ndarray:
-    """The pixels of a map, as ``UNKNOWN``, ``FREE`` and ``OCCUPIED``."""
+    """Return the pixels of a map, as ``UNKNOWN``, ``FREE`` and ``OCCUPIED``."""
     return np.where(grid.values == UNKNOWN_CELL, UNKNOWN, np.where(grid.values, OCCUPIED, FREE)).astype(
         np.uint8
     )
 
 
 def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
-    """The cells (H, W) uint8, row 0 in the north, and where the corner of the south-west cell is, metres.
+    """Return the cells (H, W) uint8, row 0 in the north, and the corner of the south-west cell, metres.
 
-    A cell that a wall or a piece touches is occupied, one within rooms alone is free, all others are unknown.
+    A cell that a wall or a piece touches is occupied, a cell within rooms alone is free, and all others are
+    unknown.
     """
     west, north, east, south = drawn_extent(house) if house.wall_thickness else extent(house)
     left, up = west - MARGIN * RESOLUTION, north - MARGIN * RESOLUTION
@@ -110,12 +112,12 @@ def _fill(
         for low, high, edge, most in ((left, right, west, cells.shape[1]), (top, bottom, north, len(cells)))
     )
     y, x = np.mgrid[y0:y1, x0:x1]
-    xs, ys = west + cell * x, north + cell * y  # What touches a cell at its edge alone is not in it.
+    xs, ys = west + cell * x, north + cell * y  # A shape that touches a cell only at its edge is not in it.
     boxes = shapely.box(xs + TOLERANCE, ys + TOLERANCE, xs + cell - TOLERANCE, ys + cell - TOLERANCE)
     cells[y0:y1, x0:x1][shapely.intersects(boxes, shape)] = OCCUPIED
 
 
 def _cells(low: float, high: float) -> tuple[int, int]:
-    """The first cell that a span touches, and the one after the last."""
+    """Return the first cell that a span touches, and the one after the last."""
     first = int(np.floor((low + TOLERANCE) / RESOLUTION))
     return first, max(first + 1, int(np.ceil((high - TOLERANCE) / RESOLUTION)))

@@ -1,8 +1,8 @@
-"""Solid boxes of a house: walls with a thickness and a height, openings cut out of them, and furniture.
+"""Solid boxes of a house: walls with a thickness, a height and openings, and furniture.
 
 In a map all cells that are not free are walls.
 
-Files of houses have no third dimension, so heights are chosen here, and those of furniture in ``looks.json``.
+House files have no third dimension, so this module chooses heights, and ``looks.json`` those of furniture.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from logic.house.walls import Interval, Line, crossing, near, remaining
 from logic.spelling import printable
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
-"""Metres."""
+"""Heights of walls and of doors, metres."""
 
 SILL, HEAD = 0.9, 2.1
-"""Metres: the lower and the upper edge of windows."""
+"""Heights of the lower and the upper edge of windows, metres."""
 
 FLOOR = 0.05
-"""Metres: how thick floors are, below zero."""
+"""Thickness of floors, below zero, metres."""
 
 PIECE_HEIGHT = 0.8
-"""Metres: of a piece whose type has no height in ``looks.json``."""
+"""Height of a piece whose type has no height in ``looks.json``, metres."""
 
 INKS = Inks()
-"""Of walls, furniture and a star's main room: those of plans."""
+"""Colours of walls, furniture and a star's main room, as in plans."""
 
 COLOURS = {"wall": INKS.wall, "window": "#a9cfe0", "entrance": "#9a7b56"}
 
@@ -47,14 +47,14 @@ PARTS = {
     "entrance": [("entrance", 0.0, DOOR_HEIGHT), ("wall", DOOR_HEIGHT, WALL_HEIGHT)],
     "window": [("wall", 0.0, SILL), ("window", SILL, HEAD), ("wall", HEAD, WALL_HEIGHT)],
 }
-"""What stands in each part of a wall with a thickness: from one height to another, metres above the floor."""
+"""Solids in each part of a wall with a thickness: colour, bottom and top, metres above the floor."""
 
 
 class Solid(NamedTuple):
     """Box along the axes, or turned about its centre."""
 
     name: str
-    """Of a room its name, of a piece ``R3.bed``; with a number behind it where there are several."""
+    """Name of a room, or ``R3.bed`` for a piece, followed by a number if several solids share the name."""
     kind: str
     """floor, wall, window, entrance or piece."""
     box: Box
@@ -109,7 +109,7 @@ def _pieces(house: House) -> Iterator[Solid]:
 
 
 def _thick_walls(house: House) -> Iterator[Solid]:
-    """Walls that have a thickness, with the floors of doorways."""
+    """Yield walls that have a thickness, with the floors of doorways."""
     for kind, box in wall_parts(house):
         for name, bottom, top in PARTS[kind]:
             yield Solid(name, name, box, bottom, top, COLOURS.get(name, INKS.paper))
@@ -154,7 +154,7 @@ def _walls(house: House, thickness: float) -> Iterator[Solid]:
                 box = (at - half, start, at + half, end) if axis == 0 else (start, at - half, end, at + half)
                 yield Solid(kind, kind, box, bottom, top, COLOURS[kind])
     for door in house.doors:
-        if not (door.is_entrance or door.opening):  # above an opening is no wall
+        if not (door.is_entrance or door.opening):  # no wall above an opening
             west, north, east, south = door.box
             by_x, by_y = (half, 0.0) if door.height else (0.0, half)
             box = west - by_x, north - by_y, east + by_x, south + by_y
@@ -179,8 +179,9 @@ def _on(line: Line, axis: int, segments: np.ndarray) -> list[Interval]:
 
 
 def _reaches(line: Line, others: np.ndarray, half: float) -> Interval:
-    """The ends of a wall, half its thickness farther where it meets a wall across it: so corners are whole,
-    and doorways as wide as they are.
+    """Return the ends of a wall, extended by half its thickness where it meets a wall across it.
+
+    Therefore corners are complete, and doorways keep their width.
     """
     at, low, high = line
     return low - half * crossing(at, low, others), high + half * crossing(at, high, others)

@@ -1,5 +1,6 @@
-"""OpenUSD, by usd-core: a cube with collisions for each solid, under a scope for each kind. z up; x east,
-y north; metres.
+"""OpenUSD, by usd-core: a cube with collisions for each solid, under a scope for each kind.
+
+z up; x east, y north; metres.
 """
 
 # usd-core has no type stubs.
