@@ -1,1 +1,1 @@
-"""From a request to a house: both stages, and the way back to the first."""
+"""Generation of houses: both stages for a request, and the feedback from stage 2 to stage 1."""

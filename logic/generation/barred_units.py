@@ -1,4 +1,4 @@
-"""Which units of a house there are not, and the program of units without them."""
+"""Unit sizes that are infeasible, and the unit program that excludes them."""
 
 from collections.abc import Iterable
 from functools import cache
@@ -16,9 +16,9 @@ from logic.request.request import Request
 
 
 def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:
-    """The units of a house that there are not, whatever their lengths: requirements ``barred``, and of whom.
+    """Return the units of a house that are infeasible at all lengths: requirements ``barred``, and the units.
 
-    Those of some number of rooms, and of such with some rooms of one of the types that are asked for.
+    These are units with a number of rooms, and units with a number of rooms of one requested type.
     """
     types, sizes = tuple(sorted(request.types)), programs.unit_sizes(request.rooms)
     return {atom: unit for size in sizes for atom, unit in _barred(programs, size, types)}
@@ -26,7 +26,7 @@ def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:
 
 @cache
 def _barred(programs: Programs, size: int, types: tuple[str, ...]) -> list[tuple[Symbol, Request]]:
-    """Those of this number of rooms."""
+    """Return the infeasible units with this number of rooms."""
     program, _ = programs.unit_for(Request(size, dict.fromkeys(types, (0, 0))))
     if not program.possible():
         return [(Function("barred", [Number(size)]), Request(size))]
@@ -43,14 +43,14 @@ class UnitsFeasibility(Feasibility):
     """Units of a house, as a program whose statements may be left out."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar) -> None:
-        """Know the rules."""
+        """Set the rules."""
         super().__init__(grammar, loaded.placer, loaded.lengths, placed=True)
         self._programs = loaded.programs
 
     def house(
         self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
     ) -> tuple[Relaxed, list[Statement]]:
-        """The program of the units, and all that may be left out of it."""
+        """Return the program of the units, and all statements that may be left out of it."""
         required, barred = shared_requirements(request), barred_units(self._programs, request)
         relaxed = Relaxed(
             self.source,
@@ -66,10 +66,10 @@ class UnitsFeasibility(Feasibility):
 
 
 def option_reasons(request: Request) -> list[Reason]:
-    """What a request asks of the types of rooms, as on the command line."""
+    """Return a request's choices of room types, as on the command line."""
     return [option("--type", name, request.types) for name in sorted(request.types)]
 
 
 def no_unit(unit: Request) -> Reason:
-    """That there is no such unit, as a statement."""
+    """Return the statement that there is no such unit."""
     return Reason(f"no unit has {unit}")

@@ -1,7 +1,7 @@
-"""Houses by a brief: the rooms that it names, in any dissection of an outline.
+"""Houses by a brief: the rooms that the brief names, in any dissection of an outline.
 
-Each house has a program of its own, which clasp searches in an order that it learns: with doors, areas and
-sizes given, a layout is hard to find by picks that are sampled one after the other.
+Each house has a program of its own, for which clasp learns an order of search. With doors, areas and sizes
+given, a layout is hard to find by sampled picks one after the other.
 """
 
 from collections.abc import Collection
@@ -28,11 +28,11 @@ from logic.request.request import Request
 from logic.spelling import numbered
 
 MAX_UNDECIDED_LAYOUTS = 16
-"""Number of undecided layouts of a house before all layouts are decided thoroughly, which takes longer."""
+"""Number of undecided layouts of a house after which all layouts are decided thoroughly, which is slower."""
 
 
 class BriefMaker(SharedWallsMaker):
-    """Makes houses of one brief by one grammar."""
+    """Generator of the houses of one brief by one grammar."""
 
     advice = "another seed, larger rooms, or fewer lines in the brief"
 
@@ -73,9 +73,9 @@ class BriefMaker(SharedWallsMaker):
             self._few_doors = loaded.programs_of(rules, [*symbols, ASKED_DOORS])
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """Return a furnished house; see ``Maker.made``.
+        """Return a furnished house: see ``Maker.made``.
 
-        The house has no doors that the brief does not ask for, if the grammar's rules permit that.
+        The house has no doors beyond those of the brief, if the grammar's rules permit that.
         """
         if self._few_doors:
             with suppress(NoLayout):
@@ -90,7 +90,7 @@ class BriefMaker(SharedWallsMaker):
         return super().made(request, rng, inferences)
 
     def stated(self, request: Request) -> Program:
-        """Return the program of the last house, if there is one: no other program has its facts."""
+        """Return the program of the last house if there is one, since no other program has its facts."""
         return self._one_house or super().stated(request)
 
     def _layout(
@@ -102,7 +102,8 @@ class BriefMaker(SharedWallsMaker):
     ) -> list[Symbol]:
         """Return a layout as for any plan.
 
-        Undecided layouts return, to be decided thoroughly, when there are many or no others are left.
+        Undecided layouts become available again, to be decided thoroughly, after many of them or if no other
+        layouts are left.
         """
         if self._thorough or len(self._undecided) < MAX_UNDECIDED_LAYOUTS:
             try:
@@ -115,7 +116,7 @@ class BriefMaker(SharedWallsMaker):
         return super()._layout(request, rng, nogoods, unfurnishable)
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
-        """Place walls as for any plan; thoroughly once ``_layout`` has no other layouts."""
+        """Place walls as for any plan, but thoroughly once ``_layout`` has no other layouts."""
         return self._placer.walls(layout, seed, inferences, thorough=self._thorough)
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
@@ -129,7 +130,7 @@ class BriefMaker(SharedWallsMaker):
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[Pieces], int]:
-        """As of any plan, with the names of the brief."""
+        """Return a plan as for any request, with the names of the brief."""
         plan, pieces, left = super().complete(request, rng, inferences)
         for place, room in enumerate(self.brief.rooms):
             as_named = {"name": room.name, "type": room.label or plan.rooms[place].type}

@@ -1,4 +1,4 @@
-"""From a request to a house: the two stages, and what goes between them."""
+"""From a request to a house: the two stages, and the data between them."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -33,17 +33,17 @@ from logic.request.request import Request, known
 from logic.spelling import unknown
 
 OF_GIVEN: dict[type, type[BriefMaker] | type[GivenPlanMaker]] = {Brief: BriefMaker, OwnPlan: GivenPlanMaker}
-"""Who makes the houses of what a request may give."""
+"""Classes that generate the houses of a given brief or plan."""
 
 
 class Builder:
-    """Makes houses of one grammar; it grounds each program once and keeps it."""
+    """Generator of houses of one grammar. It grounds each program once and keeps it."""
 
     def __init__(self, grammar: Grammar, cell: float = 0.0, loaded: LoadedGrammar | None = None) -> None:
-        """Load the grammar's files, without what clingo remarks on, unless they are loaded; raises
-        ``GrammarError`` for the first thing wrong.
+        """Load the grammar's files, without clingo's remarks, unless they are loaded.
 
-        ``cell`` is the side of a grid's cell in metres, 0 for none.
+        ``cell`` is the side of a grid's cell in metres, 0 for none. Raises ``GrammarError`` for the first
+        mistake.
         """
         self.grammar = grammar
         self.loaded = loaded or LoadedGrammar(grammar, cell, remarks=False)
@@ -68,7 +68,7 @@ class Builder:
         }
 
     def giving_way(self, rules: Iterable[Reason]) -> "Builder":
-        """Return the builder of the same grammar without these typical rules, which is now at work."""
+        """Return the builder of the same grammar without these typical rules, which now does the work."""
         left_out = tuple(sorted({*self.grammar.gave_way, *rules}, key=str))
         if left_out not in self._gave_way:
             grammar = replace(self.grammar, gave_way=left_out)
@@ -86,12 +86,12 @@ class Builder:
     def house(
         self, request: Request, seed: int, index: int, inferences: int, thorough: bool = False
     ) -> House:
-        """Make house ``index``, a function of the grammar, the request, the seed and the index.
+        """Generate house ``index``, a function of the grammar, the request, the seed and the index.
 
         ``thorough`` considers all sizes that areas allow, and requires ``decides_areas``.
 
-        Raises ``RequestError`` for an unknown type, ``NoLayout`` if there is provably no such house,
-        ``LimitReached`` past this number of Prolog inferences.
+        Raises ``RequestError`` for an unknown type, ``NoLayout`` if there is provably no such house, and
+        ``LimitReached`` after this number of Prolog inferences.
         """
         self.account.begin()
         try:
@@ -118,11 +118,11 @@ class Builder:
         return ExactAreasMaker(self.grammar, self.loaded)
 
     def maker_class(self, request: Request) -> type[Maker]:
-        """The class of who makes the houses of a request; ``logic.why.kinds`` has the witness of each."""
+        """Return the class that generates the houses of a request; ``logic.why.kinds`` has its witness."""
         return OF_GIVEN.get(type(request.given), type(self.maker))
 
     def maker_of(self, request: Request) -> Maker:
-        """Who makes the houses of a request: in a plan of the user's, or by a brief, others do."""
+        """Return the object that generates the houses of a request, with a plan or a brief if it has one."""
         if request.given and not self.grammar.shares_walls:
             raise RequestError(
                 f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a "
@@ -137,7 +137,7 @@ class Builder:
         return self._of_given[1]
 
     def require_known(self, request: Request) -> None:
-        """Refuse names of types and pieces that the grammar does not have."""
+        """Raise ``RequestError`` for types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
         if request.rooms > self.loaded.most_rooms and not request.given:
             raise RequestError(
@@ -162,7 +162,7 @@ class Builder:
             known("piece", piece, {each for room in pieces for each in room})
 
     def promises(self, request: Request) -> Promises:
-        """What the houses of a request promise."""
+        """Return the promises of the houses of a request."""
         maker = self.maker_of(request)
         program = maker.stated(request)
         key = maker if request.brief else program  # each house of a brief has a program of its own

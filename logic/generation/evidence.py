@@ -1,4 +1,4 @@
-"""What generation has found where there is no layout: the evidence of a proof, which others make."""
+"""Findings of generation without a layout: the evidence from which ``logic.proofs`` makes a proof."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,13 +12,13 @@ from logic.request.request import Request
 
 @dataclass
 class NoLayout(Exception):
-    """Stage 1 finds no layout of a request outside of what is proved infeasible."""
+    """Stage 1 found no layout of a request outside the layouts that are proved infeasible."""
 
     request: Request
     feasibility: Feasibility
-    """The rules it is to be proved by."""
+    """Rules to prove it by."""
     unfurnishable: Collection[str] = ()
-    """Types of room that have no furniture, at any size."""
+    """Room types that have no furniture, at any size."""
     orders: Sequence[Mapping[Symbol, bool]] = ()
     """Orders of the rooms that do not fit between the fixed rooms."""
     refuted: Sequence[Refuted] = ()
@@ -27,9 +27,9 @@ class NoLayout(Exception):
 
 @dataclass
 class NoUnits(NoLayout):
-    """The same of a house of units, some of which there are not."""
+    """Stage 1 found no layout of a house of units, some of which are infeasible."""
 
     unit: Feasibility = field(kw_only=True)
-    """The rules of one unit."""
+    """Rules of one unit."""
     barred: Mapping[Symbol, Request] = field(kw_only=True)
-    """Those that there are not: see ``barred_units``."""
+    """Infeasible units: see ``barred_units``."""

@@ -21,7 +21,7 @@ from logic.spelling import numbered
 
 
 class ExactAreasMaker(SharedWallsMaker):
-    """Maker of plans by a grammar without units and without areas of several rooms together."""
+    """Generator of plans by a grammar without units and without areas of several rooms together."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar) -> None:
         """Give stage 1 the sizes as the grammar states them."""

@@ -1,7 +1,7 @@
-"""Both stages under some of the statements that make a house: whether there is one, and what forbids it.
+"""Tests of both stages under some of the statements about a house, and the statements in conflict.
 
-Every rule, fact and length of the user's may be left out (``logic.layout.relaxed``). What stage 2 refutes is
-learnt by stage 1, so a test ends with a house or with what conflicts in both.
+Every rule, fact and length of the user may be left out (``logic.layout.relaxed``). Stage 1 learns each
+conflict of stage 2. Therefore a test ends with a house or with the statements that conflict in both stages.
 """
 
 import math
@@ -36,20 +36,20 @@ from logic.request.fixed_rooms import FixedRoom
 from logic.request.request import Range, Request, as_option
 
 HouseFacts = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
-"""What stage 1 knows of a house's walls and areas, each fact with the clauses that it comes from."""
+"""Facts of stage 1 about a house's walls and areas, each with the clauses that state it."""
 
 INFERENCES = 100_000_000
-"""Most Prolog inferences for a room on a grid."""
+"""Largest number of Prolog inferences for a room on a grid."""
 
 MORE = 8
-"""How many more of a piece are tried than its fact allows."""
+"""Number of pieces that are tried beyond the number that a piece's fact allows."""
 
 
 class Feasibility:
-    """The programs of a grammar's houses and rooms with statements that may be left out, and tests of these.
+    """Programs of a grammar's houses and rooms with statements that may be left out, and tests of them.
 
-    The cell of a grid is taken as given, never among the reasons; so are the sizes of rooms that do not fit
-    between the fixed rooms.
+    The cell of a grid is always assumed and never among the reasons. The same holds for the sizes of rooms
+    that do not fit between the fixed rooms.
     """
 
     def __init__(
@@ -61,9 +61,9 @@ class Feasibility:
         placed: bool = False,
         thorough: bool = False,
     ) -> None:
-        """Know a grammar, the lengths of each of its room types, and facts about all of a house.
+        """Set a grammar, the lengths of each of its room types, and facts about the whole house.
 
-        Where these are ``placed`` already, stage 2 has no part in them. ``thorough``: see ``Placer.walls``.
+        If the facts are ``placed`` already, stage 2 has no part in them. ``thorough``: see ``Placer.walls``.
         """
         self.thorough = thorough
         self.grammar, self.placer, self.facts = grammar, placer, facts
@@ -75,7 +75,10 @@ class Feasibility:
     def house(
         self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
     ) -> tuple[Relaxed, list[Statement]]:
-        """The program of a house's rooms, and all that may be left out of it (``laws``: see ``Relaxed``)."""
+        """Return the program of a house's rooms, and all statements that may be left out of it.
+
+        For ``laws`` see ``Relaxed``.
+        """
         required = room_requirements(request)
         reasons = [option("--type", name, request.types) for name in sorted(request.types)]
         reasons += map(_fixed, request.fixed)
@@ -129,7 +132,7 @@ class Feasibility:
             for _, piece, (least, _) in asked
             if least
         ]
-        # How much of a wall a piece takes may depend on the wall, and so on a room of any size.
+        # The length of wall that a piece takes may depend on the wall, and so on a room of any size.
         size = () if room else (Function("size", [Function(type_)]),)
         lengths = self._stated(
             (fact, (clause, *size) if fact.name == "extent" else (clause,)) for fact, clause in facts
@@ -147,7 +150,7 @@ class Feasibility:
             lengths,
             laws=laws,
         )
-        # With fewer pieces less is to be refuted: that there must be a piece is the first to be left out.
+        # Fewer pieces make less to refute, so the statement that a piece must exist is left out first.
         statements = sorted(relaxed.statements, key=_keeps)
         statements += [relaxed.choice(reason, [granted(requirement)]) for reason, requirement in required]
         if room:
@@ -163,14 +166,17 @@ class Feasibility:
     def _stated(
         self, facts: Iterable[tuple[Symbol, Sequence[Symbol]]]
     ) -> list[tuple[Symbol, dict[Symbol, Reason]]]:
-        """Facts with the clauses that they come from, and where these stand; not those that nobody states."""
+        """Return facts with the clauses that state them and the places of these.
+
+        Unstated clauses are left out.
+        """
         known = list(facts)
         origins = self.placer.origins({clause for _, clauses in known for clause in clauses})
         places = {clause: self.placer.reason(*place) for clause, place in origins.items()}
         return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
     def of_rooms(self, relaxed: Relaxed, request: Request) -> Question:
-        """What can be asked of the rooms of a house, and of the places for their walls or of their areas."""
+        """Return the question about a house's rooms and the places of their walls, or their areas."""
         if self._placed or not self.facts:
             return Question(relaxed)
         if self.grammar.shares_walls:
@@ -185,11 +191,11 @@ class Feasibility:
     def _conflict(
         self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]
     ) -> Conflict | None:
-        """The conflict in a room with this furniture, some clauses left out; None if it has places."""
+        """Return the conflict in a room with this furniture, without some clauses, or None if it fits."""
         kind = Function(type_)
         conflict = self.placer.conflict(kind, furniture, without)
         if conflict is None and request.cell and not without:
-            # Lengths that only have to be linear may fit where whole numbers of cells do not.
+            # Lengths may fit when they only have to be linear, but not as whole numbers of cells.
             alone = Layout([RoomLayout(0, kind, Function("north"), furniture)], ())
             try:
                 self.placer.place(alone, np.random.default_rng(0), INFERENCES)
@@ -199,21 +205,21 @@ class Feasibility:
 
 
 def _keeps(statement: Statement) -> int:
-    """In which order statements are kept: lengths, rules, facts."""
+    """Return the order in which statements are kept: lengths, rules, facts."""
     return 0 if statement.clause else 1 if ":-" in statement.reason.text else 2
 
 
 def option(option: str, name: str, ranges: Mapping[str, Range]) -> Reason:
-    """A choice of the request's as on the command line."""
+    """Return a choice of the request as on the command line."""
     return Reason(f"{option} {name}={as_option(ranges[name])}")
 
 
 def _fixed(fixed: FixedRoom) -> Reason:
-    """A fixed room, in words."""
+    """Return a fixed room in words."""
     room = fixed.room
     return Reason(f"keep: the {room.type} at x {room.x:.2f}, y {room.y:.2f} m, {fixed.side} side")
 
 
 def barred(type_: str) -> Reason:
-    """That no room of a type can be furnished, as a statement."""
+    """Return the statement that no room of a type can be furnished."""
     return Reason(f"no room of type {type_} can be furnished")

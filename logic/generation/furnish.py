@@ -1,7 +1,8 @@
-"""Furniture for rooms that stand in a plan: their sizes, doors and windows are given.
+"""Furniture for the rooms of a plan whose sizes, doors and windows are given.
 
-Each room is seen in its own frame, from its entrance: x to the right along the front wall, y inwards. Rooms
-do not depend on each other, so one that cannot have its furniture is furnished again while the others stay.
+Each room has its own frame, as seen from its entrance: x to the right along the front wall, y inwards. Rooms
+do not depend on each other. Therefore a room that cannot have its furniture is furnished again while the
+others stay.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,20 +34,20 @@ WALLS = {
     "back": ("back_left", "back_right"),
     "right": ("right_front", "right_back"),
 }
-"""The walls of a room in its own frame, and the stretches before its first and behind its last door."""
+"""Walls of a room in its own frame, each with its stretches before the first and after the last door."""
 
 STEP, BITS = 0.016, 9
-"""Metres and the bits of their number: how short a wall is, as ``rules/room/doors.lp`` knows it."""
+"""Unit of a wall's shortness in ``rules/room/doors.lp``, metres, and the number of its bits."""
 
 Span = tuple[float, float]
-"""Metres along a wall, from and to: from the left, or from the front."""
+"""Start and end along a wall, metres, from the left or from the front."""
 
 
 @dataclass(frozen=True)
 class GivenRoom:
-    """An unfurnished room of a plan, metres: its type, rectangle, doors and windows, segments on its walls.
+    """Unfurnished room of a plan, metres: its type, rectangle, doors and windows, as segments on its walls.
 
-    The first door is its entrance: the room's furniture stands as seen from there.
+    The first door is its entrance, from which the furniture is seen.
     """
 
     type: str
@@ -54,7 +55,7 @@ class GivenRoom:
     doors: Sequence[Rect]
     windows: Sequence[Rect] = ()
     pieces: Pieces | None = None
-    """The furniture of a room that is furnished already."""
+    """Furniture of a room that is already furnished."""
     drawn_windows: bool = False
     """True if a user drew the windows, which may be nearer to corners than the grammar's margin."""
 
@@ -75,10 +76,10 @@ class Unfurnishable(Exception):
 
 
 class Frame:
-    """A room as seen from its entrance."""
+    """Room as seen from its entrance."""
 
     def __init__(self, room: GivenRoom) -> None:
-        """Find the walls of the doors and windows; raises ``ValueError`` for one that lies on no wall."""
+        """Find the walls of the doors and windows. Raises ``ValueError`` for one that lies on no wall."""
         west, north, east, south = room.rect.box
         entrance = room.doors[0].box
         sides = {"north": (west, south), "east": (west, north), "south": (east, north), "west": (east, south)}
@@ -107,7 +108,7 @@ class Frame:
         return {wall: sorted(spans) for wall, spans in found.items()}
 
     def place(self, segment: Rect, type_: str = "room") -> tuple[str, Span]:
-        """The wall of a door or window, and its span there."""
+        """Return the wall of a door or window, and its span there."""
         left, front, right, back = self._own(segment.box)
         if right - left > back - front:
             walls = {"front": front, "back": self.depth - back}
@@ -121,7 +122,7 @@ class Frame:
         return wall, span
 
     def _own(self, box: Box) -> Box:
-        """A box of the house, in the room's frame."""
+        """Return a box of the house in the room's frame."""
         west, north, east, south = box
         match self.side:
             case "north":
@@ -134,7 +135,7 @@ class Frame:
                 return self.y - south, self.x - east, self.y - north, self.x - west
 
     def facts(self) -> tuple[Symbol, ...]:
-        """Return all doors but the entrance, and how far drawn windows are from corners, as facts."""
+        """Return facts for all doors but the entrance, and for distances of drawn windows from corners."""
         doorways = [
             Function("doorway", [Function(wall), Number(number)])
             for wall, spans in self.doors.items()
@@ -154,7 +155,10 @@ class Frame:
                     yield Function("near_window", [Function(wall), Function(corner), near])
 
     def lengths(self) -> Iterator[tuple[str, float]]:
-        """The room across and inwards, and each stretch of wall as far as its doors (m), at most."""
+        """Yield the room's width and depth, and the largest length of each stretch of wall, metres.
+
+        The doors divide the walls into stretches.
+        """
         yield "across", self.width
         yield "inwards", self.depth
         for wall, (first, last) in WALLS.items():
@@ -170,18 +174,18 @@ class Frame:
 
     @property
     def earliest(self) -> dict[str, list[Span]]:
-        """Where the doors of each wall may be, as near to its left or front end as they can."""
+        """Spans of the doors of each wall, as near to its left or front end as possible."""
         return self.doors
 
     @property
     def latest(self) -> dict[str, list[Span]]:
-        """And as far from there."""
+        """Spans of the doors of each wall, as far from its left or front end as possible."""
         return self.doors
 
     def given(self, windows: bool = True) -> tuple[list[Symbol], list[Symbol]]:
-        """What ``rules/room/doors.lp`` is to assume of the room: atoms that hold, and that do not.
+        """Return what ``rules/room/doors.lp`` assumes about the room: atoms that hold, and atoms that fail.
 
-        Nothing of ``windows`` where they may be anywhere.
+        Without ``windows`` the windows may be anywhere, and no atom mentions them.
         """
         holds: dict[bool, list[Symbol]] = {True: [], False: []}
         for what, length in self.lengths():
@@ -195,7 +199,7 @@ class Frame:
         return holds[True], holds[False]
 
     def shape(self) -> Term:
-        """Its size and doors for ``rules/room/given_rooms.pl``."""
+        """Return the room's size and doors for ``rules/room/given_rooms.pl``."""
         doors = [
             [Term("-", float(start), float(end - start)) for start, end in spans]
             for spans in self.doors.values()
@@ -203,13 +207,13 @@ class Frame:
         return Term("given", Term("-", float(self.width), float(self.depth)), Term("doors", *doors))
 
     def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
-        """The room for ``rules/room/given_rooms.pl``."""
+        """Return the room for ``rules/room/given_rooms.pl``."""
         frame = Term("frame", self.side, float(self.x), float(self.y))
         return Term("room", number, type_, furniture, seed, *self.shape().arguments, frame)
 
 
 class Furnished(NamedTuple):
-    """How a room got its furniture: the room, the program of stage 1, and its layout."""
+    """Origin of a room's furniture: the room, the program of stage 1, and its layout."""
 
     room: GivenRoom
     program: Program
@@ -218,7 +222,7 @@ class Furnished(NamedTuple):
 
 @cache
 def _bits(what: str) -> list[Symbol]:
-    """How short this is, bit by bit."""
+    """Return the atoms for the bits of a shortness."""
     return [Function("short", [parse_term(what), Number(bit)]) for bit in range(BITS)]
 
 
@@ -236,12 +240,13 @@ def furnished(
     request: Request | None = None,
     how: dict[int, Furnished] | None = None,
 ) -> list[Pieces]:
-    """Furnish the rooms of an unfurnished plan: the pieces of each, in the house's frame.
+    """Furnish the rooms of an unfurnished plan. Return the pieces of each room, in the house's frame.
 
-    With what a ``request`` asks for, if there is one. ``how`` gets how each room got its furniture.
+    The furniture satisfies the ``request`` if there is one. ``how`` receives the origin of each room's
+    furniture.
 
-    Raises ``Unfurnishable`` if it is proved that a room cannot have what its type needs, ``LimitReached``
-    past this number of Prolog inferences.
+    Raises ``Unfurnishable`` if a room provably cannot have what its type needs, and ``LimitReached`` after
+    this number of Prolog inferences.
     """
     frames = [Frame(room) for room in rooms]
     pieces = [room.pieces or () for room in rooms]

@@ -1,7 +1,7 @@
-"""Houses in a plan of the user's: stage 1 says which walls have doors and windows, stage 2 places them.
+"""Houses in a plan of the user: stage 1 chooses walls for doors and windows, stage 2 places them.
 
-What the grammar's lengths forbid in the plan is known before, room by room, so that a proof names the room
-and the clause.
+Conflicts of the plan with the grammar's lengths are known before stage 1, room by room, so that a proof names
+the room and the clause.
 """
 
 from collections.abc import Collection
@@ -29,16 +29,16 @@ from logic.request.own_plan import OwnPlan
 from logic.request.request import Request
 
 PATIENCE = 5
-"""So many times a room may fail at the places where its doors were sampled before others are looked for."""
+"""Number of failures of a room at sampled places of its doors, after which other places are searched."""
 
 
 class GivenPlanMaker(SharedWallsMaker):
-    """Makes houses in one plan by one grammar."""
+    """Generator of houses in one plan by one grammar."""
 
     advice = "another seed, a larger room, less furniture, or doors and windows elsewhere"
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, plan: OwnPlan) -> None:
-        """Find what the grammar forbids in the plan."""
+        """Find the parts of the plan that the grammar forbids."""
         if loaded.has_area and loaded.outdoor:
             raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
         if loaded.depths:
@@ -56,11 +56,11 @@ class GivenPlanMaker(SharedWallsMaker):
         self._programs = loaded.programs_of(rules, meetings)
 
     def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
-        """What the grammar's lengths forbid in the plan."""
+        """Return the conflicts of the plan with the grammar's lengths."""
         return plan_faults(loaded.placer, plan, sorted(loaded.furniture), loaded.openings)
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """A furnished house in the plan; see ``Maker.made``."""
+        """Return a furnished house in the plan: see ``Maker.made``."""
         self._failures, self._refuted, self._too_small = 0, [], {}
         return super().made(request, rng, inferences)
 
@@ -76,7 +76,10 @@ class GivenPlanMaker(SharedWallsMaker):
         rng: np.random.Generator,
         inferences: int,
     ) -> list[Pieces]:
-        """As of any plan; a room that fails again and again gets doors with which it can be furnished."""
+        """Return the furniture as for any plan.
+
+        After several failures a room gets doors that permit furniture.
+        """
         try:
             return super()._furnished(request, plan, layout, nogoods, rng, inferences)
         except Unfurnishable as proof:
@@ -94,11 +97,14 @@ class GivenPlanMaker(SharedWallsMaker):
         rng: np.random.Generator,
         nogoods: list[Nogood],
     ) -> bool:
-        """Whether a room's doors could be moved to where it can be furnished; if nowhere, it is refuted."""
+        """Return True if a room's doors can move to places where it can be furnished.
+
+        If there are no such places, the room is refuted.
+        """
         doors = plan.doors_of(place)
         spans = [self._span(plan, door) for door in doors]
         if any(door.opening and span for door, span in zip(doors, spans, strict=True)):
-            return False  # It may be of another width, too.
+            return False  # It may also have another width.
         spans = [span and at_face(span, plan.rooms[place], plan.half_wall) for span in spans]
         room = LooseRoom(given_room(plan, place), spans)
         furniture: list[Symbol] | None = None
@@ -126,7 +132,7 @@ class GivenPlanMaker(SharedWallsMaker):
         return True
 
     def _span(self, plan: Plan, door: PlanDoor) -> Rect | None:
-        """The part of a wall in which a door may stand; None for one that the user's plan has."""
+        """Return the part of a wall in which a door may stand, or None for a door of the user's plan."""
         between = plan.between(door)
         if {*between} in [{*kept.between} for kept in self.plan.doors]:
             return None
@@ -139,7 +145,10 @@ class GivenPlanMaker(SharedWallsMaker):
         return Rect(wall.place, start, 0.0, length)
 
     def _anywhere(self, request: Request, plan: Plan, place: int) -> list[Refuted]:
-        """That a room has no furniture at its size, wherever its doors and windows are; nothing if it may."""
+        """Return proofs that a room has no furniture at its size, wherever its doors and windows are.
+
+        The list is empty if the room may have furniture.
+        """
         room, name = given_room(plan, place), plan.name(place)
         if (place, room.type) not in self._too_small:
             atoms = {Function("room", [Number(place), Function(room.type)]): True}
@@ -153,7 +162,7 @@ class GivenPlanMaker(SharedWallsMaker):
         return self._too_small[place, room.type]
 
     def _may_be_furnished(self, request: Request, room: Refuted) -> bool:
-        """Whether a layout fits in a room, or it is not known soon that none does."""
+        """Return True if a layout fits in a room, or if this is unknown after ``MOST_LAYOUTS`` layouts."""
         question, statements = self.feasibility.furniture(request, room.room.room.type, room=room)
         try:
             return question.possible(statements, MOST_LAYOUTS)
@@ -169,7 +178,7 @@ class GivenPlanMaker(SharedWallsMaker):
         room: LooseRoom,
         windows: bool,
     ) -> Refuted:
-        """What stage 1 is not to choose again, and what of the user's plan that takes."""
+        """Return the refuted choice of stage 1, and the parts of the user's plan that the proof uses."""
         program, number = self._programs.rooms_for(request)[0], Number(place)
         held = {Function(atom.name, atom.arguments[:2]) for atom in layout}
         atoms = {Function("room", [number, Function(room.room.type)]): True}
@@ -182,7 +191,7 @@ class GivenPlanMaker(SharedWallsMaker):
         return Refuted(plan.name(place), room, windows, atoms, grants)
 
     def _granted(self, rooms: Collection[int | str], kind: str) -> tuple[Symbol, ...]:
-        """What the user's plan says of where rooms lie (``drawn``), or of their doors (``joined``)."""
+        """Return statements of the user's plan on places of rooms (``drawn``) or their doors (``joined``)."""
         numbers = {Number(each) for each in rooms if isinstance(each, int)}
         own = own_requirements(self.plan)
         return tuple(
@@ -192,7 +201,7 @@ class GivenPlanMaker(SharedWallsMaker):
         )
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
-        """The plan's own rooms with their types, and doors and windows in their walls."""
+        """Return the plan's own rooms with their types, and doors and windows in their walls."""
         types = {atom.arguments[0].number: str(atom.arguments[1]) for atom in layout if atom.name == "room"}
         thick = self._placer.wall_thickness
         half = thick.inner / 2 if thick else 0.0
@@ -207,7 +216,7 @@ class GivenPlanMaker(SharedWallsMaker):
             for number, room in enumerate(self.plan.rooms)
         ]
         plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed), wall_thickness=thick)
-        # What the plan has stays in its place.
+        # Parts of the user's plan stay in their places.
         outer = self._outer_doors(layout)
         kept = {frozenset(door.between): door for door in self.plan.doors if not door.is_entrance}
         kept |= {frozenset(door.between): door for door in outer[:1]}
@@ -239,8 +248,10 @@ class GivenPlanMaker(SharedWallsMaker):
 
 
 def _meetings(plan: OwnPlan) -> HouseFacts:
-    """Which rooms share walls, which are parts of others, which sides are outer walls, wholly or in part, and
-    which have windows.
+    """Return facts about walls and parts of rooms.
+
+    The facts state the rooms that share walls, the parts of other rooms, the sides that are outer walls,
+    wholly or in part, and the sides with windows.
     """
     found = []
     for wall in plan.walls:

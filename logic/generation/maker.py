@@ -1,4 +1,4 @@
-"""Who makes the houses of one topology: both stages, and the way back to the first."""
+"""Base of the generators of the houses of one topology: both stages, and the feedback between them."""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -14,24 +14,24 @@ from logic.request.request import Request
 
 
 class Maker(ABC):
-    """Makes houses by one grammar."""
+    """Generator of houses by one grammar."""
 
     making: Any = None
-    """How the last house was made: what its witness asks for."""
+    """Origin of the last house, for its witness."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, feasibility: Feasibility) -> None:
-        """Know its rules."""
+        """Set the rules."""
         self.grammar, self._loaded, self.feasibility = grammar, loaded, feasibility
         self._placer, self._programs = loaded.placer, loaded.programs
 
     @abstractmethod
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """A furnished house, a function of the rules, the request and the random numbers.
+        """Return a furnished house, a function of the rules, the request and the random numbers.
 
-        Raises ``NoLayout`` if it is proved that there is none, ``OutOfInferences`` past this number of
-        Prolog inferences, ``LimitReached`` past others.
+        Raises ``NoLayout`` if there is provably none, ``OutOfInferences`` after this number of Prolog
+        inferences, and ``LimitReached`` at other limits.
         """
 
     def stated(self, request: Request) -> Program:
-        """A program of houses of the request: its facts are the grammar's."""
+        """Return a program of houses of the request, whose facts are the grammar's."""
         return self._programs.rooms_for(request)[0]

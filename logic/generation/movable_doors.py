@@ -1,7 +1,7 @@
-"""Rooms of a user's plan whose doors may stand elsewhere in their walls: can they be furnished at all?
+"""Rooms of a user's plan whose doors may move within their walls, and proofs that they have no furniture.
 
-The layouts of a room are finitely many. Each that CLP(Q) refutes, wherever the doors stand, is a nogood with
-its reasons; where none is left, the room is refuted.
+A room has finitely many layouts. Each layout that CLP(Q) refutes for all places of the doors becomes a nogood
+with its reasons. If no layout is left, the room is refuted.
 """
 
 from collections.abc import Iterable, Sequence
@@ -23,17 +23,17 @@ from logic.request.request import Request
 from logic.spelling import article
 
 MOST_LAYOUTS = 500
-"""Layouts of one room that are refuted one by one; past it, nothing is known of the room."""
+"""Number of refuted layouts of one room after which the room stays undecided."""
 
 ALONG = {"north": (1, -1), "east": (1, 1), "south": (-1, 1), "west": (-1, -1)}
-"""For each side of a frame: how x and y of the house run along its walls, forwards or backwards."""
+"""Directions in which x and y of the house run along the walls, for each side of a frame."""
 
 
 class LooseRoom(Frame):
-    """A room of given size with its doors and windows; doors with a span may stand anywhere within it."""
+    """Room of given size with its doors and windows; doors with a span may stand anywhere within the span."""
 
     def __init__(self, room: GivenRoom, spans: Sequence[Rect | None]) -> None:
-        """``spans``: for each door the part of a wall in which it may stand, if it may move."""
+        """Set for each door the part of a wall in which it may stand, or None if it may not move."""
         super().__init__(room)
         self.room = room
         self._places = [self.place(door) for door in room.doors]
@@ -41,12 +41,12 @@ class LooseRoom(Frame):
 
     @property
     def earliest(self) -> dict[str, list[Span]]:
-        """Each door of a wall at the near end of its span."""
+        """Spans of the doors of each wall, with each door at the near end of its range."""
         return self._doors([span and span[0] for span in self._spans])
 
     @property
     def latest(self) -> dict[str, list[Span]]:
-        """Each door of a wall at the far end of its span."""
+        """Spans of the doors of each wall, with each door at the far end of its range."""
         widths = [end - start for _, (start, end) in self._places]
         return self._doors(
             [span and span[1] - width for span, width in zip(self._spans, widths, strict=True)]
@@ -59,7 +59,7 @@ class LooseRoom(Frame):
         return {wall: sorted(spans) for wall, spans in doors.items()}
 
     def loose_term(self, furniture: Iterable[Symbol]) -> Term:
-        """The room for ``rules/room/given_rooms.pl``."""
+        """Return the room for ``rules/room/given_rooms.pl``."""
         doors: dict[str, list[Term]] = {wall: [] for wall in self.doors}
         for place in sorted(range(len(self._places)), key=lambda place: self._places[place][1]):
             (wall, (start, end)), span = self._places[place], self._spans[place]
@@ -69,7 +69,7 @@ class LooseRoom(Frame):
         return Term("room", 0, self.room.type, [*furniture], 0, size, Term("doors", *doors.values()), "none")
 
     def moved(self, starts: Sequence[Sequence[float]]) -> list[Rect]:
-        """The doors where they start on each wall (m), as seen in the room's frame."""
+        """Return the doors with these starts on each wall, metres, as seen in the room's frame."""
         by_wall = dict(zip(self.doors, starts, strict=True))
         doors = []
         for door, (wall, span) in zip(self.room.doors, self._places, strict=True):
@@ -87,9 +87,10 @@ class LooseRoom(Frame):
         request: Request,
         windows: bool,
     ) -> list[Symbol] | None:
-        """A layout that fits somewhere, with windows as they are or any; None proves that none does.
+        """Return a layout that fits for some places of the doors, or None if provably none does.
 
-        Raises ``LimitReached`` past ``MOST_LAYOUTS``.
+        ``windows`` keeps the windows where they are; otherwise they may be anywhere. Raises ``LimitReached``
+        after ``MOST_LAYOUTS``.
         """
         required = programs.required_in(self.room.type, request)
         program = programs.given(self.room.type, self.facts(), required, rng)
@@ -110,9 +111,10 @@ class LooseRoom(Frame):
 
 
 class OneDoor(LooseRoom):
-    """A room of given size with one door, anywhere in the walls that lie along an axis, and with any windows.
+    """Room of given size with one door, anywhere in the walls along an axis, and with any windows.
 
-    More doors leave less of its walls: a room that cannot be furnished so cannot be furnished in any plan.
+    More doors leave less of its walls. If this room cannot be furnished, no room of its type and size can be
+    in any plan.
     """
 
     def __init__(self, room: GivenRoom, axis: str) -> None:
@@ -123,33 +125,33 @@ class OneDoor(LooseRoom):
 
     @property
     def earliest(self) -> dict[str, list[Span]]:
-        """The door at the near end of its wall, however wide it is."""
+        """Span of the door at the near end of its wall, without width."""
         return self.doors | {"front": [(0.0, 0.0)]}
 
     @property
     def latest(self) -> dict[str, list[Span]]:
-        """And at the far end."""
+        """Span of the door at the far end of its wall, without width."""
         return self.doors | {"front": [(self.width, self.width)]}
 
     def loose_term(self, furniture: Iterable[Symbol]) -> Term:
-        """The room for ``rules/room/given_rooms.pl``."""
+        """Return the room for ``rules/room/given_rooms.pl``."""
         size = Term("-", float(self.width), float(self.depth))
         return Term("room", 0, self.room.type, [*furniture], 0, size, "any", "none")
 
 
 @dataclass(frozen=True)
 class Refuted:
-    """Proved: a room of a plan cannot have its furniture as this type, where it has these doors."""
+    """Proof that a room of a plan cannot have its furniture as this type with these doors."""
 
     name: str
     room: LooseRoom
     windows: bool
-    """Whether the windows are part of it."""
+    """True if the windows are part of the proof."""
     atoms: Nogood
-    """Of stage 1: the type, the doors, and the windows if they are part of it."""
+    """Atoms of stage 1: the type, the doors, and the windows if they are part of the proof."""
     grants: tuple[Symbol, ...]
-    """What of the plan this takes: where the room lies, and the rooms and doors that it depends on."""
+    """Parts of the plan in the proof: the room's place, and the rooms and doors that it depends on."""
 
     def __str__(self) -> str:
-        """As a statement."""
+        """Return the proof as a statement."""
         return f"{self.name} cannot have the furniture that {article(self.room.room.type)} needs"

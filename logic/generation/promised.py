@@ -1,4 +1,4 @@
-"""What houses of a grammar promise, as its facts and lengths state it: they take it with them."""
+"""Promises of a grammar's houses, from its facts and lengths. The promises travel with the houses."""
 
 from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator, Mapping
@@ -37,7 +37,7 @@ def promised(
         door_width=lengths["door_width"],
         door_widths=_widths(metres["doors"]),
         door_clearance=lengths["door_clearance"],
-        # Furniture stands a clearance away from a door, though a passage be wider.
+        # Furniture stands a clearance away from a door, even if a passage is wider.
         passage=min(lengths["passage"], lengths["door_clearance"]),
         front=lengths["passage"],
         room_gap=None if shares_walls else lengths["room_gap"],
@@ -74,7 +74,7 @@ def promised(
 
 
 def labelled(promises: Promises, labels: Iterable[str]) -> Promises:
-    """The promises of houses some of whose rooms have labels in the place of types: these promise nothing."""
+    """Return the promises of houses in which some rooms have labels, which promise nothing, as types."""
     empty = (*promises.empty, *sorted(labels))
     counts = promises.counts | {label: {} for label in sorted(labels)}
     return msgspec.structs.replace(promises, opens={}, empty=tuple(dict.fromkeys(empty)), counts=counts)
@@ -112,7 +112,7 @@ def _relations(rows: Iterable[tuple[list[tuple[int, float]], float, str]]) -> It
 
 
 def _widths(doors: Iterable[tuple[str, str, float]]) -> dict[str, dict[str, float]]:
-    """The widths of doors by the types of both ends."""
+    """Return the widths of doors by the types of both ends."""
     found: dict[str, dict[str, float]] = {}
     for one, other, width in doors:
         found.setdefault(one, {})[other] = float(width)
@@ -120,7 +120,7 @@ def _widths(doors: Iterable[tuple[str, str, float]]) -> dict[str, dict[str, floa
 
 
 def _atoms(program: Program, name: str, arity: int) -> list[tuple[Any, ...]]:
-    """The arguments of the atoms of a name that may hold: words and whole numbers."""
+    """Return the arguments of the atoms of a name that may hold: words and whole numbers."""
     return [tuple(map(_plain, atom.arguments)) for atom in sorted(program.atoms(name, arity))]
 
 
@@ -129,17 +129,17 @@ def _plain(term: Symbol) -> str | int:
 
 
 def _required(program: Program, name: str) -> tuple[str, ...]:
-    """Of what a property is stated, whatever else holds."""
+    """Return the first arguments of the facts of a property."""
     return tuple(sorted(str(fact.arguments[0]) for fact in program.facts(name, 1)))
 
 
 def _named(atoms: Iterable[tuple[Any, ...]]) -> tuple[str, ...]:
-    """The first arguments."""
+    """Return the first arguments."""
     return tuple(sorted({first for first, *_ in atoms}))
 
 
 def _pairs(program: Program, name: str) -> dict[str, list[str]]:
-    """For each first argument all seconds."""
+    """Return for each first argument all second arguments."""
     found = defaultdict[str, list[str]](list)
     for one, other in _atoms(program, name, 2):
         found[one].append(other)
@@ -147,7 +147,7 @@ def _pairs(program: Program, name: str) -> dict[str, list[str]]:
 
 
 def _counts(facts: Iterable[tuple[Any, ...]], names: Iterable[str]) -> dict[str, dict[str, tuple[int, int]]]:
-    """For each of these names, and each first argument, the bounds of each second one."""
+    """Return for each of these names, and each first argument, the bounds of each second argument."""
     found: dict[str, dict[str, tuple[int, int]]] = {name: {} for name in names}
     for owner, thing, least, most in facts:
         low, high = found.setdefault(owner, {}).get(thing, (least, most))
@@ -156,7 +156,7 @@ def _counts(facts: Iterable[tuple[Any, ...]], names: Iterable[str]) -> dict[str,
 
 
 def _piece_sizes(rooms: Mapping[str, Mapping[str, Any]]) -> dict[str, Sizes]:
-    """The bounds of each piece, whichever room it stands in."""
+    """Return the bounds of each piece in all rooms together."""
     found: dict[str, list[list[float]]] = {}
     for pieces in rooms.values():
         for piece, sizes in pieces.items():
@@ -169,7 +169,7 @@ def _piece_sizes(rooms: Mapping[str, Mapping[str, Any]]) -> dict[str, Sizes]:
 
 
 def _sizes(extremes: Iterable[float]) -> Sizes:
-    """Extremes to the micrometre: what a file holds is short."""
+    """Return extremes to the micrometre, so that house files stay short."""
     a, b, c, d = (round(float(each), 6) for each in extremes)
     return a, b, c, d
 

@@ -1,4 +1,4 @@
-"""Questions to both stages: whether there is a layout under some statements that stage 2 does not refute."""
+"""Questions to both stages about a layout under some statements that stage 2 does not refute."""
 
 import math
 from collections.abc import Callable, Collection, Sequence
@@ -9,20 +9,24 @@ from logic.layout.program import Conflict
 from logic.layout.relaxed import Relaxed, Statement
 
 Refutation = Callable[[Sequence[Symbol], Collection[Symbol]], Conflict | None]
-"""The conflict of a layout in stage 2, some clauses left out; None if it has none."""
+"""Function that returns the conflict of a layout in stage 2 without some clauses, or None."""
 
 
 class Question:
-    """Asked of one relaxed program; what stage 2 refutes is learnt, so that a core is one of both stages."""
+    """Question about one relaxed program, which learns each conflict of stage 2.
+
+    A core covers both stages.
+    """
 
     def __init__(self, relaxed: Relaxed, refuted: Refutation | None = None) -> None:
-        """Know the program, and how stage 2 refutes its layouts, if it has any part in them."""
+        """Set the program, and the function by which stage 2 refutes its layouts, if any."""
         self.relaxed, self.refuted = relaxed, refuted
 
     def layout(self, some: Sequence[Statement], most: float = math.inf) -> list[Symbol] | None:
-        """A layout under these statements; None where there is none.
+        """Return a layout under these statements, or None if there is none.
 
-        Raises ``TooMany`` if stage 2 refutes so many, or clingo searches for too long (``Relaxed.model``).
+        Raises ``TooMany`` if stage 2 refutes ``most`` layouts, or clingo searches for too long
+        (``Relaxed.model``).
         """
         refuted = self.refuted
         if refuted is None:
@@ -33,9 +37,9 @@ class Question:
         return self.relaxed.model(some, lambda layout: refuted(layout, without), most)
 
     def possible(self, some: Sequence[Statement], most: float = math.inf) -> bool:
-        """Whether these have a layout; raises as ``layout``."""
+        """Return True if these statements have a layout. Raises as ``layout`` does."""
         return self.layout(some, most) is not None
 
     def core(self, some: Sequence[Statement]) -> list[Statement]:
-        """Some of these, which have no layout, that have none by themselves."""
+        """Return a core: those of these statements, which have no layout, that suffice for a conflict."""
         return self.relaxed.core(some)
