@@ -1,7 +1,7 @@
-"""Plans: houses whose rooms share walls, of any topology but a star. From a request to such a house.
+"""Plans: houses whose rooms share walls, of any topology but a star.
 
-Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``walls.pl``), and then
-the rooms are furnished at these sizes (``logic.generation.furnish``).
+Stage 1 samples types, walls, doors and windows at once. Stage 2 places them (``walls.pl``). Then the rooms
+are furnished at these sizes (``logic.generation.furnish``).
 """
 
 import math
@@ -30,11 +30,13 @@ from logic.request.request import Request
 from logic.spelling import article
 
 MOST_TRIES = 200
-"""Number of layouts of a house with a room that cannot be furnished at its size, but might at others."""
+"""Number of layouts with a room that cannot be furnished at its size, though it might at another size."""
 
 FREE_FROM = 11
-"""From so many rooms on a dissection has a program of its own, which begins with the sampled picks and goes
-on in an order that clasp learns: to take the picks one after the other is up to ten times slower.
+"""Least number of rooms with which each house of a dissection has a program of its own.
+
+The search of this program begins with the sampled picks and continues in an order that clasp learns. To take
+the picks one after the other is up to ten times slower.
 """
 
 MOST_REFUTED = 60
@@ -53,14 +55,14 @@ class Making(NamedTuple):
 
 
 class SharedWallsMaker(Maker):
-    """Makes plans by one grammar."""
+    """Generator of plans by one grammar."""
 
     advice = "another seed, or larger rooms (room_size/3, room_area/3)"
-    """Where rooms cannot be furnished."""
+    """Advice for rooms that cannot be furnished."""
 
     making: Making | None = None
     _one_house: Program | None = None
-    """That of the house that is made, where it has one of its own."""
+    """Program of the house at work, if it has one of its own."""
     _undecided: Sequence[Nogood] = ()
     """Nogoods of layouts whose areas were neither found nor refuted."""
 
@@ -77,7 +79,10 @@ class SharedWallsMaker(Maker):
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[Pieces], int]:
-        """A plan, the pieces of each of its rooms, and the inferences left. Raises as ``made``."""
+        """Return a plan, the pieces of each of its rooms, and the inferences left.
+
+        Raises as ``made`` does.
+        """
         nogoods: list[Nogood] = []
         unfurnishable: set[str] = set()
         last = ""
@@ -88,7 +93,8 @@ class SharedWallsMaker(Maker):
             except Unfurnishable as proof:
                 last = f"{plan.name(proof.place)}, {proof}"
                 self._placer.account.unfurnished(proof.room.type, proof.decided)
-                # At this size and with these doors; or with one door at any size, and then nowhere.
+                # Infeasible at this size and with these doors, or with one door at any size and then
+                # everywhere.
                 self._placer.account.at(
                     PROOF, f"whether {article(proof.room.type)} can be furnished at any size"
                 )
@@ -113,14 +119,14 @@ class SharedWallsMaker(Maker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
     ) -> tuple[Plan, list[Symbol], int]:
-        """A plan without furniture and without rooms of some types, its layout, and the inferences left.
+        """Return a plan without furniture and without some room types, its layout, and the inferences left.
 
-        What is found infeasible is added to the nogoods.
+        The nogoods receive the layouts that stage 2 refutes.
         """
         plan, layout, left = self._solved(self._walls, request, rng, inferences, nogoods, unfurnishable)
         parts = [atom.arguments for atom in layout if atom.name == "part_of"]
         plan.join({part.number: whole.number for part, whole in parts})
-        if GUARD in self.grammar.topology:  # of the user's own, whose rooms may be no plan
+        if GUARD in self.grammar.topology:  # the user's own topology, whose rooms may not form a plan
             no_pieces: list[Pieces] = [()] * len(plan.rooms)
             require_tiling(plan.house(no_pieces, self.grammar.topology_name), layout, self._loaded)
         return plan, layout, left
@@ -134,7 +140,7 @@ class SharedWallsMaker(Maker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
     ) -> tuple[S, list[Symbol], int]:
-        """What stage 2 makes of a layout in which it succeeds, the layout, and the inferences left."""
+        """Return the first solution of stage 2, its layout, and the inferences left."""
         while True:
             layout = self._layout(request, rng, nogoods, unfurnishable)
             try:
@@ -151,7 +157,7 @@ class SharedWallsMaker(Maker):
                 raise OutOfInferences
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
-        """That there is no layout, where some types of room cannot have their furniture."""
+        """Return the error for a request without a layout outside the nogoods."""
         return NoLayout(request, self.feasibility, unfurnishable)
 
     def _furnished(
@@ -163,7 +169,7 @@ class SharedWallsMaker(Maker):
         rng: np.random.Generator,
         inferences: int,
     ) -> list[Pieces]:
-        """The pieces of each room of a plan; raises as ``furnish.furnished``."""
+        """Return the pieces of each room of a plan. Raises as ``furnish.furnished`` does."""
         rooms = [given_room(plan, number) for number in range(request.rooms)]
         how: dict[int, Furnished] = {}
         pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request, how)
@@ -177,7 +183,7 @@ class SharedWallsMaker(Maker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str],
     ) -> list[Symbol]:
-        """A layout outside the nogoods, without rooms of some types."""
+        """Return a layout outside the nogoods, without rooms of some types."""
         program, holds, fails = self._program(request)
         without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
         self._placer.account.at(LAYOUT, "types, walls and doors of the rooms (clingo)")
@@ -188,7 +194,7 @@ class SharedWallsMaker(Maker):
         return layout
 
     def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
-        """The program of the rooms, and what to assume in it: what holds, and what does not."""
+        """Return the program of the rooms, and the assumptions that hold and that do not."""
         if self._one_house is not None:
             return self._one_house, [granted(each) for each in room_requirements(request)], []
         return *self._programs.rooms_for(request), []
@@ -197,12 +203,12 @@ class SharedWallsMaker(Maker):
         return DISSECTION in self.grammar.topology and request.rooms >= FREE_FROM
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
-        """Walls, doors and windows with their places: see ``Placer.walls``."""
+        """Return walls, doors and windows with their places: see ``Placer.walls``."""
         return self._placer.walls(layout, seed, inferences)
 
 
 def given_room(plan: Plan, place: int) -> GivenRoom:
-    """A room of a plan to be furnished; the door by which it is entered is the first."""
+    """Return a room of a plan for furniture, with its entrance as the first door."""
     room, half = plan.rooms[place], plan.half_wall
     doors = [at_face(door, room, half) for door in plan.doors_of(place)]
     windows = [at_face(window, room, half) for window in plan.windows_of(place)]
@@ -210,7 +216,7 @@ def given_room(plan: Plan, place: int) -> GivenRoom:
 
 
 def at_face(segment: R, room: Rect, half: float) -> R:
-    """A door or window that lies so far outside of a room (m), at the face of the room's wall."""
+    """Return a door or window, ``half`` metres outside a room, moved to the face of the room's wall."""
     if not half:
         return segment
     axis = int(segment.height == 0)

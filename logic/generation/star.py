@@ -1,6 +1,6 @@
-"""Stars: rooms around a main room, each with one door to it. From a request to such a house.
+"""Stars: rooms around a main room, each with one door to the main room.
 
-Stage 1 samples types and sides, then the furniture of each room; stage 2 places all of it at once.
+Stage 1 samples types and sides, then the furniture of each room. Stage 2 places all of it at once.
 """
 
 from collections import defaultdict
@@ -29,17 +29,17 @@ from logic.request.request import Request
 from logic.spelling import article
 
 MOST_MISFITS = 200
-"""How often sampled rooms may not fit together, though others might."""
+"""Number of failures of sampled rooms to fit together, though others might, before a house fails."""
 
 MOST_AREAS = 300
-"""How often sampled types and sides may have no area that the house may have, though others might."""
+"""Number of sampled types and sides without a permitted area, though others might have one."""
 
 
 class StarMaker(Maker):
-    """Makes stars by one grammar."""
+    """Generator of stars by one grammar."""
 
     making: Layout | None = None
-    """The layout of the last house."""
+    """Layout of the last house."""
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
@@ -68,7 +68,7 @@ class StarMaker(Maker):
                 layout = again or self.layout(request, rng, nogoods)
 
     def layout(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods | None" = None) -> Layout:
-        """Stage 1: sample a layout outside the nogoods; raises ``NoLayout`` where none is left."""
+        """Sample a layout of stage 1 outside the nogoods. Raises ``NoLayout`` if none is left."""
         nogoods = nogoods or Nogoods()
         while True:
             unfurnished = self._sample_rooms(request, rng, nogoods)
@@ -77,7 +77,7 @@ class StarMaker(Maker):
                 return furnished
 
     def _sample_rooms(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
-        """A layout without furniture, and without the types of room that cannot have any."""
+        """Return a layout without furniture, and without the room types that cannot have any."""
         program, assumed = self._programs.rooms_for(request)
         without = [
             atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
@@ -109,7 +109,10 @@ class StarMaker(Maker):
         rng: np.random.Generator,
         nogoods: "Nogoods",
     ) -> Layout | None:
-        """The layout with new furniture in these rooms; None, learnt, where a type of room can have none."""
+        """Return the layout with new furniture in these rooms.
+
+        If a room type can have no furniture, add the type to the nogoods and return None.
+        """
         rooms = list(layout.rooms)
         for number in numbers:
             if rooms[number].fixed:
@@ -131,7 +134,7 @@ class StarMaker(Maker):
         return Layout(rooms, layout.corners)
 
     def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
-        """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many failures."""
+        """Exclude an infeasible order of the rooms. Raises ``LimitReached`` after many failures."""
         of_area = self._loaded.has_area and not request.fixed
         self._placer.account.refuted([Function("house_area")] if of_area else ())
         if proof.infeasible:
@@ -151,7 +154,7 @@ class StarMaker(Maker):
             )
 
     def _misfit(self, request: Request) -> str:
-        """What may be wrong with rooms that do not fit, and what to try."""
+        """Return a message about rooms that do not fit, with advice."""
         area = "the sampled rooms did not leave the main room the area that is left of house_area/2"
         if not request.fixed:
             return f"{area}, though others might: try another seed, number of rooms, or wider bounds"
@@ -163,7 +166,7 @@ class StarMaker(Maker):
 
 
 def _sized(layout: Layout, sizes: Iterable[Sequence[Any]]) -> Layout:
-    """A layout with the sizes that rooms have for the area of the house: number, width, depth."""
+    """Return a layout with room sizes that fit the area of the house: number, width, depth."""
     given = {number: Term("size", float(width), float(depth)) for number, width, depth in sizes}
     return replace(
         layout, rooms=[replace(room, given=given.get(room.number, room.given)) for room in layout.rooms]
@@ -171,7 +174,7 @@ def _sized(layout: Layout, sizes: Iterable[Sequence[Any]]) -> Layout:
 
 
 def house(plan: StarPlan, layout: Layout, request: Request) -> House:
-    """The house of a layout with its places, as stage 2 gives them."""
+    """Return the house of a layout with the places from stage 2."""
     floor: Rect = _moved(plan.floor, *plan.corner) if request.fixed else plan.floor
     planned = [room and _moved(room, *plan.corner) for room in plan.rooms] if request.fixed else plan.rooms
     rooms = [room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)]
@@ -179,26 +182,26 @@ def house(plan: StarPlan, layout: Layout, request: Request) -> House:
 
 
 class Nogoods:
-    """What is proved infeasible for one house. It ends with that house, so that no other depends on it."""
+    """Proofs of infeasibility for one house. They end with that house, so that no other depends on them."""
 
     def __init__(self) -> None:
-        """Begin with none."""
+        """Begin without proofs."""
         self.unfurnishable: set[str] = set()
-        """Types of room that cannot be furnished."""
+        """Room types that cannot be furnished."""
         self.orders: list[Nogood] = []
-        """Orders of the rooms that do not fit between the fixed rooms, whatever the sizes."""
+        """Orders of the rooms that do not fit between the fixed rooms, at any sizes."""
         self.of: dict[Program, list[Nogood]] = defaultdict(list)
         self.unfurnished = 0
-        """How many rooms had no places for their furniture."""
+        """Number of rooms without places for their furniture."""
         self.misfits = 0
 
     def add(self, program: Program, atoms: Nogood) -> None:
-        """No layout of the program in which just these atoms hold, or fail, has a solution."""
+        """Exclude all layouts of the program in which just these atoms hold, or fail."""
         self.of[program].append(atoms)
 
 
 def _moved(rect: Any, x: float, y: float) -> Any:
-    """A rectangle moved, with all that it holds."""
+    """Return a moved rectangle with all that it holds."""
     changes: dict[str, Any] = {"x": rect.x + x, "y": rect.y + y}
     if hasattr(rect, "children"):
         changes["children"] = tuple(_moved(child, x, y) for child in rect.children)

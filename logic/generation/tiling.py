@@ -1,8 +1,8 @@
-"""What a plan by a topology of the user's own must be in the end, whatever its rules say.
+"""Requirements on a plan by a topology of the user, whatever its rules state.
 
-Rooms lie side by side, leave no gap, and have doors, windows and the entrance where these lead. Rules
-keep most of it (``rules/shared_walls/topology.lp``). That rooms fill a plan is no linear constraint, so it is
-looked at in each plan, by the same geometry as in the check.
+Rooms lie side by side, leave no gap, and have doors, windows and the entrance in the right walls. Rules
+ensure most of it (``rules/shared_walls/topology.lp``). That rooms fill a plan is no linear constraint, so
+each plan is examined by the geometry of the check.
 """
 
 from collections import Counter
@@ -21,11 +21,11 @@ NO_PLAN = (
 )
 
 OF_PLANS = ("rooms", "doors", "windows")
-"""Of the check's, what is asked of a plan."""
+"""Names of the checks that a plan must pass."""
 
 
 def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar) -> None:
-    """Raise ``GrammarError`` if the rooms of a layout are no plan, at the rules that lay them out so."""
+    """Raise ``GrammarError`` if the rooms of a layout form no plan, at the rules that cause it."""
     for fault in faults(house, Promises(), OF_PLANS):
         named = {*fault.rooms}
         edges = [atom for atom in layout if atom.name == "edge"]
@@ -35,8 +35,10 @@ def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar
 
 
 def _apart(edges: Iterable[Symbol], rooms: int) -> list[Symbol]:
-    """The edges that can bring rooms where they must not be: not those of the outline, which bounds all, nor
-    those of several rooms that lie on one line with the same side.
+    """Return the edges that can put rooms in a wrong place.
+
+    They exclude those of the outline, which bounds all rooms, and those of several rooms that lie on one line
+    with the same side.
     """
     sides = Counter(tuple(map(str, atom.arguments[1:])) for atom in edges)
     return [

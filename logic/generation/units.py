@@ -1,9 +1,10 @@
-"""Houses of units, as buildings of flats: each unit is a plan by itself, entered from a public room.
+"""Houses of units, as buildings of flats: each unit is a separate plan, entered from a public room.
 
-Their depths are sampled; the rules say which units there are and where (the program ``units`` of a topology).
-Then come the rooms of each: any length between two bounds is possible for these. So all units are placed
-together within their bounds, and then the walls of each at its own size. What is impossible for a unit at its
-depth is so for all that are alike, and excluded for them too. So the time is linear in the number of units.
+The depths of units are sampled. The rules decide which units there are and where (the program ``units`` of a
+topology). Then come the rooms of each unit, which permit any length between two bounds. Therefore all units
+are placed together within their bounds, and then the walls of each unit at its own size. A layout that is
+impossible for a unit at its depth is excluded for all similar units. So the time is linear in the number of
+units.
 """
 
 from collections import defaultdict
@@ -34,26 +35,28 @@ from logic.spelling import numbered
 SIDES = ("west", "east", "north", "south")
 
 RETRIES = 4
-"""In how many solutions of a unit's layout rooms are furnished before another layout is sampled."""
+"""Number of solutions of a unit's layout in which rooms are furnished before another layout is sampled."""
 
 
 LIKENESS = {"unit": 2, "share": 3, "way": 3, "deep": 3, "inner": 2}
-"""Atoms, and how many arguments they have, that say of a unit all that its rooms depend on."""
+"""Names and arities of the atoms that state all that the rooms of a unit depend on."""
 
 
 class Impossible(Exception):
-    """A unit has no more layouts: at its depth, if it is given, or at its size."""
+    """A unit has no layout left: at its depth, if ``unit`` is given, or at its size."""
 
     def __init__(self, unit: "Unit | None" = None) -> None:
-        """``unit``: that has none at its depth."""
+        """Set the unit that has no layout at its depth, if any."""
         super().__init__()
         self.unit = unit
 
 
 @dataclass(frozen=True)
 class Unit:
-    """One unit of a layout of units. ``axis``: that of its depth (metres); ``public``: the number of the room
-    that it is entered from, by its side ``access``; ``inner``: its sides that are no outer walls.
+    """Unit of a layout of units.
+
+    ``axis``: the axis of its depth (metres). ``public``: number of the room from which one enters it through
+    its side ``access``. ``inner``: its sides that are no outer walls.
     """
 
     number: int
@@ -65,12 +68,12 @@ class Unit:
     inner: frozenset[str]
 
     def __str__(self) -> str:
-        """In words, as in ``6 rooms, 7.30 m deep along y, entered from its south side``."""
+        """Return the unit in words, as in ``6 rooms, 7.30 m deep along y, entered from its south side``."""
         rooms = numbered(self.request.rooms, "room")
         return f"{rooms}, {self.depth:.2f} m deep along {self.axis}, entered from its {self.access} side"
 
     def known(self, steps: Sequence[Symbol]) -> dict[bool, list[Symbol]]:
-        """What holds of it and what does not, as ``units.lp`` has it, with these steps of depth."""
+        """Return the atoms of ``units.lp`` that hold for the unit, and those that fail, with these steps."""
         atoms: dict[bool, list[Symbol]] = {True: [], False: []}
         for name, some in (("inner", self.inner), ("access", {self.access})):
             for side in SIDES:
@@ -84,22 +87,22 @@ class Unit:
 
 
 class UnitMaker(SharedWallsMaker):
-    """Makes the rooms of one unit: it is ``measured`` first, and ``complete`` once it has its place."""
+    """Generator of the rooms of one unit: first ``measured``, then ``complete`` at its place."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, feasibility: Feasibility, unit: Unit) -> None:
-        """Know the unit."""
+        """Set the unit."""
         super().__init__(grammar, loaded, feasibility)
         self.unit = unit
         self.range = (0.0, 0.0)
-        """The least and the greatest length of the unit in its layout, metres."""
+        """Least and greatest length of the unit in its layout, metres."""
         self._place: list[Term] = []
         self._first: list[Symbol] = []
         self._retries = 0
         self._infeasible: list[Nogood] = []
-        """What is infeasible at its depth, whatever its length."""
+        """Layouts that are infeasible at its depth, at any length."""
 
     def measured(self, rng: np.random.Generator, inferences: int) -> int:
-        """Sample a layout and find the ``range`` of its length. Gives the inferences left."""
+        """Sample a layout and find the ``range`` of its length. Return the inferences left."""
         self._place, self._retries = [], 0
         found, self._first, left = self._solved(
             self._range, self.unit.request, rng, inferences, self._infeasible
@@ -108,7 +111,7 @@ class UnitMaker(SharedWallsMaker):
         return left
 
     def within(self, box: Rect) -> None:
-        """Give the unit its place, metres."""
+        """Set the unit's place, metres."""
         west, north, east, south = box.box
         places = (west, east, north, south)
         lines = [Function("outline", [Function(side)]) for side in SIDES]
@@ -144,13 +147,13 @@ class UnitMaker(SharedWallsMaker):
 
 
 class UnitsMaker(SharedWallsMaker):
-    """Makes houses of units by one grammar. ``making`` is how the units of the last house were chosen."""
+    """Generator of houses of units by one grammar. ``making`` is the origin of the last house's units."""
 
     units: Sequence[UnitMaker] = ()
-    """Who made them, in the order of their rooms."""
+    """Generators of the units, in the order of their rooms."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, feasibility: Feasibility) -> None:
-        """Know its rules."""
+        """Set the rules."""
         super().__init__(grammar, loaded, feasibility)
         self.units_feasibility = UnitsFeasibility(grammar, loaded)
         self._parts = grammar, loaded, feasibility
@@ -159,7 +162,7 @@ class UnitsMaker(SharedWallsMaker):
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[Pieces], int]:
-        """A plan of all rooms, first the public ones, then unit by unit, and the pieces of each."""
+        """Return a plan of all rooms, first the public ones, then unit by unit, and each room's pieces."""
         depths, refuted = self._sampled_depths(rng), list[Nogood]()
         for _ in range(MOST_TRIES):
             layout = self._units(request, rng, refuted)
@@ -181,16 +184,19 @@ class UnitsMaker(SharedWallsMaker):
         )
 
     def stated(self, request: Request) -> Program:
-        """The program of the units."""
+        """Return the program of the units."""
         return self._programs.units_for(request, barred_units(self._programs, request))[0]
 
     def _sampled_depths(self, rng: np.random.Generator) -> Mapping[Symbol, float]:
-        """The depth of each group of units, metres, sampled when it is first asked for."""
+        """Return the depth of each group of units, metres, sampled at the first access."""
         low, high = self._depths
         return defaultdict[Symbol, float](lambda: float(rng.uniform(low, high)))
 
     def _alike(self, unit: Unit, layout: Sequence[Symbol], request: Request) -> Iterator[Nogood]:
-        """That no unit of a house is as this one of a layout, whatever its number."""
+        """Yield nogoods that exclude every unit of a house that resembles this unit of a layout.
+
+        Units with other numbers are excluded, too.
+        """
         program = self.stated(request)
         known = {atom for name, arity in LIKENESS.items() for atom in program.atoms(name, arity)}
         stated = [(atom.name, *atom.arguments[1:]) for atom in layout if _is_of(atom, unit)]
@@ -205,7 +211,7 @@ class UnitsMaker(SharedWallsMaker):
     def _units(
         self, request: Request, rng: np.random.Generator, refuted: Sequence[Nogood]
     ) -> list[Symbol] | None:
-        """A layout of units; None where there is none outside of what is refuted."""
+        """Return a layout of units, or None if there is none outside the refuted layouts."""
         program, assumed = self._programs.units_for(request, barred_units(self._programs, request))
         self._placer.account.at(LAYOUT, "the units of the house (clingo)")
         layout = program.sample(rng, assumed, nogoods=refuted)
@@ -217,7 +223,7 @@ class UnitsMaker(SharedWallsMaker):
     def _placed(
         self, layout: list[Symbol], units: Sequence[Unit], rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[UnitMaker], int]:
-        """The units with their places, and the public rooms."""
+        """Return the units with their places, and the public rooms."""
         makers = [UnitMaker(*self._parts, unit) for unit in units]
         waiting = set(makers)
         for _ in range(MOST_TRIES):
@@ -246,7 +252,7 @@ class UnitsMaker(SharedWallsMaker):
         rng: np.random.Generator,
         inferences: int,
     ) -> tuple[Plan, list[Pieces], int]:
-        """The public rooms, and the rooms of each unit in its place, furnished."""
+        """Return the public rooms and the rooms of each unit in its place, furnished."""
         boxes = {room.number: room for room in whole.rooms}
         rooms = [room for room in whole.rooms if room.type != "unit"]
         plan = Plan(rooms, whole.doors, whole.windows, hub="R0", wall_thickness=whole.wall_thickness)
@@ -260,7 +266,7 @@ class UnitsMaker(SharedWallsMaker):
 
 
 def _units_of(layout: Sequence[Symbol], request: Request, depths: Mapping[Symbol, float]) -> list[Unit]:
-    """The units of a layout, those of each group as deep, with what is asked of each."""
+    """Return the units of a layout, with equal depths in each group, and the request of each."""
     stated = defaultdict[tuple[str, int], list[Any]](list)
     for atom in layout:
         first, *others = atom.arguments
@@ -280,12 +286,12 @@ def _units_of(layout: Sequence[Symbol], request: Request, depths: Mapping[Symbol
 
 
 def _is_of(atom: Symbol, unit: Unit) -> bool:
-    """Whether an atom says what a unit is like."""
+    """Return True if an atom describes the unit."""
     return atom.name in LIKENESS and atom.arguments[0] == Number(unit.number)
 
 
 def _append(plan: Plan, part: Plan, public: int) -> None:
-    """Add the rooms of a unit to a plan, placed after those that are there."""
+    """Add the rooms of a unit to a plan, after the existing rooms."""
     first = len(plan.rooms)
 
     def placed(end: int | str) -> int | str:

@@ -1,1 +1,1 @@
-"""A house and its parts, its files, and how it looks and is named."""
+"""Houses and their parts, house files, and the looks and names of types."""

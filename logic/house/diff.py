@@ -1,4 +1,4 @@
-"""What differs between two houses: what came, what went, and what moved."""
+"""Differences between two houses: added, removed and moved parts."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from logic.house.part_names import doors_by_name, part_names, windows_by_name
 from logic.house.parts import Room
 
 TOLERANCE = 1e-3
-"""Metres: what differs by less is the same."""
+"""Smallest difference that counts, metres."""
 
 
 class Item(msgspec.Struct, frozen=True):
-    """A part of a house: by the name that ``explain_house`` takes, its type and its place."""
+    """Part of a house: its name for ``explain_house``, its type and its place."""
 
     name: str
     type: str
@@ -27,15 +27,15 @@ class Item(msgspec.Struct, frozen=True):
 
 
 class Change(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A part that is not as it was."""
+    """Part that differs between two houses."""
 
     what: Literal["came", "went", "moved"]
-    """``moved``: it stands elsewhere, has another size or faces another way."""
+    """``moved``: the part stands elsewhere, has another size or faces another way."""
     before: Item | None = None
     after: Item | None = None
 
     def __str__(self) -> str:
-        """The change in a sentence."""
+        """Return the change in a sentence."""
         now = self.after or self.before
         assert now is not None
         if self.before is None or self.after is None:
@@ -56,14 +56,15 @@ class Change(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 def changes(before: House, after: House) -> list[Change]:
-    """What differs between two houses: rooms, then pieces, doors and windows.
+    """Return the differences between two houses: rooms, then pieces, doors and windows.
 
-    A room is the one before of its type that stands most alike, whatever its name; a piece is one of its type
-    in the same room, a door one between the same rooms, a window one of the same room.
+    A room corresponds to the most similar room of its type in the other house, whatever its name. A piece
+    corresponds to one of its type in the same room, a door to one between the same rooms, and a window to one
+    of the same room.
     """
     found: list[tuple[Item | None, Item | None]] = []
     same = {"outside": "outside"}
-    """Names of rooms after, by those before."""
+    """Names of rooms in the second house, by those in the first."""
     rooms = [{room.name: _room(house, room) for room in house.rooms} for house in (before, after)]
     for was, now in _pairs(
         [(item.type, item) for item in rooms[0].values()], [(item.type, item) for item in rooms[1].values()]
@@ -82,8 +83,10 @@ def _room(house: House, room: Room) -> Item:
 
 
 def _parts(house: House, same: dict[str, str]) -> Iterator[tuple[Hashable, Item]]:
-    """Pieces, doors and windows, each with what it must have in common with the one of the other house: the
-    rooms by their names there, or by their own, which no room there has.
+    """Yield pieces, doors and windows, each with a key that its counterpart in the other house must share.
+
+    Keys contain the names of rooms in the other house. A room without a counterpart keeps its own name, which
+    no room there has.
     """
 
     def there(name: str) -> str:
@@ -105,8 +108,9 @@ def _parts(house: House, same: dict[str, str]) -> Iterator[tuple[Hashable, Item]
 def _pairs(
     before: list[tuple[Hashable, Item]], after: list[tuple[Hashable, Item]]
 ) -> list[tuple[Item | None, Item | None]]:
-    """Each item with the one of the other house that has the same key and stands most alike, the most alike
-    first.
+    """Return each item with the most similar item of the other house that has the same key.
+
+    The most similar pairs come first.
     """
     near = sorted(
         (
@@ -151,7 +155,7 @@ def _called(item: Item) -> str:
 
 
 def _way(was: Box, now: Box) -> str:
-    """How the middle of a box moved, in words."""
+    """Return the movement of a box's middle in words."""
     east, south = ((now[k] + now[k + 2] - was[k] - was[k + 2]) / 2 for k in (0, 1))
     ways = [(east, "east", "west"), (south, "south", "north")]
     return " and ".join(

@@ -1,4 +1,4 @@
-"""House files: JSON Lines, a house a line, plain or gzipped; also one house in a ``.json`` file."""
+"""House files: JSON Lines, a house a line, plain or gzipped, and ``.json`` files with one house."""
 
 import codecs
 import gzip
@@ -23,25 +23,27 @@ from logic.opener import DAMAGED, from_json, opened, reason
 from logic.spelling import closest, quoted
 
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
-"""How the names of house files end."""
+"""Suffixes of house files."""
 
 FILES = (
     *(".csv", ".gif", ".gz", ".html", ".json", ".jsonl", ".md", ".mp4", ".onnx", ".pdf", ".png"),
     *(".safetensors", ".svg", ".txt"),
 )
-"""How names end that are no folder's."""
+"""Suffixes that no folder has."""
 
 MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
-"""What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
+"""Limits of an unpacked house file: bytes, lines, and bytes of one house."""
 
 
 def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool = False) -> Houses:
-    """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file, as a list that notebooks show as
-    plans; ``-`` is the standard input, plain or gzipped. With ``file``, open, it is that one, of this name.
-    A map of ROS is read by its ``.yaml``, as one house: see ``ros_map.py``.
+    """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file as a list.
+
+    Notebooks show the list as plans. ``-`` is the standard input, plain or gzipped. An open ``file`` is read
+    in place of the path, which is then only its name. A map of ROS is read by its ``.yaml``, as one house:
+    see ``ros_map.py``.
 
     ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
-    did. Other files have none, and are refused.
+    did. Other files have no pixels, and raise an error.
 
     Raises ``HouseFileError``, with the line, for a file that is absent, empty, truncated or wrong.
     """
@@ -65,7 +67,7 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
 
 
 def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
-    """The houses of an open file, line by line: what is too large is not read to its end."""
+    """Yield the houses of an open file, line by line, and stop early if the file is too large."""
     read = file.read if _holds_one(path) else file.readline
     number, left = 0, MOST_BYTES
     while line := read(MOST_LINE + 1):
@@ -82,7 +84,10 @@ def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> I
 
 
 def _without_mark(line: bytes, path: Path) -> bytes:
-    """The first line of a file without UTF-8's byte order mark. Raises ``HouseFileError`` for another one."""
+    """Return the first line of a file without UTF-8's byte order mark.
+
+    Raises ``HouseFileError`` for the mark of another encoding.
+    """
     for mark, name in MARKS.items():
         if line.startswith(mark):
             raise HouseFileError(f"{path}:1: not a house: this file is {name}: save it as UTF-8")
@@ -90,12 +95,12 @@ def _without_mark(line: bytes, path: Path) -> bytes:
 
 
 def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
-    """Write houses as JSON Lines (a ``.json`` file takes exactly one), all of them or none.
+    """Write all houses as JSON Lines, or nothing. A ``.json`` file takes exactly one house.
 
-    ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which
-    ``load`` passes over. The file is written beside its place and renamed: a kill
-    leaves the old file or the new. Raises ``RequestError``, a ``ValueError``, for a name that is no house
-    file's, for no house, and for more than one in a ``.json`` file.
+    ``stopped`` is the reason for fewer houses than requested. It becomes a last line ``{"stopped": why}``,
+    which ``load`` ignores. The file is written under another name and renamed, so that a kill leaves the old
+    file or the new one. Raises ``RequestError``, a ``ValueError``, for a name without a suffix of house
+    files, for no house, and for more than one in a ``.json`` file.
     """
     require_ending(path, HOUSE_FILES)
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
@@ -106,12 +111,12 @@ def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
     if stopped:
         records.append(msgspec.json.encode({"stopped": stopped}))
     content = b"\n".join(records) + b"\n"
-    # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
+    # mtime=0: the same houses give the same bytes, so that a hash can name a set of houses.
     write_whole(path, gzip.compress(content, mtime=0) if Path(path).suffix == ".gz" else content)
 
 
 def require_ending(path: str | Path, endings: Sequence[str]) -> None:
-    """Raise ``RequestError`` for a file's name that says something else than what is written."""
+    """Raise ``RequestError`` for a file's name with another suffix than the written format has."""
     path = Path(path)
     if not path.name.endswith(tuple(endings)) and (path.is_file() or not path.exists()):
         found = path.suffix or "no extension"
@@ -119,8 +124,9 @@ def require_ending(path: str | Path, endings: Sequence[str]) -> None:
 
 
 def require_file(path: Path, endings: Sequence[str]) -> None:
-    """Raise ``RequestError`` before the work for a name that is not of these, a folder, and where no file can
-    be written.
+    """Raise ``RequestError`` before the work for a file that cannot be written.
+
+    Reasons are another suffix, a folder of this name, and a place without permission.
     """
     if path.is_dir():
         example = path / f"name{endings[0]}"
@@ -131,8 +137,10 @@ def require_file(path: Path, endings: Sequence[str]) -> None:
 
 
 def require_folder(path: Path | None) -> None:
-    """Raise ``RequestError`` before the work for a folder's name that is a file's, as several files are
-    written into it, and where none can be written.
+    """Raise ``RequestError`` before the work for a folder that cannot be written.
+
+    Reasons are a file's name, since several files are written into the folder, and a place without
+    permission.
     """
     if path is None:
         return
@@ -143,23 +151,24 @@ def require_folder(path: Path | None) -> None:
 
 
 def _require_place(folder: Path, out: Path) -> None:
-    """Raise ``RequestError`` if no file can be made in a folder, or in the one above that is there."""
+    """Raise ``RequestError`` if no file can be made in a folder, or in its nearest existing parent."""
     there = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.exists())
     try:
-        TemporaryFile(dir=there).close()  # permissions do not say it of every file system
+        TemporaryFile(dir=there).close()  # permissions do not tell on every file system
     except OSError as error:
         raise RequestError(f"--out {out}: {there} cannot be written to: {error.strerror}") from None
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
-    """Write a file beside its place, flush it to disk and rename it: a kill tears nothing.
+    """Write a temporary file, flush it to disk and rename it, so that a kill leaves no partial file.
 
-    A link stays one, and what it leads to is replaced; a file that was there keeps its mode. What is no
-    regular file, a device or a pipe, is written to. Raises ``OSError`` for a folder or where writing fails.
+    A link stays a link, and its target is replaced. An existing file keeps its mode. A device or a pipe is
+    written directly. Raises ``OSError`` for a folder, or if writing fails.
     """
     given, path = Path(path), Path(os.path.realpath(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    # A link is left where links go round. A pipe by its number, as in /dev/stdout, has no other path.
+    # In a circle of links the real path is still a link, for which ``stat`` raises. A pipe by its number, as
+    # in /dev/stdout, has no other path.
     before = given.stat() if given.exists() or path.is_symlink() else None
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
@@ -181,7 +190,7 @@ def write_whole(path: str | Path, content: bytes) -> None:
 
 
 def _folder(path: Path) -> str:
-    """What a folder is in place of a house file, and which house file there is in it."""
+    """Return a message for a folder in place of a house file, with a house file that it contains."""
     if any(path.glob("*.lp")):
         return _grammar(path)
     there = sorted(file.name for file in path.glob("*") if file.name.lower().endswith(HOUSE_FILES))
@@ -194,7 +203,7 @@ def _grammar(name: Path) -> str:
 
 
 def _absent(path: Path) -> str:
-    """Which house file there is in place of an absent one, or how to make one."""
+    """Return a message for an absent file, with a similar house file or a command that makes one."""
     if str(path) in shipped():
         return _grammar(path)
     there = sorted(file.name for file in path.parent.glob("*") if file.name.lower().endswith(HOUSE_FILES))
@@ -230,12 +239,12 @@ def stopped_by(line: bytes) -> str | None:
 
 
 def _holds_one(path: Path) -> bool:
-    """Whether a file is named ``.json`` (or ``.json.gz``), which is one house over any number of lines."""
+    """Return True if a file is named ``.json`` or ``.json.gz`` and so holds one house over all lines."""
     return path.name.lower().removesuffix(".gz").endswith(".json")
 
 
 def _require_once(pairs: list[tuple[str, Any]]) -> None:
-    """Raise ``ValueError`` for a key that an object has twice: other programs read the other value."""
+    """Raise ``ValueError`` for a key that an object has twice, since other programs read the other value."""
     keys = [key for key, _ in pairs]
     if len(set(keys)) < len(keys):
         raise ValueError(f"{max(keys, key=keys.count)!r} stands twice in an object")

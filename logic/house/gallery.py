@@ -1,4 +1,4 @@
-"""Houses as a list that a notebook shows as plans: ``Houses(generate(rooms=5, count=12))``."""
+"""Lists of houses that a notebook shows as plans: ``Houses(generate(rooms=5, count=12))``."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from logic.house.house import House
 from logic.spelling import numbered
 
 SHOWN, CELL = 24, 260
-"""How many plans a notebook shows of a list, and how wide each is, CSS pixels."""
+"""Number of plans of a list that a notebook shows, and width of each, CSS pixels."""
 
 
 class Houses(list[House]):
-    """A list of houses, which ``load`` gives; a slice of it is one too."""
+    """List of houses, as ``load`` returns it. A slice is such a list, too."""
 
     @overload
     def __getitem__(self, index: SupportsIndex) -> House: ...
     @overload
     def __getitem__(self, index: slice) -> Houses: ...
     def __getitem__(self, index: SupportsIndex | slice) -> House | Houses:
-        """A house, or for a slice the list of its houses."""
+        """Return a house, or for a slice the list of its houses."""
         found = super().__getitem__(index)
         return Houses(found) if isinstance(found, list) else found
 
     def _repr_html_(self) -> str:
-        """The plans of the first houses, each with its index; notebooks show it."""
+        """Return the plans of the first houses for notebooks, each with its index."""
         figure = '<figure style="margin:0"><figcaption style="font-size:small">{}</figcaption>{}</figure>'
         plans = [figure.format(index, house._repr_svg_(CELL)) for index, house in enumerate(self[:SHOWN])]
         words = numbered(len(self), "house")
         if len(self) > SHOWN:
             words += f", the first {SHOWN} shown"
-        # Plans are dark on white, in dark notebooks too.
+        # Plans are dark on white, even in dark notebooks.
         box = "display:flex;flex-wrap:wrap;gap:8px;align-items:flex-start;background:#fff;color:#333"
         return f'<p style="margin:0.3em 0">{words}</p><div style="{box}">{"".join(plans)}</div>'

@@ -1,4 +1,4 @@
-"""The house: rooms, doors and windows, whatever its topology and the format of its file."""
+"""House: rooms, doors and windows, for every topology and file format."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from logic.spelling import unknown
 
 
 class House(msgspec.Struct, frozen=True):
-    """A furnished house, whatever its topology and its file's format.
+    """Furnished house, of any topology and any file format.
 
-    ``hub`` names the room that the others lie around, if there is one; ``topology`` the rules by which they
-    do. A star has its main room as its hub, last in ``rooms``, and the others are ``R0``, ``R1``... by their
-    place.
+    ``hub`` names the room that the other rooms lie around, if there is one. ``topology`` names the rules for
+    the arrangement of rooms. A star has its main room as its hub, last in ``rooms``; the others are named
+    ``R0``, ``R1``... by their index.
     """
 
     rooms: tuple[Room, ...]
@@ -49,50 +49,53 @@ class House(msgspec.Struct, frozen=True):
     format: Literal["vitruvius-1", "original", "vitruvius-2"] = FORMAT
     provenance: Provenance | None = None
     wall_thickness: Thickness | None = None
-    """Of the walls around its rooms, whose rectangles end at their faces; None: they have none."""
+    """Thickness of the walls around its rooms, whose rectangles end at the faces of walls. None for lines."""
     free_walls: tuple[FreeWall, ...] = ()
-    """Walls that stand by themselves, at any angle, beside those of its rooms: ``walls`` in its file."""
+    """Free-standing walls at any angle, in addition to those of its rooms: ``walls`` in its file."""
 
     occupancy: OccupancyGrid | None = None
-    """The cells of a house that is a map."""
+    """Cells of a house that is a map."""
 
     plan: ClassVar[Callable[[House, int], str]]
-    """Draws it, as SVG so many CSS pixels wide: set by the package, since what draws houses imports this."""
+    """Function that draws the house as SVG of a width in CSS pixels.
+
+    The package sets it, since the module that draws houses imports this one.
+    """
 
     @property
     def kind(self) -> Kind:
-        """How its rooms lie together: by it all is chosen that stars and others do not have in common."""
+        """Kind of its topology, which decides everything in which stars and other houses differ."""
         return kind_of(self.topology)
 
     @property
     def main_room(self) -> Room | None:
-        """The main room of a star, which the others stand around; None of other houses."""
+        """Main room of a star, which the other rooms surround; None for other houses."""
         if self.kind not in STARS:
             return None
         return next((room for room in self.rooms if room.name == self.hub), None)
 
     @property
     def main(self) -> Room:
-        """Return the hub. Raises ``ValueError`` if the house names none."""
+        """Room that the other rooms lie around. Raises ``ValueError`` if the house names none."""
         return self.room(self.hub)
 
     @property
     def half_wall(self) -> float:
-        """Half of an inner wall's thickness, metres: so far from a room are its doors and windows."""
+        """Half of an inner wall's thickness, metres: the distance of doors and windows from their rooms."""
         return self.wall_thickness.inner / 2 if self.wall_thickness else 0.0
 
     @property
     def tiles(self) -> tuple[Room, ...]:
-        """The rooms, each with half of an inner wall around it: rooms that share a wall share an edge."""
+        """Rooms, each grown by half of an inner wall, so that rooms that share a wall share an edge."""
         return tuple(room.grown(self.half_wall) for room in self.rooms)
 
     def doorway(self, door: Door) -> Box:
-        """All of a door within the wall between two rooms: (west, north, east, south), metres."""
+        """Return the box of a door within the wall between two rooms: (west, north, east, south), metres."""
         return doorway(door, self.half_wall)
 
     @property
     def start(self) -> Room:
-        """Where bodies start: the hub; without one, the room of the first entrance; else the first."""
+        """Room where episodes start: the hub, else the room of the first entrance, else the first room."""
         entered = (name for door in self.doors if door.is_entrance for name in door.between)
         name = self.hub or next((name for name in entered if name != OUTSIDE), self.rooms[0].name)
         return self.room(name)
@@ -109,22 +112,22 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def counted(self) -> tuple[Room, ...]:
-        """The rooms that a request for rooms counts: a star's main room is none of them."""
+        """Rooms that a request counts, which exclude a star's main room."""
         main = self.main_room
         return tuple(room for room in self.rooms if room is not main)
 
     @property
     def outdoor(self) -> tuple[str, ...]:
-        """The types of rooms that are outside, by what the house promises."""
+        """Types of rooms that are outdoors, by the promises of the house."""
         made = self.provenance
         return made.promises.outdoor if made and made.promises else ()
 
     def cut_from(self, room: Room) -> tuple[Room, ...]:
-        """The rooms that are cut out of a room's rectangle: of a star's main room all others."""
+        """Return the rooms that are cut out of a room's rectangle: all others for a star's main room."""
         return self.counted if room is self.main_room else ()
 
     def room(self, name: str) -> Room:
-        """The room of this name. Raises ``ValueError`` if there is none."""
+        """Return the room with this name. Raises ``ValueError`` if there is none."""
         for room in self.rooms:
             if room.name == name:
                 return room
@@ -133,21 +136,22 @@ class House(msgspec.Struct, frozen=True):
         raise ValueError(unknown("room", name, [room.name for room in self.rooms]))
 
     def whole(self, room: Room) -> Room:
-        """The room that one is a part of; itself, where it is none."""
+        """Return the room that a room is a part of, or the room itself."""
         return self.room(room.part_of) if room.part_of else room
 
     def parts(self, room: Room) -> tuple[Room, ...]:
-        """A room and its parts, which are one room to whoever is in it; none for a part."""
+        """Return a room and its parts, which form one room without walls; nothing for a part."""
         return () if room.part_of else (room, *(each for each in self.rooms if each.part_of == room.name))
 
     def doors_of(self, name: str) -> tuple[Door, ...]:
-        """The doors of a room, by its name; those of ``outside`` are the entrances."""
+        """Return the doors of a room, by its name. The doors of ``outside`` are the entrances."""
         return tuple(door for door in self.doors if name in door.between)
 
     def only(self, *names: str) -> House:
-        """The house with these rooms alone (``"R0"``), and a star's main room, for ``generate(keep=...)``.
+        """Return the house with only these rooms (``"R0"``) and a star's main room.
 
-        Raises ``ValueError`` for a name that no room has, and for a map.
+        The result is an argument for ``generate(keep=...)``. Raises ``ValueError`` for a name that no room
+        has, and for a map.
         """
         if self.occupancy:
             raise ValueError("a map of cells has no rooms to keep")
@@ -171,15 +175,16 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def star(self) -> Star:
-        """The house as a star. Raises ``ValueError`` if it is none."""
+        """House as a star. Raises ``ValueError`` for another topology."""
         if self.kind not in STARS:
             raise ValueError(f"its topology is {self.topology or 'not named'}: only a star has a main room")
         return Star.of(self.rooms, self.doors, self.hub)
 
     @property
     def walls(self) -> tuple[list[Line], list[Line]]:
-        """The walls that run north to south, as (x, from y, to y), then those that run west to east: see
-        ``walls.py``.
+        """Walls that run north to south, as (x, from y, to y), then those that run west to east.
+
+        See ``walls.py``.
         """
         if self.occupancy:
             return self.occupancy.lines()
@@ -189,26 +194,28 @@ class House(msgspec.Struct, frozen=True):
 
     @property
     def filled(self) -> list[Box]:
-        """What is solid behind its walls: of a map all cells that are not free, as few boxes."""
+        """Solid boxes behind its walls: for a map all cells that are not free, as few boxes."""
         return self.occupancy.blocks() if self.occupancy else []
 
     def converted(self) -> House:
-        """The same house as one that is written as ``vitruvius-2``. It simulates as before, bit for bit."""
+        """Return the house in the format ``vitruvius-2``, which gives the same simulation, bit for bit."""
         return msgspec.structs.replace(self, format=FORMAT)
 
     def _repr_svg_(self, width: int = 480) -> str:
-        """The plan, so many CSS pixels wide: notebooks show it."""
+        """Return the plan, ``width`` CSS pixels wide, for notebooks."""
         return House.plan(self, width)
 
     @classmethod
     def from_grid(cls, array: Any, cell: float, corner: tuple[float, float] | None = None) -> House:
-        """The house that a map is: one room, ``map``, whose walls are around its free cells.
+        """Return the house of a map: one room, ``map``, with walls around its free cells.
 
-        ``array`` (H, W), row 0 in the north: bool, True where occupied, or whole numbers as in ROS's
+        ``array`` (H, W), row 0 in the north: bool, True if occupied, or whole numbers as in ROS's
         ``OccupancyGrid``, 0 free, 100 occupied, -1 unknown. Occupied and unknown cells are solid. ``cell``:
-        their side, metres. ``corner``: where (x, y) its north-west corner is, metres; by default the middle
-        of the map is (0, 0). Raises ``ValueError`` for another shape, type or value, for more than 33,554,432
-        cells, and where none is free.
+        side of a cell, metres. ``corner``: (x, y) of the north-west corner, metres; by default the middle of
+        the map is (0, 0).
+
+        Raises ``ValueError`` for another shape, type or value, for more than 33,554,432 cells, and if no cell
+        is free.
         """
         if corner is None:
             rows, columns = np.shape(array) if np.ndim(array) == 2 else (0, 0)
@@ -217,20 +224,20 @@ class House(msgspec.Struct, frozen=True):
 
     @classmethod
     def of_map(cls, grid: OccupancyGrid) -> House:
-        """The house of one room that a map is."""
+        """Return the house of a map, which has one room."""
         west, north, east, south = grid.box
         room = Room(west, north, east - west, south - north, MAP, MAP)
         return cls((room,), hub=MAP, topology=MAP, occupancy=grid)
 
     @classmethod
     def of_star(cls, star: Star, topology: str = STAR, provenance: Provenance | None = None) -> House:
-        """The house that a star is, of the topology ``star`` or ``original`` and of the files for it."""
+        """Return the house of a star, with the topology ``star`` or ``original`` and its file format."""
         format_ = ORIGINAL if topology == ORIGINAL else STAR_FORMAT
         return cls(*star.parts(), (), MAIN, topology, format_, provenance)
 
     @classmethod
     def from_dict(cls, record: dict[str, Any]) -> House:
-        """Read a house from its JSON form, of any format; lengths without ``unit`` are the original's pixels.
+        """Read a house from its JSON form, of any format. Lengths without ``unit`` are the original's pixels.
 
         Raises ``ValueError`` (``msgspec.ValidationError``) that names the first wrong field.
         """
@@ -243,9 +250,9 @@ class House(msgspec.Struct, frozen=True):
         return cls(found.rooms, *openings, *about, found.walls, found.occupancy)
 
     def to_dict(self) -> dict[str, Any]:
-        """Write the house in its JSON form, in metres; ``from_dict`` gives the same house back.
+        """Return the house in its JSON form, in metres, from which ``from_dict`` reads the same house.
 
-        Raises ``ValueError`` if it is no star, or has free walls, and its format is of stars alone.
+        Raises ``ValueError`` for a format of stars if the house is no star or has free walls.
         """
         if self.format != FORMAT:
             if self.free_walls:

@@ -1,4 +1,4 @@
-"""The kinds of topology: how rooms lie together decides which rules, checks and files a house has."""
+"""Kinds of topology, which decide the rules, checks and files of a house."""
 
 from enum import Enum
 
@@ -6,24 +6,24 @@ from logic.house.parts import MAP, ORIGINAL, STAR
 
 
 class Kind(Enum):
-    """A kind of topology."""
+    """Kind of topology."""
 
     STAR = STAR
-    """Rooms touch a main room from outside, each with one door to it."""
+    """Rooms touch a main room from outside, each with one door to the main room."""
     ORIGINAL = ORIGINAL
-    """Stars of the original program: rooms overlap the main room, which is what they leave of it."""
+    """Stars of the original program: rooms overlap the main room, which is the rest of its rectangle."""
     MAP = MAP
-    """A map of cells: walls are around the free ones, and rooms are names of areas."""
+    """Map of cells: walls surround the free cells, and rooms are names of areas."""
     SHARED_WALLS = "shared walls"
-    """All others: rooms tile an outline, and walls stand once."""
+    """All other topologies: rooms tile an outline, and rooms share walls."""
 
 
 STARS = Kind.STAR, Kind.ORIGINAL
-"""The kinds that have a main room."""
+"""Kinds with a main room."""
 
 NAMED = {kind.value: kind for kind in (*STARS, Kind.MAP)}
 
 
 def kind_of(topology: str) -> Kind:
-    """The kind of a topology, by its name."""
+    """Return the kind of a topology, by its name."""
     return NAMED.get(topology, Kind.SHARED_WALLS)

@@ -1,6 +1,6 @@
-"""How types look on a plan: ``looks.json``, for all grammars, and a file of this name in a grammar's folder.
+"""Looks of types on a plan: ``looks.json``, for all grammars, and a file of this name in a grammar's folder.
 
-It is no rule file: to change a colour changes neither houses nor the hash that names their rules.
+The file is no rule file. A new colour changes neither houses nor the hash that names their rules.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from logic.opener import content_of, from_json
 from logic.spelling import closest, listed
 
 NAME = "looks.json"
-"""Of the file, here and in a grammar's folder."""
+"""Name of the file, here and in a grammar's folder."""
 
 MOST_BYTES = 1 << 20
-"""What is read of such a file."""
+"""Largest size of a file of looks, in bytes."""
 
 Form = tuple[str, tuple[float, ...]]
-"""A line of a symbol, in its piece's own frame: across from 0 to 1, and from the back (0) to the front (1).
+"""Line of a symbol, in its piece's own frame: across from 0 to 1, and from the back (0) to the front (1).
 
 ``box`` and ``oval``: two opposite corners; ``line``: points; ``curve``: a point, then three for each cubic
 Bézier curve; ``ring``: a circle by its centre and its radius, in lengths of the piece's shorter side.
@@ -44,50 +44,50 @@ FORMS = {
 }
 
 Where = tuple[str | int, ...]
-"""The keys and indices that lead to a value in JSON."""
+"""Keys and indices that lead to a value in JSON."""
 
 
 @dataclass(frozen=True)
 class Looks:
-    """How types look. A type that is not there is drawn by its name, in a colour of ``palettes.json``."""
+    """Looks of types. A type without looks is drawn with its name, in a colour of ``palettes.json``."""
 
     rooms: dict[str, str] = field(default_factory=dict)
-    """Colours of the floors, ``#rrggbb``."""
+    """Colours of floors, ``#rrggbb``."""
     pieces: dict[str, str] = field(default_factory=dict)
-    """Names of symbols."""
+    """Names of symbols, by piece type."""
     heights: dict[str, float] = field(default_factory=dict)
-    """Heights of pieces in metres, for files of solids; plans do not show them."""
+    """Heights of pieces, metres, for files of solids. Plans do not show them."""
     symbols: dict[str, tuple[Form, ...]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
-    """What people call a type whose name in files is another."""
+    """Names in plain words of types whose names in files differ."""
 
     def symbol(self, kind: str) -> tuple[Form, ...] | None:
-        """The symbol of a piece type, if it has one."""
+        """Return the symbol of a piece type, or None."""
         return self.symbols[self.pieces[kind]] if kind in self.pieces else None
 
     def name(self, kind: str) -> str:
-        """What people call a type: by default its name, as words. ``coffeeTable`` is a coffee table."""
+        """Return the name of a type in plain words: ``coffee table`` for ``coffeeTable``."""
         return self.names.get(kind) or spaced(kind)
 
     def __or__(self, other: Looks) -> Looks:
-        """These looks with others over them."""
+        """Return these looks, overridden by others."""
         parts = ((getattr(self, key), getattr(other, key)) for key in Looks.__dataclass_fields__)
         return Looks(*(mine | its for mine, its in parts))
 
 
 def spaced(name: str) -> str:
-    """A name as words."""
+    """Return a name as words."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", name).lower()
 
 
 def looks_of(house: House, grammar: str | Path | None = None) -> Looks:
-    """How the types of a house look: by the folder of its grammar, which its provenance names if it is a
-    shipped one. Houses in the original's files are of the paper's.
+    """Return the looks of a house's types, from its grammar's folder if the grammar is shipped.
 
-    Raises ``GrammarError`` for a file of looks that is wrong: file, line, column.
+    The house's provenance names the grammar. Houses in the original's files have the looks of the paper's
+    grammar. Raises ``GrammarError`` for a wrong file of looks, with file, line and column.
     """
     if grammar is not None:
-        folder(grammar)  # refuses what is none
+        folder(grammar)  # raises for a folder that is no grammar
         return folder_looks(SHIPPED / grammar if str(grammar) in shipped() else Path(grammar))
     named = house.provenance.grammar if house.provenance else ""
     named = "paper" if house.topology == ORIGINAL else named
@@ -95,7 +95,7 @@ def looks_of(house: House, grammar: str | Path | None = None) -> Looks:
 
 
 def folder_looks(directory: Path) -> Looks:
-    """Those of a grammar's folder, over those of all grammars; for errors see ``looks_of``."""
+    """Return the looks of a grammar's folder over those of all grammars. Raises as ``looks_of`` does."""
     file = directory / NAME
     if not directory.is_dir():
         raise GrammarError("there is no such directory of a grammar", directory)
@@ -113,8 +113,9 @@ def _shipped_looks(name: str) -> Looks:
 
 
 def read_looks(file: Path, under: Looks) -> tuple[Looks, list[GrammarError]]:
-    """A file's looks, and all that is wrong with them, by line and column; symbols may be those of ``under``
-    too.
+    """Return a file's looks and all its mistakes, by line and column.
+
+    Symbols may also be those of ``under``.
     """
     try:
         text = _text(file)
@@ -138,7 +139,7 @@ def read_looks(file: Path, under: Looks) -> tuple[Looks, list[GrammarError]]:
 
 
 def _text(file: Path) -> str:
-    """The text of a file of looks. Raises ``GrammarError`` if it is not to be read."""
+    """Return the text of a file of looks. Raises ``GrammarError`` if the file cannot or must not be read."""
     try:
         content = content_of(file, MOST_BYTES, unpack=False)
     except OSError as error:
@@ -150,7 +151,7 @@ def _text(file: Path) -> str:
 
 
 def unused(file: Path, rooms: Iterable[str], pieces: Iterable[str]) -> Iterator[GrammarError]:
-    """Types that a grammar's file of looks names, and the grammar does not have; by line and column."""
+    """Yield errors, by line and column, for types in a file of looks that the grammar does not have."""
     looks, _ = read_looks(file, DEFAULT)
     at = _places(file.read_text("utf-8-sig")) if looks != Looks() else {}
     rooms, pieces = set(rooms), set(pieces)
@@ -165,17 +166,17 @@ def unused(file: Path, rooms: Iterable[str], pieces: Iterable[str]) -> Iterator[
 
 
 class _Pairs(list[tuple[str, Any]]):
-    """An object's keys and values, in their order."""
+    """Keys and values of an object, in order."""
 
 
 MAX_FAULTS = 20
-"""Number of faults of a file that are reported: each may compare a name with many names."""
+"""Largest number of faults that are reported for a file. Each may compare a name with many names."""
 
 Fault = tuple[Where, str]
 
 
 def _faults(data: Any, under: Looks) -> Iterator[Fault]:
-    """What is wrong in a file, by its place in it."""
+    """Yield the faults of a file, by their place in it."""
     keys = [*Looks.__dataclass_fields__]
     if not isinstance(data, _Pairs):
         yield (), f"an object is expected, of {', '.join(keys)}"
@@ -205,7 +206,7 @@ def _twice(where: Where, pairs: _Pairs) -> Iterator[Fault]:
 
 
 def _wrong(key: str, name: str, value: Any, symbols: set[str]) -> Iterator[Fault]:
-    """What is wrong with the value of a name."""
+    """Yield the faults of the value of a name."""
     shown, why = json.dumps(value), ""
     if key == "rooms":
         why = _wrong_colour(value)
@@ -261,11 +262,12 @@ def _meant(name: str, names: Iterable[str]) -> str:
 
 
 def _places(text: str) -> dict[Where, tuple[int, int]]:
-    """Line and column of each value's key in a JSON text, or of the value in a list; of a key that stands
-    twice the second.
+    """Return line and column of each value's key in a JSON text, or of the value in a list.
+
+    If a key is there twice, the result has its second place.
     """
     found: dict[Where, tuple[int, int]] = {(): (1, 1)}
-    stack: list[list[Any]] = []  # the container's bracket, and its key or index of now
+    stack: list[list[Any]] = []  # the container's bracket, and its current key or index
     previous, line, start = "", 1, 0
     for token in re.finditer(r'"(?:\\.|[^"\\])*+"?|[{}\[\]:,\n]|[^\s{}\[\]:,"]+', text):
         mark, place = token[0], (line, token.start() - start + 1)
@@ -289,13 +291,13 @@ def _places(text: str) -> dict[Where, tuple[int, int]]:
 
 
 def contrast(one: str, other: str) -> float:
-    """How well two colours differ in luminance, 1 to 21: WCAG 2.2's contrast ratio."""
+    """Return the contrast ratio of two colours by WCAG 2.2, 1 to 21."""
     low, high = sorted((_luminance(one), _luminance(other)))
     return (high + 0.05) / (low + 0.05)
 
 
 def _luminance(colour: str) -> float:
-    """The relative luminance of a colour, 0 to 1: WCAG 2.2."""
+    """Return the relative luminance of a colour by WCAG 2.2, 0 to 1."""
     red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
     linear = (
         value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
@@ -305,10 +307,10 @@ def _luminance(colour: str) -> float:
 
 
 INK = "#3d4450"
-"""The colour of words on a plan."""
+"""Colour of words on a plan."""
 
 READABLE = 4.5
-"""The least contrast of words to what is behind them: WCAG 2.2, level AA."""
+"""Least contrast of words with their background: WCAG 2.2, level AA."""
 
 DEFAULT, _ERRORS = read_looks(Path(__file__).with_name(NAME), Looks())
 if _ERRORS:

@@ -1,5 +1,6 @@
-"""Occupancy grids: maps of square cells that are free, occupied or unknown, as robots make them. A house that
-has one is a map: its walls are those between free cells and all others.
+"""Occupancy grids: maps of square cells that are free, occupied or unknown, as robots make them.
+
+A house with an occupancy grid is a map, whose walls lie between free cells and all others.
 """
 
 from __future__ import annotations
@@ -18,42 +19,44 @@ from logic.house.parts import FARTHEST, Place
 from logic.house.walls import Line
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
-"""Values of cells, those of ROS's ``nav_msgs/OccupancyGrid``."""
+"""Values of cells, as in ROS's ``nav_msgs/OccupancyGrid``."""
 
 LETTERS = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
-"""How cells are written in a house file."""
+"""Letters of cells in a house file."""
 
 MOST_CELLS = 1 << 25
-"""Of a map: 5,792 by 5,792."""
+"""Largest number of cells of a map: 5,792 by 5,792."""
 
 MAX_RUNS = 1 << 20
-"""Number of runs of equal cells in a map, along its rows or along its columns."""
+"""Largest number of runs of equal cells in a map, along its rows or along its columns."""
 
 RUNS = re.compile(r"(?:[1-9]\d{0,7}[.#?])+")
 RUN = re.compile(r"(\d+)(.)")
 
 
 class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Which cells of a square grid are free. Metres; x grows east, y south."""
+    """Square grid of free, occupied and unknown cells. Metres; x grows east, y south."""
 
     x: Place
     """Its west edge."""
     y: Place
     """Its north edge."""
     cell: Annotated[float, Meta(extra_json_schema={"exclusiveMinimum": 0})]
-    """A cell's side."""
+    """Side of a cell."""
     rows: Annotated[
         tuple[Annotated[str, Meta(extra_json_schema={"pattern": f"^{RUNS.pattern}$"})], ...],
         Meta(min_length=1),
     ]
-    """From north to south, each from west to east in runs of free (.), occupied (#) and unknown (?) cells:
-    ``12#30.2?``."""
+    """Rows from north to south, each from west to east in runs of cells, as in ``12#30.2?``.
+
+    Cells are free (.), occupied (#) or unknown (?).
+    """
 
     @classmethod
     def of(cls, values: np.ndarray, cell: float, corner: tuple[float, float]) -> OccupancyGrid:
-        """The map of ``values`` (H, W) with its north-west ``corner`` at (x, y), metres.
+        """Return the map of ``values`` (H, W) with its north-west ``corner`` at (x, y), metres.
 
-        Raises ``ValueError`` for what is no map: see ``House.from_grid``.
+        Raises ``ValueError`` for an array that is no map: see ``House.from_grid``.
         """
         cells = _values(values)
         if (runs := _most_runs(cells)) > MAX_RUNS:
@@ -65,7 +68,7 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         return len(self.rows), _width(self.rows[0])
 
     @property
@@ -76,16 +79,14 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def values(self) -> np.ndarray:
-        """The cells (H, W) int8: ``FREE``, ``OCCUPIED`` or ``UNKNOWN``, row 0 in the north. Not to be written
-        to.
-        """
+        """Cells (H, W) int8: ``FREE``, ``OCCUPIED`` or ``UNKNOWN``, row 0 in the north. Read-only."""
         return _decoded(self.rows)
 
     def coarser(self, times: int) -> OccupancyGrid:
-        """The map of cells ``times`` as wide: occupied where one of them is, free where all of them are. What
-        lies beyond the east and the south edge is unknown.
+        """Return the map with cells ``times`` as wide: occupied if one of its cells is, free if all are.
 
-        Raises ``ValueError`` if no free cell is left, or ``times`` is below 1.
+        Cells beyond the east and the south edge count as unknown. Raises ``ValueError`` if no free cell is
+        left, or ``times`` is below 1.
         """
         if times < 1:
             raise ValueError(f"cells {times} times as wide: 1 or more")
@@ -99,17 +100,18 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return OccupancyGrid.of(cells, times * self.cell, (self.x, self.y))
 
     def lines(self) -> tuple[list[Line], list[Line]]:
-        """The walls around the free cells: those that run north to south, then west to east."""
+        """Return the walls around the free cells: those that run north to south, then west to east."""
         return _lines(self)
 
     def blocks(self, *kinds: int) -> list[Box]:
-        """All cells of these kinds as few boxes (west, north, east, south), metres; by default all that are
-        not free.
+        """Return all cells of these kinds as few boxes (west, north, east, south), metres.
+
+        By default these are all cells that are not free.
         """
         return _blocks(self, kinds or (OCCUPIED, UNKNOWN))
 
     def fault(self) -> str:
-        """Why it is no map that can be read, in words; empty where nothing is wrong."""
+        """Return the reason why the grid cannot be read as a map, or an empty text."""
         if not 0 < self.cell <= FARTHEST:
             return f"its cells are {self.cell} m wide: more than 0 m"
         if wrong := _fault_of_rows(self.rows):
@@ -137,7 +139,7 @@ def _fault_of_rows(rows: tuple[str, ...]) -> str:
 
 
 def too_many(rows: int, columns: int) -> str:
-    """What is said of a map that is too large to be read."""
+    """Return the message for a map with too many cells."""
     return f"it has {columns:,} by {rows:,} cells: at most {MOST_CELLS:,} are read"
 
 
@@ -153,7 +155,7 @@ def _most_runs(cells: np.ndarray) -> int:
 
 
 def _values(values: Any) -> np.ndarray:
-    """Cells as int8. Raises ``ValueError`` for what are none."""
+    """Return cells as int8. Raises ``ValueError`` for an array that holds no cells."""
     cells = np.asarray(values)
     if cells.ndim != 2 or not cells.size:
         raise ValueError(f"cells in an array of shape {cells.shape}: it must be rows by columns, not empty")
@@ -174,7 +176,7 @@ def _values(values: Any) -> np.ndarray:
 
 
 def _runs(row: np.ndarray) -> str:
-    """A row of cells in runs."""
+    """Return a row of cells in runs."""
     ends = np.append(np.flatnonzero(np.diff(row)) + 1, len(row))
     letters = {value: letter for letter, value in LETTERS.items()}
     lengths = np.diff(ends, prepend=0)
@@ -182,7 +184,7 @@ def _runs(row: np.ndarray) -> str:
 
 
 def _width(row: str) -> int:
-    """How many cells a row has."""
+    """Return the number of cells of a row."""
     return sum(int(length) for length, _ in RUN.findall(row))
 
 
@@ -201,7 +203,7 @@ def _lines(grid: OccupancyGrid) -> tuple[list[Line], list[Line]]:
     free = np.pad(grid.values == FREE, 1)
     corner, found = (grid.x, grid.y), []
     for axis in (0, 1):
-        # Edges between neighbours along x, then along y: a run of them on one line is a wall.
+        # A run of edges between neighbours on one line, along x and then along y, is a wall.
         sides = np.diff(free.T if axis == 0 else free, axis=0)[:, 1:-1]
         places, runs = corner[axis], corner[1 - axis]
         found.append(
@@ -224,14 +226,14 @@ def _blocks(grid: OccupancyGrid, kinds: tuple[int, ...]) -> list[Box]:
 
 
 def _spans(mask: np.ndarray) -> Iterator[tuple[int, int, int]]:
-    """Runs of True in the rows of a mask (H, W): the row, from, to."""
+    """Yield the runs of True in the rows of a mask (H, W): row, start, end."""
     edges = np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     (rows, first), (_, end) = np.nonzero(edges == 1), np.nonzero(edges == -1)
     yield from zip(rows.tolist(), first.tolist(), end.tolist(), strict=True)
 
 
 def _merged(mask: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
-    """Boxes of True: runs in rows (from, to), that are the same from a row to a row: from, to."""
+    """Yield boxes of True: start and end within rows, then first and last row of equal runs."""
     open_: dict[tuple[int, int], int] = {}
     rows: list[set[tuple[int, int]]] = [set() for _ in range(len(mask) + 1)]
     for row, first, end in _spans(mask):

@@ -1,4 +1,4 @@
-"""The parts of a house that can be asked about, by name: ``R3``, ``R3.bed``, ``R1-R3``, ``entrance``."""
+"""Names of the parts of a house: ``R3``, ``R3.bed``, ``R1-R3``, ``entrance``."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -9,18 +9,19 @@ from logic.house.parts import OUTSIDE, Door, Room, Window
 from logic.spelling import closest
 
 DOOR, ENTRANCE, WINDOW = "door", "entrance", "window"
-"""Names of parts that are no pieces."""
+"""Names of parts that are not pieces."""
 
 Part = int | str | Door | Window | None
-"""A piece by its index in its room, a star's ``door``, a plan's door or window, a unit's name; None: the room
-itself.
+"""Piece by its index in its room, a star's ``door``, a plan's door or window, or a unit's name.
+
+None for the room itself.
 """
 
 
 def target_in(house: House, target: str) -> tuple[int | None, Part]:
-    """The room of a target, by its place in ``house.counted``, and the part of it that is meant.
+    """Return the room of a target, by its index in ``house.counted``, and the part that the target names.
 
-    No room is that of a star's main room, and of the doors of a plan. Raises ``RequestError`` for a target
+    The room is None for a star's main room and for the doors of a plan. Raises ``RequestError`` for a target
     that the house does not have.
     """
     return _in_star(house, target) if house.main_room else _in_plan(house, target)
@@ -60,8 +61,9 @@ def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
 
 
 def units_of(house: House) -> list[str]:
-    """The names of a house's units, ``U1``, ``U2``... in the order of their rooms: each has one door to a
-    room that is public, as its rules say.
+    """Return the names of a house's units, ``U1``, ``U2``..., in the order of their rooms.
+
+    Each unit has one door to a public room, as its rules require.
     """
     made = house.provenance
     if made is None or made.promises is None or made.request.get("plan"):
@@ -72,7 +74,7 @@ def units_of(house: House) -> list[str]:
 
 
 def _split(target: str, names: Iterable[str]) -> tuple[str, str]:
-    """The name of a target, which may have dots in it, and the part that is named after it."""
+    """Return the name of a target, which may contain dots, and the part that follows the name."""
     for name in sorted(names, key=len, reverse=True):
         if target == name or target.startswith(f"{name}."):
             return name, target[len(name) + 1 :]
@@ -81,8 +83,10 @@ def _split(target: str, names: Iterable[str]) -> tuple[str, str]:
 
 
 def doors_by_name(house: House) -> dict[str, Door]:
-    """The doors of a house by their names, in its order: ``R1-R3``, or ``R3.door`` to a star's main room;
-    ``entrance`` for one that leads outside.
+    """Return the doors of a house by their names, in the house's order.
+
+    Names are as in ``R1-R3``, ``R3.door`` to a star's main room, and ``entrance`` for a door that leads
+    outside.
     """
     return _numbered((_door_name(door, house.main_room), door) for door in house.doors)
 
@@ -96,18 +100,18 @@ def _door_name(door: Door, main: Room | None) -> str:
 
 
 def windows_by_name(house: House) -> dict[str, Window]:
-    """The windows of a house by their names, in its order: ``R3.window``, ``R3.window2``."""
+    """Return the windows of a house by their names, in the house's order: ``R3.window``, ``R3.window2``."""
     return _numbered((f"{window.room}.{WINDOW}", window) for window in house.windows)
 
 
 def part_names(types: Sequence[str]) -> list[str]:
-    """``bed``, ``bed2`` ... for pieces of these types, in the file's order."""
+    """Return names such as ``bed``, ``bed2`` for pieces of these types, in the file's order."""
     counts = [types[: index + 1].count(type_) for index, type_ in enumerate(types)]
     return [type_ if count == 1 else f"{type_}{count}" for type_, count in zip(types, counts, strict=True)]
 
 
 def _pieces(house: House, name: str) -> dict[str, Part]:
-    """The pieces of a room by their names in short: their indices."""
+    """Return the indices of a room's pieces, by their short names."""
     return {
         piece: index
         for index, piece in enumerate(part_names([piece.type for piece in house.room(name).pieces]))
@@ -115,14 +119,14 @@ def _pieces(house: House, name: str) -> dict[str, Part]:
 
 
 def _numbered(named: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Parts by their names, those of the same name with numbers."""
+    """Return parts by their names, with numbers for parts that share a name."""
     pairs = list(named)
     names = part_names([name for name, _ in pairs])
     return {name: each for name, (_, each) in zip(names, pairs, strict=True)}
 
 
 def _part(name: str, part: str, parts: dict[str, Part]) -> Part:
-    """The part of a room by its name: ``bed2``, ``bed.2``, and ``bed1`` for ``bed``."""
+    """Return the part of a room by its name: ``bed2`` or ``bed.2``, and ``bed1`` for ``bed``."""
     if not part:
         return None
     type_, _, number = part.rpartition(".")

@@ -1,6 +1,6 @@
-"""The parts of a house: rooms with their furniture, the doors that join them, and windows.
+"""Parts of a house: rooms with furniture, the doors that join them, and windows.
 
-Metres; x grows east and y grows south, so a rectangle's ``x, y`` is its north-west corner.
+Metres; x grows east and y grows south, so that a rectangle's ``x, y`` is its north-west corner.
 """
 
 from __future__ import annotations
@@ -16,50 +16,50 @@ from logic.house.promises import Promises
 from logic.plain import plain
 
 FORMAT = "vitruvius-2"
-"""Files of any house: rooms, doors and windows in lists in words (``records.py``)."""
+"""Format of files for any house, with lists of rooms, doors and windows (``records.py``)."""
 
 STAR_FORMAT = "vitruvius-1"
-"""Files of stars alone: a main room, and rooms with one door each (``star.py``)."""
+"""Format of files for stars only: a main room, and rooms with one door each (``star.py``)."""
 
 STAR = "star"
-"""The topology of rooms around a main room: each touches it from outside, where its door is."""
+"""Topology of rooms around a main room: each room touches it from outside, where its door is."""
 
 ORIGINAL = "original"
-"""The original program's topology, and its files: a star whose rooms overlap ``floor``, and the main room is
-``floor`` minus the rooms.
+"""Topology and files of the original program: a star whose rooms overlap ``floor``.
+
+The main room is ``floor`` minus the rooms.
 """
 
 MAP = "map"
-"""The topology of a house that is a map of cells (``occupancy.py``), and the name and type of all of it."""
+"""Topology of a house that is a map of cells (``occupancy.py``), and name and type of its first room."""
 
 MAIN, OUTSIDE = "main", "outside"
-"""Names: of the main room of a star; of what is no room, where a door may lead."""
+"""Names of the main room of a star, and of the outside, where a door may lead."""
 
 PIXEL = 0.3048 / 8.5
-"""Metres in a pixel of the original's files: 8.5 px to a foot."""
+"""Metres per pixel of the original's files: 8.5 px per foot."""
 
 BODY = 0.287
-"""Metres: side of the square body that walks in houses, and the least cell of a grid."""
+"""Side of the robot, a square that moves through houses, and least cell of a grid, metres."""
 
 FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS, MOST_WALLS = 1000.0, 1024, 256, 4096, 65536
-"""What is read of a file: metres from the origin, rooms of a house, pieces of a room, doors or windows, walls
-that stand by themselves."""
+"""Limits of a file: metres from the origin, and numbers of rooms, pieces of a room, openings, free walls."""
 
 MAX_HOUSE_PIECES = 8192
-"""Number of pieces in all rooms of a house together."""
+"""Largest number of pieces in all rooms of a house together."""
 
-# What the published schema says beside the types; the reader says it in words (``records.py``).
+# Limits in the published schema; the reader states the others in words (``records.py``).
 Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
 Length = Annotated[float, Meta(extra_json_schema={"minimum": 0, "maximum": 2 * FARTHEST})]
 
 LONGEST_NAME = 64
-"""Characters."""
+"""Largest number of characters of a room's name."""
 
 WORDS = r"^[^\s\x00-\x1f\x7f]([^\x00-\x1f\x7f]*[^\s\x00-\x1f\x7f])?$"
-"""Any letters, with spaces between them."""
+"""Pattern of any letters, with spaces between them."""
 
 Name = Annotated[str, Meta(pattern=WORDS, max_length=LONGEST_NAME)]
-"""Of a room, in words: as ``explain`` takes it, in ``R3.bed`` or ``Living Room.sofa``."""
+"""Name of a room in words, as ``explain`` takes it: ``R3.bed``, ``Living Room.sofa``."""
 
 Orientation = Literal["", "N", "E", "S", "W"]
 
@@ -71,7 +71,7 @@ def _hold_plain(part: msgspec.Struct) -> None:
 
 
 class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """An axis-aligned rectangle, in metres."""
+    """Axis-aligned rectangle, in metres."""
 
     x: Place
     y: Place
@@ -80,7 +80,7 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         """Replace numbers of another library, such as NumPy's, by Python's."""
-        # Written out for speed: a file has many rectangles.
+        # Written out for speed, since a file has many rectangles.
         if not (type(self.x) is type(self.y) is type(self.width) is type(self.height) is float):
             _hold_plain(self)
 
@@ -91,11 +91,11 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def area(self) -> float:
-        """Square metres."""
+        """Area, square metres."""
         return self.width * self.height
 
     def grown(self, by: float) -> Self:
-        """The same with so much more on each side, metres."""
+        """Return the rectangle enlarged by ``by`` metres on each side."""
         if not by:
             return self
         sides = {
@@ -108,12 +108,12 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def length(self) -> float:
-        """The longer side, metres: of a segment, from one end to the other."""
+        """Longer side, metres, which is the length of a segment."""
         return max(self.width, self.height)
 
 
 class Piece(Rect, frozen=True, forbid_unknown_fields=True):
-    """An item of furniture; ``orientation`` says where its front faces, empty where it has none."""
+    """Item of furniture. ``orientation`` is the direction of its front, empty without a front."""
 
     type: str
     orientation: Orientation = ""
@@ -121,7 +121,7 @@ class Piece(Rect, frozen=True, forbid_unknown_fields=True):
 
 
 def pieces_of(children: tuple[Piece, ...]) -> tuple[Piece, ...]:
-    """Every piece of a room, each before its own children."""
+    """Return every piece of a room, each before its own children."""
     return tuple(piece for top in children for piece in _family(top))
 
 
@@ -132,14 +132,14 @@ def _family(piece: Piece) -> Iterator[Piece]:
 
 
 class Room(Rect, frozen=True, forbid_unknown_fields=True):
-    """A room: a rectangle with a name, a type and furniture."""
+    """Room: a rectangle with a name, a type and furniture."""
 
     name: Name
     type: str
     children: tuple[Piece, ...] = ()
     storey: Literal[0] = 0
     part_of: Name | UnsetType = UNSET
-    """The room that it is a part of: no wall is between them."""
+    """Name of the room that it is a part of, without a wall between them."""
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
@@ -148,29 +148,31 @@ class Room(Rect, frozen=True, forbid_unknown_fields=True):
 
 
 class Door(Rect, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
-    """A door in the wall between two rooms, or between a room and ``outside``: a segment, so its width or
-    its height is zero.
+    """Door in the wall between two rooms, or between a room and ``outside``.
+
+    The door is a segment, so its width or its height is zero.
     """
 
     between: tuple[Name, Name]
     opening: bool = False
-    """Whether it has no leaf, so that it is never shut."""
+    """True for a door without a leaf, which is never shut."""
 
     @property
     def is_entrance(self) -> bool:
-        """Whether it leads outside."""
+        """True if the door leads outside."""
         return OUTSIDE in self.between
 
 
 class Window(Rect, frozen=True, forbid_unknown_fields=True):
-    """A window in an outer wall of a room: a segment."""
+    """Window in an outer wall of a room: a segment."""
 
     room: Name
 
 
 class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
-    """A wall that stands by itself, at any angle: a segment with a thickness, half of it on each side. In
-    files it is the list of these five numbers, metres.
+    """Free-standing wall at any angle: a segment with a thickness, half of it on each side.
+
+    In files it is a list of these five numbers, metres.
     """
 
     x1: Place
@@ -185,7 +187,7 @@ class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fiel
 
     @property
     def box(self) -> tuple[float, float, float, float] | None:
-        """What it fills (west, north, east, south), metres, where it runs along an axis; else None."""
+        """Box of the wall (west, north, east, south), metres, if it runs along an axis; else None."""
         (west, north, east, south), half = self.around.box, self.thickness / 2
         if west == east:
             return west - half, north, east + half, south
@@ -193,20 +195,20 @@ class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fiel
 
     @property
     def around(self) -> Rect:
-        """The rectangle around its two ends, metres."""
+        """Rectangle around its two ends, metres."""
         (west, east), (north, south) = sorted((self.x1, self.x2)), sorted((self.y1, self.y2))
         return Rect(west, north, east - west, south - north)
 
     @property
     def oriented(self) -> tuple[float, float, float, float, float, float]:
-        """Its middle, the unit vector that it runs along, half its length and half its thickness, metres."""
+        """Its middle, the unit vector along it, half its length and half its thickness, metres."""
         x, y, length = self.x2 - self.x1, self.y2 - self.y1, hypot(self.x2 - self.x1, self.y2 - self.y1)
         middle = (self.x1 + self.x2) / 2, (self.y1 + self.y2) / 2
         return *middle, x / length, y / length, length / 2, self.thickness / 2
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
-        """Its four corners, metres, clockwise as it is seen from above, y south."""
+        """Its four corners, metres, clockwise as seen from above, with y south."""
         x, y, u, v, half, thick = self.oriented
         along, across = (half * u, half * v), (-thick * v, thick * u)
         return tuple(
@@ -216,7 +218,7 @@ class FreeWall(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fiel
 
 
 class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
-    """Where a house comes from: enough to make it again."""
+    """Origin of a house, with all data to generate it again."""
 
     grammar: str
     grammar_hash: str
@@ -225,6 +227,6 @@ class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown
     index: int
     versions: dict[str, str]
     promises: Promises | None = None
-    """What houses of the grammar keep, by plain geometry: ``vitruvius check`` judges by it."""
+    """Promises of the grammar's houses in plain geometry, by which ``vitruvius check`` judges them."""
     gave_way: tuple[str, ...] = ()
-    """Typical rules of the grammar that gave way to what the request states of the rooms."""
+    """Typical rules of the grammar that gave way to the request's statements about rooms."""

@@ -1,4 +1,4 @@
-"""What houses promise, as data: what ``check`` judges them by."""
+"""Promises of houses, as data by which ``check`` judges them."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,11 +12,11 @@ from logic.plain import plain
 from logic.spelling import unknown
 
 CLEARANCE = 0.45
-"""Metres: nothing stands nearer to a door, on either side of its wall."""
+"""Least distance of everything from a door, on either side of its wall, metres."""
 FRONTAL = 0.4572
-"""Metres: the paper's 1.5 feet, which the original's houses keep clear in front of a door and behind it."""
+"""Free depth in front of a door and behind it in the original's houses, metres: the paper's 1.5 feet."""
 PASSAGE = 0.42
-"""Metres: the least width of a passage (the body measures 0.394 m on the diagonal)."""
+"""Least width of a passage, metres; the robot measures 0.394 m on the diagonal."""
 
 Metres = Annotated[float, Meta(ge=0, le=1000)]
 
@@ -53,9 +53,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     room_gap: Metres | None = None
     """Least distance of two rooms, metres."""
     basic: tuple[str, ...] = ()
-    """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
+    """Basic room types. From two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
     a_side: int | None = None
-    """From four rooms on at most ``rooms // a_side + 1`` of them are on one side of the main room."""
+    """Divisor for the rooms per side of the main room: from four rooms on at most ``rooms // a_side + 1``."""
     room_size: dict[str, Sizes] = {}
     """Sizes by room type. In a star the width runs along the wall with the door; elsewhere either way."""
     room_relations: dict[str, tuple[Relation, ...]] = {}
@@ -71,13 +71,13 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     unit in a house of units.
     """
     same_size: dict[str, bool] = {}
-    """Room types whose rooms are equally large in other houses, or in a unit: whether some may lie across."""
+    """Room types whose rooms are equally large in other houses, or in a unit; True if some may be turned."""
     narrowest: dict[str, float] = {}
     """Least shorter side by room type in other houses, metres."""
     wall_thickness: Thickness | None = None
     """Thickness of walls; None for any thickness."""
     opens: dict[str, tuple[str, ...]] = {}
-    """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
+    """Room types, and ``outside``, that each room type may open into. A door needs one direction."""
     degree: dict[str, tuple[int, int]] = {}
     """Least and greatest number of other rooms that doors join to a room, by room type; public rooms do not
     count.
@@ -89,15 +89,19 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     entrance: bool = False
     """True if a house has a door to the outside."""
     public: tuple[str, ...] = ()
-    """Room types that units are entered from: without such rooms, each part of a house that doors join has
-    one door to them, and none to the outside.
+    """Room types from which units are entered.
+
+    Without these rooms, each connected part of a house has one door to them, and none to the outside.
     """
     courts: int = 0
     """Number of boxes between rooms that may belong to no room, at least a metre both ways."""
     lit: tuple[str, ...] = ()
     """Room types that have a window."""
     outdoor: tuple[str, ...] = ()
-    """Room types that are outside: they have no window and no part in ``house_area``, and light others."""
+    """Room types that are outdoors.
+
+    They have no window, do not count in ``house_area``, and light other rooms.
+    """
     turning: dict[str, float] = {}
     """Side of a square that is free in each room, by room type, metres."""
     even_rows: dict[str, tuple[str, ...]] = {}
@@ -113,65 +117,69 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     counts: dict[str, dict[str, tuple[int, int]]] = {}
     """Least and greatest number of pieces, by room type and piece type. There are no other room types."""
     companions: dict[str, dict[str, tuple[int, int]]] = {}
-    """For each piece type with companions, how many it has; turned at a wall none, but for ``at_head``."""
+    """Number of companions, by piece type. A turned piece at a wall has none, except for ``at_head``."""
     at_head: tuple[str, ...] = ()
-    """Piece types that have their companions when they are turned too: one, at the head."""
+    """Piece types that keep one companion, at the head, when they are turned."""
     at_wall: tuple[str, ...] = ()
-    """Piece types that never stand in the middle of a room: they touch a wall."""
+    """Piece types that always touch a wall and never stand in the middle of a room."""
     turns: tuple[str, ...] | None = None
-    """Piece types that may stand with a side to a wall, their back to something else; None for all."""
+    """Piece types that may stand with a side to a wall and their back to something else; None for all."""
     free_foot: tuple[str, ...] = ()
-    """Piece types that, turned, have their head to a wall or to another piece, and nothing at their foot."""
+    """Piece types that, when turned, have their head at a wall or another piece and nothing at their foot."""
     clear_front: tuple[str, ...] = ()
-    """Piece types that are used from their front: it is free in front of them, all along."""
+    """Piece types that are used from their front, which is free along its whole length."""
     spans: dict[str, tuple[float, float]] = {}
-    """Piece types that take a share of their wall: the least and the greatest."""
+    """Least and greatest fraction of its wall that a piece takes, by piece type."""
     shares: dict[str, tuple[float, float]] = {}
-    """Piece types each of whose sides takes a share of the room's: the least and the greatest."""
+    """Least and greatest fraction of the room's sides that a piece's sides take, by piece type."""
     tops: dict[str, tuple[float, float]] = {}
-    """Of each piece type: least and greatest area, square metres."""
+    """Least and greatest area, by piece type, square metres."""
     meet: tuple[str, ...] = ()
-    """Piece types of which one stands at a wall; at neighbouring walls they touch, none is opposite alone."""
+    """Piece types with at most one piece at a wall, whose pieces touch at neighbouring walls.
+
+    Two pieces never stand at opposite walls without a third one between them.
+    """
 
     def beside(self, other: "Promises") -> "Promises":
-        """These promises, and what is promised in another way alone."""
+        """Return these promises, completed by those of ``other``."""
         return msgspec.structs.replace(other, **given(self))
 
     def suits(self, room: str, piece: str) -> bool:
-        """Whether a room of this type may have such a piece, by itself or as a companion."""
+        """Return True if a room of this type may have a piece of this type, alone or as a companion."""
         if room not in self.counts:
             return True
         tops = self.counts[room]
         return piece in tops or any(piece in self.companions.get(top, {}) for top in tops)
 
     def least_door(self, one: str, other: str) -> float | None:
-        """The least width of a door between rooms of these types, metres."""
+        """Return the least width of a door between rooms of these types, metres."""
         by_pair = self.door_widths.get(one, {}).get(other), self.door_widths.get(other, {}).get(one)
         return next((width for width in by_pair if width is not None), self.door_width)
 
     def are_open(self, one: str, other: str) -> bool:
-        """Whether a door between rooms of these types may be without a leaf."""
+        """Return True if a door between rooms of these types may have no leaf."""
         pairs = ((one, other), (other, one))
         return any(b in self.openings.get(a, ()) or b in self.parts.get(a, ()) for a, b in pairs)
 
 
 PROMISES = msgspec.json.decode(Path(__file__).with_suffix(".json").read_bytes(), type=dict[str, Promises])
-"""What is said of the shipped grammars, and of the original's houses, apart from their rules: a wrong rule
-shows as a broken promise.
+"""Promises of the shipped grammars and of the original's houses, written apart from the rules.
+
+Therefore a wrong rule shows as a broken promise.
 """
 
 
 def given(promises: Promises) -> dict[str, Any]:
-    """The fields of promises that say something."""
+    """Return the fields of promises that differ from the defaults."""
     silent = msgspec.structs.asdict(Promises())
     said = msgspec.structs.asdict(promises)
     return {name: value for name, value in said.items() if value != silent[name]}
 
 
 def read_promises(stated: Mapping[str, Any], others: Promises) -> Promises:
-    """Promises of which some are stated, by the names of fields, and the others are as given.
+    """Return promises with the stated fields replaced, by name, and the others as given.
 
-    Raises ``RequestError`` for a name that is no field, and for a value that none can have.
+    Raises ``RequestError`` for a name that is no field, and for a wrong value.
     """
     names = [field.name for field in msgspec.structs.fields(Promises)]
     for name in stated:

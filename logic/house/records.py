@@ -1,4 +1,4 @@
-"""Records: the JSON form of a house, read and written in each format, and the schema of ours."""
+"""Records: the JSON form of a house, read and written in each format, and the schema of ``vitruvius-2``."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from logic.spelling import unknown
 
 
 class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
-    """A house of the format ``vitruvius-2``. Lengths in metres; x grows east, y south."""
+    """House in the format ``vitruvius-2``. Lengths in metres; x grows east, y south."""
 
     format: Literal["vitruvius-2"]
     unit: Literal["m"]
@@ -56,7 +56,7 @@ class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fie
 
 
 def read(record: dict[str, Any]) -> tuple[Record, Any]:
-    """The parts of a house from a record of any format, and the format's name.
+    """Return the parts of a house from a record of any format, and the format's name.
 
     Raises ``msgspec.ValidationError`` that names the first wrong field.
     """
@@ -76,7 +76,7 @@ def read(record: dict[str, Any]) -> tuple[Record, Any]:
 
 
 def _known(record: dict[str, Any]) -> dict[str, Any]:
-    """A record that names no format, if its rooms are as ours are: it is read as of today's."""
+    """Return a record without a format, to be read as the current format, if its rooms have its fields."""
     rooms = record["rooms"] if isinstance(record["rooms"], list) else []
     first = rooms[0] if rooms and isinstance(rooms[0], dict) else {}
     lacking = [key for key in ("name", "type", "x", "y", "width", "height") if key not in first]
@@ -101,7 +101,7 @@ def schema() -> dict[str, Any]:
 
 
 def _require_names(house: Record) -> None:
-    """Refuse names that mean two rooms or none, and a star that is none."""
+    """Raise an error for names that mean two rooms or none, and for a star that is none."""
     names = Counter(room.name for room in house.rooms)
     spaces = [*names, OUTSIDE]
     name, times = names.most_common(1)[0]
@@ -133,8 +133,10 @@ def _require_names(house: Record) -> None:
 
 
 def _require_sizes(house: Record, in_star: bool) -> None:
-    """Refuse what is no house at all: sizes that are not positive, lengths that are not finite, and too many
-    or too far parts, before anything is computed of them.
+    """Raise an error for values that no house has, before any computation with them.
+
+    These are sizes that are not positive, lengths that are not finite, and parts that are too many or too far
+    away.
     """
     _require_map(house)
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
@@ -181,7 +183,7 @@ def _require_sizes(house: Record, in_star: bool) -> None:
 
 
 def _require_map(house: Record) -> None:
-    """Refuse a map that cannot be read, one of another house, and a house that says it is one."""
+    """Raise an error for a map that cannot be read, and if the map and the topology contradict each other."""
     grid = house.occupancy
     if (grid is None) != (kind_of(house.topology) is not Kind.MAP):
         raise msgspec.ValidationError(f"occupancy: a house of the topology {MAP} has one, no other")

@@ -1,4 +1,4 @@
-"""What a command writes over: never other houses in silence, and no picture of an earlier run stays."""
+"""Checks before a command overwrites files, so that houses are never lost and no old picture remains."""
 
 import fcntl
 import os
@@ -14,18 +14,18 @@ from logic.house.house import House
 from logic.house.parts import Provenance
 
 DRAWN_BY = b"drawn by vitruvius"
-"""What every picture in a file says."""
+"""Text in every picture file."""
 
 MARK = ".vitruvius-study"
-"""A file in folders that studies write to."""
+"""Name of a file that marks folders to which studies write."""
 
 
 def require_same_series(out: Path, first: House, last: int) -> int:
-    """How many houses a file holds. Raises ``RequestError`` if they are others than those from ``first``
-    to index ``last``.
+    """Return the number of houses in a file that may be replaced by a series.
 
-    A series is named by grammar, request and seed: what is made again is no loss, and a file that ended
-    early is completed.
+    Raises ``RequestError`` if the file holds other houses than those from ``first`` to index ``last``.
+    Grammar, request and seed identify a series. Its houses can be generated again without loss, and a file
+    that ended early can be completed.
     """
     new = first.provenance
     assert new is not None, "a house that was made says how"
@@ -45,16 +45,16 @@ def require_same_houses(out: Path, houses: Sequence[House]) -> None:
 
 
 def require_free(out: Path, replace: bool) -> None:
-    """Raise ``RequestError`` before the work where a file holds anything, unless it is to be lost."""
+    """Raise ``RequestError`` before the work if a file is not empty, unless ``replace`` is True."""
     if not replace and out.is_file() and out.stat().st_size:
         raise _refused(out, "something already")
 
 
 @contextmanager
 def unless_other(out: Path, replace: bool) -> Iterator[Path]:
-    """A place for what is to become ``out``, a file or files of a folder: in the end it does.
+    """Yield a temporary path whose content replaces ``out``, a file or files of a folder, at the end.
 
-    Raises ``RequestError`` if a file of other content is there, unless it is to be lost.
+    Raises ``RequestError`` if a file with other content is there, unless ``replace`` is True.
     """
     with TemporaryDirectory() as beside:
         made = Path(beside, out.name or "made")
@@ -70,9 +70,9 @@ def unless_other(out: Path, replace: bool) -> Iterator[Path]:
 
 @contextmanager
 def study_folder(folder: Path, replace: bool) -> Iterator[None]:
-    """Where a study works, which goes on with what it left there: the folder is marked as one of studies.
+    """Mark a folder as one of studies. A study works there, and continues from its own files.
 
-    Raises ``RequestError`` before the work where it holds other files, unless it is to be written to anyway.
+    Raises ``RequestError`` before the work if the folder holds other files, unless ``replace`` is True.
     """
     mark = folder / MARK
     if not replace and folder.is_dir() and any(folder.iterdir()) and not mark.exists():
@@ -90,9 +90,9 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Hold a folder, which is made, as the only command that draws there. It goes again if nothing is drawn.
+    """Create and lock a folder for the only command that draws there. Remove it again if it stays empty.
 
-    Raises ``RequestError`` if another one does: their pictures would be mixed.
+    Raises ``RequestError`` if another command draws there, since their pictures would mix.
     """
     is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
@@ -103,7 +103,7 @@ def alone_in(folder: Path) -> Iterator[None]:
         except BlockingIOError:
             raise RequestError(f"{folder}: another command draws here: wait, or name another") from None
         except OSError:
-            pass  # some network file systems lock no folder: nothing is known of others there
+            pass  # some network file systems lock no folder, so that other commands remain unknown
         yield
     finally:
         os.close(held)
@@ -112,8 +112,9 @@ def alone_in(folder: Path) -> Iterator[None]:
 
 
 def require_drawn(folder: Path, ending: str, replace: bool) -> None:
-    """Raise ``RequestError`` if a folder has files in the place of pictures, ``house-0.svg`` and so on,
-    that nothing of ours drew, unless they are to be lost.
+    """Raise ``RequestError`` if a folder has files named as pictures that Vitruvius did not draw.
+
+    Such names are ``house-0.svg`` and so on. With ``replace`` these files may be lost.
     """
     names = re.compile(rf"((house|diff)-\d+|contact-sheet|plans)\.{ending}")
     for file in sorted(folder.glob(f"*.{ending}")) if not replace else ():
@@ -123,10 +124,10 @@ def require_drawn(folder: Path, ending: str, replace: bool) -> None:
 
 
 def remove_others(folder: Path, written: Iterable[Path]) -> int:
-    """Remove files named as those that were ``written``, but for their numbers; how many there were.
+    """Remove files that have the names of those ``written``, except for their numbers. Return their number.
 
-    ``house-3.svg`` goes where ``house-0.svg`` and ``house-1.svg`` were written, of an earlier run with more
-    houses; other names stay, and so do other formats.
+    ``house-3.svg``, of an earlier run with more houses, is removed if ``house-0.svg`` and ``house-1.svg``
+    were written. Other names and other formats stay.
     """
     kept = {path.name for path in written}
     alike = {re.sub(r"\d+", "0", name) for name in kept if re.search(r"-\d+\.", name)}
@@ -145,7 +146,7 @@ def _series(source: Provenance) -> tuple[object, ...]:
 
 
 def _held(out: Path) -> list[House]:
-    """The houses of a file that is there. Raises ``RequestError`` if it holds something else."""
+    """Return the houses of an existing file. Raises ``RequestError`` if the file holds something else."""
     if not out.is_file() or not out.stat().st_size:
         return []
     try:

@@ -1,9 +1,9 @@
-"""Maps of ROS, read as its map_server and nav2_map_server read them: a description in YAML and a picture of
-cells, ``trinary``, ``scale`` or ``raw``.
+"""Maps of ROS, read as its map_server and nav2_map_server do: a YAML description and a picture of cells.
 
-By ``src/map_io.cpp`` of nav2_map_server: of a pixel's lightness and the file's thresholds each cell is a
-number from 0, free, to 100, occupied, or unknown. A house has free floor where that is 0, and in a ``raw``
-map below ``free_thresh``; what is neither free nor occupied is unknown, and solid.
+The modes are ``trinary``, ``scale`` and ``raw``, as in ``src/map_io.cpp`` of nav2_map_server. A pixel's
+lightness and the file's thresholds give each cell a number from 0, free, to 100, occupied, or make it
+unknown. A house has free floor where the number is 0, and in a ``raw`` map where it is below ``free_thresh``.
+A cell that is neither free nor occupied is unknown, and solid.
 """
 
 import math
@@ -24,10 +24,10 @@ from logic.opener import content_of, opened
 from logic.spelling import unknown
 
 DESCRIPTIONS, PICTURES = (".yaml", ".yml"), (".pgm", ".png", ".bmp")
-"""How the names of a map's files end."""
+"""Suffixes of a map's files."""
 
 FORMATS = ("PNG", "PPM", "BMP")
-"""Those of Pillow that are read; PGM is one of PPM's."""
+"""Formats of Pillow that are read. Its format PPM includes PGM."""
 
 MODES = ("trinary", "scale", "raw")
 
@@ -39,33 +39,34 @@ SHORT.maxlevel, SHORT.maxstring = 1, 60
 """Abbreviation of a file's values in an error message."""
 
 BAND = 256
-"""Rows that are read at once."""
+"""Number of rows that are read at once."""
 
 MOST_TEXT, MOST_PICTURE = 1 << 16, 1 << 28
-"""Bytes that are read of a description, and of a picture."""
+"""Largest sizes of a description and of a picture, in bytes."""
 
 
 class Description(NamedTuple):
-    """What a map's YAML file says."""
+    """Contents of a map's YAML file."""
 
     image: Path
     resolution: float
-    """Metres of a cell."""
+    """Side of a cell, metres."""
     origin: tuple[float, float]
-    """Where the south-west corner is: x east, y north, metres."""
+    """Place of the south-west corner: x east, y north, metres."""
     occupied: float
     free: float
     """Thresholds, from 0 to 1."""
     negate: bool
-    """Whether lighter is more occupied."""
+    """True if lighter pixels are more occupied."""
     mode: str
 
 
 def read_map(path: Path) -> OccupancyGrid:
-    """The map that a YAML file describes; its y is turned over, as ours grows south.
+    """Return the map that a YAML file describes, with y turned over, since y grows south in houses.
 
-    Raises ``HouseFileError``, in a line, for a file that is wrong, a picture that is absent, none or of more
-    than ``MOST_CELLS`` pixels, and a map without a free cell; ``OSError`` for a file that cannot be read.
+    Raises ``HouseFileError``, in one line, for a wrong file, for a picture that is absent, unreadable or of
+    more than ``MOST_CELLS`` pixels, and for a map without a free cell. Raises ``OSError`` for a file that
+    cannot be read.
     """
     said = _described(path)
     cells = _cells(said, path)
@@ -77,7 +78,7 @@ def read_map(path: Path) -> OccupancyGrid:
 
 
 def _described(path: Path) -> Description:
-    """Read a YAML file."""
+    """Return the contents of a YAML file."""
 
     def wrong(what: str) -> NoReturn:
         raise HouseFileError(f"{path}: no map of ROS: {what}")
@@ -146,7 +147,7 @@ def _require_plain(content: bytes) -> None:
 
 
 def _value(text: Any) -> Any:
-    """Return the number that a text states, else the text: YAML 1.1 reads 5e-2 as a text."""
+    """Return the number that a text states, else the text, since YAML 1.1 reads 5e-2 as a text."""
     if isinstance(text, list):
         return [*map(_value, text)]
     for kind in (int, float):
@@ -156,7 +157,7 @@ def _value(text: Any) -> Any:
 
 
 def _cells(said: Description, path: Path) -> np.ndarray:
-    """The cells (H, W) int8 of a map's picture, row 0 in the north."""
+    """Return the cells (H, W) int8 of a map's picture, row 0 in the north."""
     pixels = _pixels(said.image, path)
     cells = np.full(pixels.shape[:2], UNKNOWN, np.int8)
     for row in range(0, len(cells), BAND):
@@ -164,7 +165,7 @@ def _cells(said: Description, path: Path) -> np.ndarray:
         occupancy = light if said.negate else 1 - light
         if said.mode == "raw":
             numbers = np.round(light * 255)
-            occupancy, clear = numbers / OCCUPIED, numbers > OCCUPIED  # Beyond 100 all is unknown.
+            occupancy, clear = numbers / OCCUPIED, numbers > OCCUPIED  # Beyond 100 all cells are unknown.
         band = cells[row : row + BAND]
         band[occupancy < said.free] = FREE
         band[occupancy > said.occupied] = OCCUPIED
@@ -173,8 +174,10 @@ def _cells(said: Description, path: Path) -> np.ndarray:
 
 
 def _lightness(pixels: np.ndarray, mode: str) -> tuple[np.ndarray, np.ndarray]:
-    """How light pixels are, from 0 to 1, (H, W) float64: the mean of their colours, and in a trinary map of
-    how opaque they are, if the picture says so. In others (H, W) bool which are not opaque.
+    """Return the lightness of pixels, from 0 to 1, (H, W) float64, and a mask (H, W) of transparent pixels.
+
+    Lightness is the mean of the colours. In a trinary map the mean includes the opacity, if the picture has
+    one, and the mask is empty.
     """
     light = pixels / np.iinfo(pixels.dtype).max
     clear = np.zeros(light.shape[:2], bool)
@@ -186,7 +189,7 @@ def _lightness(pixels: np.ndarray, mode: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _pixels(image: Path, path: Path) -> np.ndarray:
-    """A picture as whole numbers: (H, W), grey of 8 or 16 bits, or (H, W, 3 or 4)."""
+    """Return a picture as whole numbers: (H, W), grey of 8 or 16 bits, or (H, W, 3 or 4)."""
 
     def wrong(what: str) -> NoReturn:
         raise HouseFileError(f"{path}: its picture {image}: {what}")
@@ -198,7 +201,7 @@ def _pixels(image: Path, path: Path) -> np.ndarray:
             Image.open(file, formats=FORMATS) as picture,
         ):
             width, height = picture.size
-            if width * height > MOST_CELLS:  # By its head alone: nothing is unpacked yet.
+            if width * height > MOST_CELLS:  # By its header alone, before anything is unpacked.
                 wrong(too_many(height, width))
             if picture.mode in ("I", "I;16", "I;16B"):
                 return np.asarray(picture).astype(np.uint16)
@@ -210,5 +213,5 @@ def _pixels(image: Path, path: Path) -> np.ndarray:
     except Image.DecompressionBombError:
         wrong(f"it has more than the {MOST_CELLS:,} cells that are read")
     except (OSError, SyntaxError, ValueError, EOFError) as error:
-        # Pillow's own words may be of several lines.
+        # Pillow's own message may have several lines.
         wrong(str(getattr(error, "strerror", None) or "it is no PNG, PGM or BMP that can be read"))

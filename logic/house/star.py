@@ -1,6 +1,6 @@
-"""A star: rooms around a main room, each with one door to it. Its files, and what only stars have.
+"""Stars: rooms around a main room, each with one door to it, their files, and data that only stars have.
 
-``vitruvius-1`` and the original's files are written so; a house of any other topology is not.
+``vitruvius-1`` and the original's files hold stars; a house of any other topology has another format.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from logic.house.parts import (
 
 
 class StarRoom(Rect, frozen=True, forbid_unknown_fields=True):
-    """A room of a star: its place, type and furniture, and its one door, to the main room."""
+    """Room of a star: its place, type and furniture, and its one door, which leads to the main room."""
 
     type: str
     children: tuple[Piece, ...]
@@ -38,14 +38,14 @@ class StarRoom(Rect, frozen=True, forbid_unknown_fields=True):
 
 
 class Star(msgspec.Struct, frozen=True):
-    """A house as a star: ``floor`` is the main room, and ``rooms[k]`` is the room ``Rk``."""
+    """House as a star: ``floor`` is the main room, and ``rooms[k]`` is the room ``Rk``."""
 
     floor: Rect
     rooms: tuple[StarRoom, ...] = ()
 
     @classmethod
     def of(cls, rooms: Sequence[Room], doors: Sequence[Door], hub: str) -> Star:
-        """The star of these parts. Raises ``ValueError`` if they are none, for the first room amiss."""
+        """Return the star of these parts. Raises ``ValueError`` for the first room that fits no star."""
         doors_of: dict[str, list[Door]] = {room.name: [] for room in rooms}
         if hub not in doors_of:
             raise ValueError("a star has a hub, its main room")
@@ -65,7 +65,7 @@ class Star(msgspec.Struct, frozen=True):
         return cls(floor, tuple(around))
 
     def parts(self) -> tuple[tuple[Room, ...], tuple[Door, ...]]:
-        """The rooms ``R0``, ``R1``..., the main room last, and their doors."""
+        """Return the rooms ``R0``, ``R1``..., the main room last, and their doors."""
         named = [(f"R{index}", room) for index, room in enumerate(self.rooms)]
         rooms = [Room(*_sides(room), name, room.type, room.children) for name, room in named]
         main = Room(*_sides(self.floor), MAIN, MAIN)
@@ -77,7 +77,7 @@ def _sides(rect: Rect) -> tuple[float, float, float, float]:
 
 
 class _Header(msgspec.Struct, forbid_unknown_fields=True):
-    """All of a star's record but its rooms."""
+    """Record of a star without its rooms."""
 
     roomNumber: int
     floor: Rect
@@ -87,7 +87,7 @@ class _Header(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_star(record: dict[str, Any]) -> tuple[Star, str, Provenance | None]:
-    """A star from its record, the name of its format and its provenance.
+    """Return a star from its record, the name of its format and its provenance.
 
     Raises ``msgspec.ValidationError`` that names the first wrong field.
     """
@@ -112,7 +112,7 @@ def read_star(record: dict[str, Any]) -> tuple[Star, str, Provenance | None]:
 
 
 def star_record(star: Star, format_: str, provenance: Provenance | None) -> dict[str, Any]:
-    """The record of a star, in metres."""
+    """Return the record of a star, in metres."""
     record: dict[str, Any] = {
         "format": format_,
         "unit": "m",
@@ -127,7 +127,7 @@ def star_record(star: Star, format_: str, provenance: Provenance | None) -> dict
 
 
 def _scaled(star: Star, factor: float) -> Star:
-    """The same star with every length multiplied by the factor."""
+    """Return the star with every length multiplied by the factor."""
 
     def scaled(value: Any) -> Any:
         if isinstance(value, dict):

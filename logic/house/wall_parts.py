@@ -1,4 +1,4 @@
-"""Walls with a thickness as boxes: what solids and maps are made of."""
+"""Walls with a thickness as boxes, for solids and maps."""
 
 from collections.abc import Iterable, Iterator
 
@@ -10,12 +10,13 @@ from logic.house.parts import OUTSIDE, Door, Rect, Window
 from logic.house.walls import doorway
 
 WALL_PARTS = ("", "wall", "door", "opening", "entrance", "window")
-"""What ``wall_parts`` tells apart."""
+"""Kinds of boxes that ``wall_parts`` distinguishes."""
 
 
 def wall_parts(house: House) -> Iterator[tuple[str, Box]]:
-    """The walls of a house, where these have a thickness, as boxes that do not overlap (west, north, east,
-    south), metres: each with what it is, one of ``WALL_PARTS``.
+    """Yield the walls of a house with thick walls as boxes that do not overlap, each with its kind.
+
+    The kind is one of ``WALL_PARTS``; a box is (west, north, east, south), metres.
     """
     assert house.wall_thickness
     half, outer = house.half_wall, house.wall_thickness.outer
@@ -41,7 +42,7 @@ def wall_parts(house: House) -> Iterator[tuple[str, Box]]:
 
 
 def _kind(opening: Door | Window) -> tuple[str, str]:
-    """What an opening is, and the room that it leads outside of, if it does."""
+    """Return the kind of an opening, and the name of its room if it leads outside, else an empty name."""
     if not isinstance(opening, Door):
         return "window", opening.room
     if opening.is_entrance:
@@ -50,7 +51,7 @@ def _kind(opening: Door | Window) -> tuple[str, str]:
 
 
 def _through(opening: Rect, room: Rect, half: float, outer: float) -> Box:
-    """All of a window or an entrance of a room within its outer wall."""
+    """Return the box of a window or an entrance of a room within its outer wall."""
     axis = int(not opening.height)
     box, at = [*opening.box], opening.box[axis]
     if at < room.box[axis] + (room.box[axis + 2] - room.box[axis]) / 2:
@@ -61,7 +62,7 @@ def _through(opening: Rect, room: Rect, half: float, outer: float) -> Box:
 
 
 def _lines(edges: Iterable[float]) -> list[float]:
-    """Edges in order, those that are one within the tolerance once."""
+    """Return edges in order, with edges within the tolerance of each other merged."""
     found: list[float] = []
     for edge in sorted(edges):
         if not found or edge - found[-1] > TOLERANCE:
@@ -70,7 +71,7 @@ def _lines(edges: Iterable[float]) -> list[float]:
 
 
 def _boxes(cells: np.ndarray) -> Iterator[tuple[tuple[int, int, int, int], int]]:
-    """Boxes of cells (X, Y) that are alike and not 0: from, to, from, to, and what they are."""
+    """Yield boxes of equal cells (X, Y) that are not 0: x range, y range, and value."""
     left = cells.copy()
     for x, y in np.argwhere(cells):
         if code := left[x, y]:

@@ -1,7 +1,7 @@
-"""Where the walls of a house stand: segments, each once, that the doors between rooms open. Of walls with a
-thickness they are the faces around all that a body may walk on, rooms and doorways.
+"""Walls of a house: segments, each once, with gaps at the doors between rooms.
 
-Windows and the doors to the outside are shut: neither a ray nor a body passes there.
+For walls with a thickness the segments are the faces around the floor that the robot may enter, rooms and
+doorways. Windows and the doors to the outside are shut: neither a ray nor a robot passes there.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,16 +15,16 @@ from logic.house.star import StarRoom
 Interval = tuple[float, float]
 
 Line = tuple[float, float, float]
-"""Where a wall is across its own axis, and where along it begins and ends, metres."""
+"""Place of a wall across its own axis, and its start and end along the axis, metres."""
 
 
 def walls_of_rooms(
     rooms: Iterable[Room], doors: Iterable[Door], half: float = 0.0
 ) -> tuple[list[Line], list[Line]]:
-    """The walls of rooms side by side: those that run north to south (at an x), then west to east (at a y).
+    """Return the walls of adjacent rooms: those that run north to south, then west to east.
 
-    Walls on one line are joined, so a wall that two rooms share stands once, and each door is cut out of it.
-    ``half``: of the thickness of inner walls, metres; where they have one, these are their faces.
+    Walls on one line are joined, so that a wall that two rooms share occurs once, and each door is cut out of
+    it. ``half``: half the thickness of inner walls, metres; for thick walls the result is their faces.
     """
     if half:
         return _faces(list(rooms), [door for door in doors if not door.is_entrance], half)
@@ -50,7 +50,7 @@ def walls_of_rooms(
 
 
 def doorway(door: Rect, half: float) -> Box:
-    """All of a door or window within its wall, half of which lies on each side, metres."""
+    """Return the box of a door or window within its wall, half of which lies on each side, metres."""
     west, north, east, south = door.box
     return (
         (west - half, north, east + half, south) if door.height else (west, north - half, east, south + half)
@@ -58,7 +58,7 @@ def doorway(door: Rect, half: float) -> Box:
 
 
 def _faces(rooms: list[Room], doors: list[Door], half: float) -> tuple[list[Line], list[Line]]:
-    """The sides of rooms without their doors, and the jambs of each door."""
+    """Return the sides of rooms without their doors, and the jambs of each door."""
     found: tuple[list[Line], list[Line]] = [], []
     ways = [(int(not door.height), doorway(door, half)) for door in doors]
     for axis in (0, 1):
@@ -74,14 +74,15 @@ def _faces(rooms: list[Room], doors: list[Door], half: float) -> tuple[list[Line
 
 
 def near(at: float, places: Iterable[float]) -> bool:
-    """Whether a line is one of those at these places."""
+    """Return True if a line is at one of these places, to within the tolerance."""
     return any(abs(at - place) <= TOLERANCE for place in places)
 
 
 def walls_of_star(floor: Rect, rooms: Sequence[StarRoom]) -> tuple[list[Line], list[Line]]:
-    """The walls of a star, in both conventions of files: rooms may touch the main room from outside (ours) or
-    overlap it (the original's). They are every room's boundary but for its door, and the main room's boundary
-    where no room covers it.
+    """Return the walls of a star: every room's boundary without its door, and the rest of the main room's.
+
+    Rooms may touch the main room from outside, as in ``vitruvius-1``, or overlap it, as in the original's
+    files.
     """
     verticals: list[Line] = []
     horizontals: list[Line] = []
@@ -108,12 +109,12 @@ def walls_of_star(floor: Rect, rooms: Sequence[StarRoom]) -> tuple[list[Line], l
 
 
 def _span(box: tuple[float, float, float, float], axis: int) -> Interval:
-    """Where a box lies along the other axis."""
+    """Return the interval of a box along the other axis."""
     return box[1 - axis], box[3 - axis]
 
 
 def _joined(spans: Iterable[Interval]) -> list[Interval]:
-    """Spans of one line as those that do not touch, in order."""
+    """Return the spans of one line, in order, with touching spans joined."""
     joined: list[Interval] = []
     for low, high in sorted(spans):
         if joined and low - joined[-1][1] <= TOLERANCE:
@@ -124,7 +125,7 @@ def _joined(spans: Iterable[Interval]) -> list[Interval]:
 
 
 def remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
-    """What is left of a span when the gaps are cut out of it, in order."""
+    """Return the parts of a span outside the gaps, in order."""
     low, high = span
     left = []
     for start, end in sorted(gaps):
