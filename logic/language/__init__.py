@@ -1,1 +1,1 @@
-"""The rule language: rule files are read, judged, and made ready for both stages."""
+"""The rule language: readers and checks of rule files, and their preparation for both stages."""

@@ -1,4 +1,4 @@
-"""The mistakes in a grammar that clingo and SWI-Prolog pass over, by file, line and column."""
+"""Mistakes in a grammar that clingo and SWI-Prolog ignore, by file, line and column."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -22,32 +22,32 @@ from logic.layout.relaxed import Relaxed
 from logic.placement.lengths import typical_lengths
 
 SIZES = (6, 8, 4, 3, 2, 1)
-"""Numbers of rooms for which a rule is looked for to bind, in this order."""
+"""Numbers of rooms of the houses in which lint tests if a rule binds, in this order."""
 
 BUILDINGS = (16,)
-"""The same of houses of units."""
+"""Numbers of rooms of houses of units for the same tests."""
 
 LARGER = (5, 7, 10, 12, 14, 16, 20, 27, 40, 53, 64, 90, 128)
-"""Numbers for which the rules are looked at that bind in none of these, if the topology allows them."""
+"""Further numbers for rules that bind in none of these houses, if the topology permits them."""
 
 SOLVED = (6, 8, 3, 1, 10, 14)
 """Numbers of rooms of the houses that ``lint`` searches for, in this order."""
 
 MOST_INSTANCES = 1_500_000
-"""Ground rules that are looked at in all, which takes three seconds; shipped grammars take 100,000."""
+"""Largest number of ground rules that are examined, in three seconds; shipped grammars have 100,000."""
 
 Ground = tuple[dict[str, Any], list[Part]]
-"""Constants and the parts of the program that is ground with them."""
+"""Constants, and the parts of the program that are ground with them."""
 
 
 def findings(grammar: Grammar) -> list[Finding]:
-    """All that is wrong with a grammar: errors, or else warnings."""
+    """Return all findings about a grammar: errors, or else warnings."""
     loaded = LoadedGrammar(grammar)
     return errors(grammar, loaded) or all_warnings(grammar, loaded)
 
 
 def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
-    """For which ``generate`` refuses a grammar, and ``draw`` its looks."""
+    """Return the errors for which ``generate`` refuses a grammar, and ``draw`` its looks."""
     looks = grammar.directory / NAME
     wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
     return _findings("error", [*(loaded.errors or _beside_typical(grammar, loaded)), *wrong], grammar)
@@ -64,27 +64,27 @@ def _beside_typical(grammar: Grammar, loaded: LoadedGrammar) -> list[GrammarErro
 
 
 def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
-    """What is of no use in the rules and the looks of a grammar without errors."""
+    """Return warnings for useless parts of the rules and the looks of a grammar without errors."""
     sizes = [number for number in SOLVED if number <= loaded.most_rooms]
     others = [*absent(loaded, sizes), *_unseen(grammar.directory / NAME, loaded)]
     return warnings(grammar, loaded) + _findings("warning", others, grammar)
 
 
 def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
-    """Types that a grammar's looks name and its rules do not."""
+    """Yield warnings for types that a grammar's looks name and its rules do not."""
     if looks.exists():
         pieces = {piece for pieces in loaded.furniture.values() for piece in pieces}
         yield from unused(looks, map(str, loaded.types), pieces)
 
 
 def warnings(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None = None) -> list[Finding]:
-    """What is of no use in rules without errors, where houses of these ``rooms`` are asked for, if any."""
+    """Return warnings for useless rules without errors, in houses of ``rooms`` rooms if given."""
     found = [*unread(grammar.directory), *loaded.warnings, *_idle(grammar, loaded, rooms)]
     return _findings("warning", found, grammar)
 
 
 def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
-    """Findings of one severity; what has no place is of the grammar's directory."""
+    """Return findings of one severity. An error without a place gets the grammar's directory."""
     return [
         Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)
         for each in found
@@ -92,7 +92,7 @@ def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) ->
 
 
 def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[GrammarError]:
-    """Rules that bind in no house that the topology allows and in no type of room, as far as was looked."""
+    """Return warnings for rules that bind in no examined house of the topology and in no type of room."""
     unbound: dict[Reason, None] = {}
     program_of = loaded.rules.program_of
     source, left, most = Source(grammar.asp), MOST_INSTANCES, 0
@@ -100,7 +100,7 @@ def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[Gr
     for constants, parts in _programs(loaded, rooms, unbound):
         ground = {"base", *(name for name, _ in parts)}
         if most and all(program_of[each.file, each.line, each.column] not in ground for each in unbound):
-            continue  # No rule that is left stands in it.
+            continue  # None of the remaining rules is in it.
         named = ", ".join(f"{name} = {value}" for name, value in constants.items() if name not in GIVEN)
         loaded.placer.account.at(GROUNDING, f"which rules bind where {named} (clingo)")
         program = Relaxed(source, constants, parts, most=left)
@@ -122,8 +122,9 @@ def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[Gr
 
 
 def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason]) -> Iterator[Ground]:
-    """Programs in which a rule may bind: first those in which most do, and last of these numbers of rooms
-    that ``unbound`` rules name, as they are then.
+    """Yield programs in which a rule may bind, those in which most rules bind first.
+
+    The last programs have the numbers of rooms that the ``unbound`` rules, at that time, mention.
     """
     stages = [("house", loaded.most_rooms)]
     if loaded.depths:
@@ -144,7 +145,7 @@ def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason
 
 
 def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
-    """The programs of furniture of each type; where rooms share walls, with any doors in them too."""
+    """Yield the programs of furniture of each type, also with any doors if rooms share walls."""
     types = [*map(str, loaded.types)]
     for type_ in types:
         yield {"this_room": type_}, [("room", [])]
@@ -153,6 +154,6 @@ def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
 
 
 def _numbers(rules: Iterable[Reason], loaded: LoadedGrammar) -> list[int]:
-    """The numbers in some rules, and in all constants that the grammar defines."""
+    """Return the numbers in some rules, and in all constants that the grammar defines."""
     texts = [*(reason.text for reason in rules), *loaded.rules.constants]
     return sorted({int(number) for text in texts for number in re.findall(r"\b\d{1,3}\b", text)})

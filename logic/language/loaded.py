@@ -1,4 +1,4 @@
-"""A grammar's rule files, read without running them: what they state, or what is wrong with them."""
+"""A grammar's rule files, read without running them: their statements, or their mistakes."""
 
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
@@ -42,28 +42,27 @@ from logic.request.request import MOST_ROOMS
 from logic.spelling import closest
 
 MOST_INSTANCES = 50_000
-"""Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
+"""Largest number of ground rules of a house of one room without furniture; grammars have hundreds."""
 
 VOID = "void"
-"""What a dissection leaves free: its size is stated as that of a room of this type would be."""
+"""Name of the free space of a dissection. Its size is stated like that of a room with this type."""
 
 OUTDOOR_AREA = (
     "the grammar {} states house_area/2, and outdoor/1, of rooms that it leaves out: both are kept where "
     "nothing of the house is given. Take one of them out"
 )
-"""Why there is no house by such a grammar for a brief or in a plan of the user's."""
+"""Message for such a grammar with a brief or a plan of the user, which have no houses."""
 
 
 class LoadedGrammar:
-    """What a grammar states, read in the order in which one mistake hides another."""
+    """Statements of a grammar, read in an order in which no mistake hides another one."""
 
     def __init__(self, grammar: Grammar, cell: float = 0.0, remarks: bool = True) -> None:
-        """Load the files, for houses on a grid of such cells (m) if not 0.
+        """Load the files, for houses on a grid with cells of ``cell`` metres if not 0.
 
-        Without ``remarks`` it takes half the time, and what clingo only remarks on is no error.
-        ``errors`` is what is wrong with them: the rest stands only where it is empty. ``warnings`` are about
-        lengths that are no likely number of metres, about variables that are likely to be constants, and
-        about pieces that no room has.
+        Without ``remarks`` loading takes half the time, and clingo's remarks are no errors. ``errors`` are
+        the mistakes; the other attributes are valid only without errors. ``warnings`` are about lengths that
+        are probably not in metres, variables that are probably constants, and pieces that no room has.
         """
         self.grammar = grammar
         files = grammar.own + grammar.prolog
@@ -73,14 +72,17 @@ class LoadedGrammar:
         self.furniture: dict[str, list[str]] = {}
         self.crowded: set[str] = set()
         self.extremes: dict[str, Any] = {}
-        """Of the sizes of rooms and pieces, see ``Placer.lengths``."""
+        """Extreme sizes of rooms and pieces: see ``Placer.lengths``."""
         self.most_rooms = MOST_ROOMS
         self.openings: list[Term] = []
-        """How many rooms a house has at most."""
+        """Types between which doors may be openings, as terms.
+
+        ``most_rooms`` is a house's largest number of rooms.
+        """
         self.depths: tuple[float, float] | None = None
-        """How deep units are, metres, where a house is one of units: ``logic.generation.units``."""
+        """Least and greatest depth of units, metres, for houses of units: see ``logic.generation.units``."""
         self.most_in_unit = 0
-        """How many rooms a unit has at most."""
+        """Largest number of rooms of a unit."""
         self.rules = StatedRules(grammar)
         self._of_no_room: list[GrammarError] = []
         self.errors = first_causes(self._readable()) or first_causes(self._errors())
@@ -105,7 +107,7 @@ class LoadedGrammar:
             yield from map(Mistake, self._illegible)
             return
         yield from self.rules.mistakes(last=bool(self.placer.problems))
-        # Which clauses there are depends on the topology, and that is a star where none is named.
+        # The known clauses depend on the topology, which is a star if the grammar names none.
         unnamed = self.grammar.topology_name == STAR.stem
         for error in (problem(*row) for row in self.placer.problems):
             yield Mistake(error, about=frozenset({"topology/1", "type/1"} if unnamed else {"type/1"}))
@@ -139,9 +141,9 @@ class LoadedGrammar:
         yield from self._mismeasured(probe, sized)
 
     def _unstated(self, stated: set[str]) -> Iterator[Mistake]:
-        """What no ``.pl`` file has a clause of, so that a file is likely to be gone."""
+        """Yield a mistake if ``.pl`` files lack so many clauses that a file is probably missing."""
         lengths = [Function("length", [Function(name)]) for name in LENGTHS]
-        anything = Function("any")  # A clause for all names has none of its own.
+        anything = Function("any")  # A clause for all names is not a clause of any one name.
         room, piece = Function("size", [anything]), Function("size", [anything, anything])
         found = self.placer.origins([*lengths, room, piece])
         names = ["room_size/3"] if "room_size" not in stated and room not in found else []
@@ -154,10 +156,10 @@ class LoadedGrammar:
     def _unsized(
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: Set[str]
     ) -> Iterator[Mistake]:
-        """Clauses of sizes that are for no type of room that there is.
+        """Yield mistakes for clauses of sizes of unknown room types and pieces.
 
-        What is said of pieces that no room has is kept, as warnings: files may be shared by grammars. It is
-        an error where a piece is ``lacking`` that it is likely to be meant for.
+        Messages about pieces that no room has become warnings, since grammars may share files. They are
+        errors if a piece without a size (``lacking``) is probably meant.
         """
         pieces = {piece for pieces in self.furniture.values() for piece in pieces}
         of_rules: dict[str, GrammarError] = {}  # One statement may state many facts.
@@ -172,7 +174,7 @@ class LoadedGrammar:
             rows = [each for each in rows if each[1] not in known]
             if known is not pieces:  # The grammar may leave out a type that an included file measures.
                 rows = [each for each in rows if self.grammar.directory in Path(each[2]).parents]
-            # Of one name without a meaning and one without a size, the first is likely to be the other.
+            # Between a name without a meaning and one without a size, the first is probably the other.
             lacks = lacking & known
             only = min(lacks) if len({name for _, name, *_ in rows}) == len(lacks) == 1 else ""
             for predicate, name, file, line, column in rows:
@@ -180,7 +182,7 @@ class LoadedGrammar:
                 meant = closest(name, known) or only
                 text = f"{predicate}: {name} is no {kind}{f'. Did you mean {meant}?' if meant else ''}"
                 error = unknown(name, text, file, line, column)
-                # A name that no piece can have is no piece of another grammar's.
+                # A name that no piece can have belongs to no other grammar.
                 if known is not pieces or meant in lacking or not NAME.fullmatch(name):
                     yield misspelt_name(error, name, meant)
                 else:
@@ -189,7 +191,7 @@ class LoadedGrammar:
     def _mismeasured(
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]]
     ) -> Iterator[Mistake]:
-        """What is wrong with the lengths of what there is."""
+        """Yield the mistakes in the lengths of rooms and pieces that exist."""
         whole = self._probe({"rooms": 1}, [("units", [])]) if probe.atoms("units", 2) else probe
         limits = [symbol.arguments[0].number for symbol in whole.atoms("most_rooms", 1)]
         if whole is not probe:
@@ -215,7 +217,7 @@ class LoadedGrammar:
             yield from map(Mistake, impossible(self.extremes, self.placer.origins))
 
     def _house_facts(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-        """What stage 1 knows of walls that rooms share, and of the area of the house."""
+        """Return the facts of stage 1 about walls that rooms share, and about the area of the house."""
         total, rooms = area_bounds(self.placer, [each for each in self.furniture if each not in self.outdoor])
         areas = area_facts(total, rooms)
         if not self.grammar.shares_walls:
@@ -264,7 +266,10 @@ def _meant(name: str, names: Iterable[str]) -> str:
 
 
 def _by_meaning(strange: Sequence[Mistake]) -> tuple[list[Mistake], list[Mistake]]:
-    """Misspelt names that are like a known one, and those of which it is better said what they lack."""
+    """Return the misspelt names that resemble a known name, and the others.
+
+    The message about the others should rather say what they lack.
+    """
     return (
         [each for each in strange if not each.about or each.explains - each.about or "/" in min(each.about)],
         [
@@ -276,7 +281,7 @@ def _by_meaning(strange: Sequence[Mistake]) -> tuple[list[Mistake], list[Mistake
 
 
 def furniture_of(probe: Program) -> dict[str, list[str]]:
-    """For each room type the pieces that it may have, and their companions."""
+    """Return for each room type the pieces that it may have, and their companions."""
     furniture: dict[str, list[str]] = {str(symbol.arguments[0]): [] for symbol in probe.atoms("type", 1)}
     for symbol in probe.atoms("may", 4):
         if (type_ := str(symbol.arguments[0])) in furniture:

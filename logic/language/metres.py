@@ -1,4 +1,4 @@
-"""Lengths that are hardly metres: a grammar in centimetres gives a main room of 284 m by 546 m."""
+"""Lengths that are probably not in metres: a grammar in centimetres gives a main room of 284 m by 546 m."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -9,17 +9,17 @@ from logic.errors import GrammarError
 from logic.house.parts import FARTHEST
 
 SHORTEST = 0.01
-"""Metres below which a length is likely to be in another unit, if it is not 0."""
+"""Length in metres below which another unit is likely, unless the length is 0."""
 
 LONGEST_LENGTH, LONGEST_SIDE, LONGEST_PIECE = 5.0, 120.0, 20.0
-"""Metres above which a named length, a side of a room or a piece is."""
+"""Lengths in metres above which another unit is likely: a named length, a side of a room, and a piece."""
 
 
 Origins = Callable[[Iterable[Symbol]], Mapping[Symbol, tuple[str, int]]]
 
 
 def impossible(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarError]:
-    """An error at the origin of each clause with a length that no house can have."""
+    """Yield an error at the origin of each clause with a length that no house can have."""
     found = {}
     for clause, metres, _ in _sizes(lengths):
         if max(metres) > FARTHEST:
@@ -31,7 +31,7 @@ def impossible(lengths: Mapping[str, Any], origins: Origins) -> Iterator[Grammar
 
 
 def unlikely(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarError]:
-    """A warning at the origin of each clause with such a length, of those of ``Placer.lengths``."""
+    """Yield a warning at the origin of each clause with an unlikely length, from ``Placer.lengths``."""
     found = {}
     for clause, metres, longest in _sizes(lengths):
         wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)
@@ -44,7 +44,7 @@ def unlikely(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarEr
 
 
 def _sizes(lengths: Mapping[str, Any]) -> Iterator[tuple[Symbol, Sequence[float], float]]:
-    """The clauses, their least and greatest lengths, and the longest likely one."""
+    """Yield the clauses with their least and greatest lengths, and the longest likely length."""
     for name, metres in lengths["lengths"].items():
         yield Function("length", [Function(name)]), [metres], LONGEST_LENGTH
     for type_, room in lengths["rooms"].items():

@@ -1,4 +1,4 @@
-"""What was meant where SWI-Prolog finds a syntax error: it says no more than that it cannot read on."""
+"""Explanations of syntax errors, about which SWI-Prolog only says that it cannot read on."""
 
 import re
 from collections.abc import Iterator
@@ -18,7 +18,10 @@ _OTHER_LANGUAGES = {
 
 
 def explained(text: str, line: int, column: int, what: str) -> tuple[int, int, str]:
-    """Line, column and words for the error ``what``, as SWI-Prolog calls it, at a place of a file's text."""
+    """Return line, column and message for a syntax error at a place of a file's text.
+
+    ``what`` is SWI-Prolog's name of the error.
+    """
     offset = sum(len(each) + 1 for each in text.split("\n")[: line - 1]) + column - 1
     place, hint = next(_meant(_without_comments(text), offset, what), (offset, ""))
     before = text[:place].split("\n")
@@ -26,12 +29,12 @@ def explained(text: str, line: int, column: int, what: str) -> tuple[int, int, s
 
 
 def _without_comments(text: str) -> str:
-    """The text, as long as it was, with blanks for its comments and what it quotes."""
+    """Return the text with blanks instead of comments and quoted text, in the same length."""
     return _UNREAD.sub(lambda found: found[1] or re.sub(r"[^\n]", " ", found[0]), text)
 
 
 def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
-    """Places of the mistake and what to write there, the likeliest first; none where that is not known."""
+    """Yield possible places of the mistake with a remedy, the likeliest first; nothing if unknown."""
     begin = max((found.end() for found in re.finditer(r"\.\s+", code[:offset])), default=0)
     read, rest = code[begin:offset].rstrip(), code[offset:]
     end = begin + len(read)
@@ -89,7 +92,7 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
 
 
 def _chain(code: str, offset: int) -> tuple[int, str] | None:
-    """Two bounds in one, as in ``3 =< W =< 4``, around a place."""
+    """Return the place of two bounds in one, as in ``3 =< W =< 4``, and a remedy."""
     begin = max(code.rfind(each, 0, offset) for each in ",{(") + 1
     parts = _RELATION.split(re.split(r"[,})]", code[begin:])[0])
     if len(parts) != 5:
@@ -100,7 +103,7 @@ def _chain(code: str, offset: int) -> tuple[int, str] | None:
 
 
 def _unclosed(code: str, begin: int, end: int) -> list[int]:
-    """Where the brackets begin that are open at the end."""
+    """Return the places of the brackets that are open at the end."""
     opened: list[int] = []
     for place in range(begin, end):
         if code[place] in _BRACKETS:

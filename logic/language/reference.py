@@ -1,7 +1,7 @@
-"""The reference of the rule language: a page made of the core's comments and of recipes.
+"""Reference of the rule language: a page made from the core's comments and from recipes.
 
 A documentation comment is ``%*! name(Argument,..): what it says *%`` in an ``.lp`` file, PlDoc in a ``.pl``
-file; its indented lines are an example. A predicate without one is the core's own.
+file. Its indented lines are an example. A predicate without documentation is internal to the core.
 """
 
 import json
@@ -18,18 +18,19 @@ from logic.grammar import ADJACENT, PLANS, RULES, STAR, STATED, TOPOLOGIES
 from logic.layout.program import CORE
 
 PAGE = Path(__file__).with_name("reference.md")
-"""The page's text, with places for what is generated."""
+"""The page's text, with places for generated parts."""
 
 FAMILY = "family"
 RECIPES = Path(__file__).with_name("recipes")
-"""A recipe is an ``.lp`` file, and a ``.pl`` file of that name where it needs lengths. It is for `family`,
-or for the shipped grammar whose name its folder has.
+"""Folder of recipes: ``.lp`` files, with ``.pl`` files of the same name if they need lengths.
+
+A recipe is for `family`, or for the shipped grammar that its folder names.
 """
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A predicate or constant that a grammar may state or use."""
+    """Predicate or constant that a grammar may state or use."""
 
     name: str
     arguments: tuple[str, ...]
@@ -37,7 +38,7 @@ class Entry:
     example: str
 
     def __str__(self) -> str:
-        """A row of a table."""
+        """Return a row of a table."""
         word = f"{self.name}({', '.join(self.arguments)})" if self.arguments else self.name
         example = "<br>".join(f"`{line}`" for line in self.example.splitlines())
         return f"| `{word}` | {self.text} | {example} |"
@@ -45,15 +46,15 @@ class Entry:
 
 @dataclass(frozen=True)
 class Recipe:
-    """How to say something: a file or two that a user copies into a grammar. The first line is the title."""
+    """Recipe: one or two files that a user copies into a grammar. The first line is the title."""
 
     name: str
     files: tuple[Path, ...]
     grammar: str
-    """The shipped grammar to a copy of which it is added."""
+    """Shipped grammar for a copy of which the recipe is."""
 
     def __str__(self) -> str:
-        """Its title, the names of its files and what stands in them."""
+        """Return its title, the names of its files and their content."""
         code = f"% {self.name}.pl\n".join(file.read_text(encoding="utf-8") for file in self.files)
         title, *code = code.splitlines()
         names = ", ".join(f"`{file.relative_to(RECIPES)}`" for file in self.files)
@@ -61,7 +62,7 @@ class Recipe:
 
 
 def recipes() -> list[Recipe]:
-    """All recipes, by what they are about and by name."""
+    """Return all recipes, by subject and by name."""
     found = [
         Recipe(
             file.stem,
@@ -83,10 +84,10 @@ def _about(recipe: Recipe) -> str:
 
 
 def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
-    """What the core's ``.lp`` files document, by ``#program``; in base only what a grammar states, what a
-    topology states as ``topology``.
+    """Return the documentation in the core's ``.lp`` files, by ``#program``.
 
-    Of these topologies alone, or of all.
+    ``base`` holds only predicates that a grammar states, ``topology`` those that a topology states. The
+    result is about these topologies, or about all.
     """
     entries: dict[str, list[Entry]] = {
         "base": [],
@@ -120,7 +121,7 @@ def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
 
 
 def prolog_entries() -> list[Entry]:
-    """The predicates of a grammar's ``.pl`` files, which ``rules/language/grammar_files.pl`` declares."""
+    """Return the predicates of ``.pl`` files that ``rules/language/grammar_files.pl`` declares."""
     source = (RULES / "language" / "grammar_files.pl").read_text(encoding="utf-8")
     declared = set(re.findall(r"grammar:(\w+)/", source))
     found = re.findall(r"^%!  (\w+)\((.*)\).*\n((?:%.*\n)*?)((?:%       .*\n)*)\n", source, re.M)
@@ -137,14 +138,14 @@ def _entry(name: str, arguments: str, text: str, example: str) -> Entry:
 
 
 def goals() -> list[str]:
-    """What a clause of a grammar's ``.pl`` files may call, as ``rules/language/lint.pl`` lists it."""
+    """Return the goals that a clause in a grammar's ``.pl`` files may call: ``rules/language/lint.pl``."""
     return re.findall(
         r"\bpure\(\(?(\S+?)\)?/\d\)\.", (RULES / "language" / "lint.pl").read_text(encoding="utf-8")
     )
 
 
 def page() -> str:
-    """The whole page, in Markdown."""
+    """Return the whole page, in Markdown."""
     parts = {name: _table(entries) for name, entries in asp_entries().items()}
     parts["lengths"] = _table(prolog_entries())
     parts["goals"] = ", ".join(f"`{goal}`" for goal in goals())
@@ -164,5 +165,5 @@ class Rules:
     """Print the reference of the rule language: every predicate, recipes, what cannot be said."""
 
     def run(self) -> None:
-        """Print it as Markdown."""
+        """Print the reference as Markdown."""
         print(page(), end="")

@@ -1,10 +1,10 @@
 # clingo.ast leaves the attributes of its nodes untyped.
 # pyright: reportAttributeAccessIssue=false
-"""A grammar loaded step by step, to find the step that takes too much time or memory.
+"""Loading of a grammar step by step, to find the step that takes too much time or memory.
 
-clingo grounds all rules by one call, which cannot be interrupted. So the process is limited, and says before
-each step what is wrong if it does not end. Rules with a body join the facts one by one, and then each
-constraint is a ``#program`` part, grounded when what it joins is known.
+clingo grounds all rules in one call, which cannot be interrupted. Therefore the process has limits, and
+before each step it sends the error to report if the step does not end. Rules with a body join the facts one
+by one. Then each constraint is a ``#program`` part, which is ground once the atoms that it joins are known.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -34,9 +34,9 @@ TOO_MUCH = "takes too much time or memory"
 
 
 def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
-    """Do what loading a grammar does, or grounding houses of so many rooms; say each step before it is done.
+    """Load a grammar, or ground houses of these numbers of rooms. Yield the error for each step before it.
 
-    What is said is the error that it is not to end. Stops where the grammar has another one.
+    The error is to be reported if the step does not end. The steps stop at any other error of the grammar.
     """
     try:
         if not sizes:
@@ -70,7 +70,7 @@ def _reading(grammar: Grammar) -> Iterator[GrammarError]:
 
 
 def _clause(placer: Placer, type_: str, *piece: str) -> GrammarError:
-    """What is wrong where the sizes of a room or a piece do not come out."""
+    """Return the error for the sizes of a room or a piece if they take too long."""
     clause = Function("size", [Function(name) for name in (type_, *piece)])
     file, line = placer.origins([clause]).get(clause, (None, None))
     head = f"piece_size({piece[0]}, ...)" if piece else f"room_size({type_}, ...)"
@@ -81,7 +81,7 @@ def _grounding(
     grammar: Grammar, constants: Mapping[str, object], parts: Sequence[Part]
 ) -> Iterator[GrammarError]:
     """Ground these parts of the core and the grammar's files."""
-    # Differences restrict what is ground, and add little to it.
+    # Differences restrict the ground rules, and add few.
     core = _by_kind(read([file for file in grammar.topology if file not in STATING]))
     given, derived, constraints = _by_kind(read(grammar.own))
     given = [*core[0], *core[1], *given]
@@ -107,7 +107,7 @@ def _grounding(
 
 
 def _by_kind(statements: Iterable[Statement]) -> tuple[list[Statement], list[Statement], list[Statement]]:
-    """Facts and definitions; rules that derive several atoms; constraints."""
+    """Return facts and definitions, then rules that derive several atoms, then constraints."""
     given: list[Statement] = []
     derived: list[Statement] = []
     constraints: list[Statement] = []
@@ -128,7 +128,7 @@ def _add(builder: ast.ProgramBuilder, node: ast.AST, program: str) -> None:
 
 
 def _large(grammar: Grammar) -> GrammarError:
-    """What is wrong where the shared rules take too much with what the grammar states."""
+    """Return the error for shared rules that take too long with the facts of the grammar."""
     why = f"to ground the shared rules with what this grammar states {TOO_MUCH}"
     return GrammarError(f"{why}: ask for fewer rooms, or state fewer types and pieces", grammar.directory)
 
@@ -139,4 +139,4 @@ def _slow(rule: Statement) -> GrammarError:
 
 
 def _silent(code: clingo.MessageCode, text: str) -> None:
-    """What clingo remarks on is said when the grammar is loaded."""
+    """Ignore clingo's remarks, which are reported when the grammar is loaded."""

@@ -10,10 +10,10 @@ from logic.opener import content_of
 SUFFIXES = ".lp", ".pl"
 
 TEXT = {".txt", ".asp", ".clingo", ".dl", ".pro", ".prolog"}
-"""Suffixes of files that may hold rules."""
+"""Suffixes of other files that may hold rules."""
 
 MAX_BYTES = 1 << 20
-"""Size of a file that is searched for rules."""
+"""Largest size of a file that is searched for rules, in bytes."""
 
 RULE = re.compile(rb"(?m)^\s*:-\s|\)\s*:-\s|^[a-z]\w*\([^()\n]*\)\.\s*$")
 

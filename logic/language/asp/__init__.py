@@ -1,1 +1,1 @@
-"""What the ``.lp`` files of a grammar state, and what is wrong in them."""
+"""Contents of the ``.lp`` files of a grammar, and the mistakes in them."""

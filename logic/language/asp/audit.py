@@ -1,4 +1,4 @@
-"""What may stand in a grammar's .lp files: rules whose layouts can be sampled by picks, and no code."""
+"""Statements that a grammar's .lp files may contain: rules for layouts that picks can sample, and no code."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -17,10 +17,10 @@ from logic.spelling import closest
 
 CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction}
 STAGES = ("house", "room")
-"""The two programs of a layout; ``base`` belongs to both."""
+"""The two programs of a layout. ``base`` belongs to both."""
 
 UNITS = "units"
-"""The program that comes before them where a topology has units."""
+"""Program that precedes the two in a topology with units."""
 
 DIRECTIVES = {
     "external": "a grammar holds rules: what is #external holds in no house",
@@ -33,10 +33,10 @@ DIRECTIVES = {
     "theory": "a grammar holds rules without theories",
     "include": SAYS["elsewhere"].format(example=EXAMPLES[".lp"]),
 }
-"""Why a grammar has none of these: of includes, below its first rule."""
+"""Reasons against directives in a grammar. For includes the reason is a place below the first rule."""
 
 CHOICE = "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
-"""What is said of a choice in a head."""
+"""Message for a choice in a head."""
 
 OBJECTIONS = {
     ASTType.External: DIRECTIVES["external"],
@@ -57,9 +57,9 @@ UNREAD = re.compile(r'"(?:\\.|[^"\\\n])*+"?|%\*.*?(?:\*%|\Z)|%[^\n]*', re.DOTALL
 
 
 def audit(statements: Iterable[Statement], stages: Sequence[str] = STAGES) -> Iterator[GrammarError]:
-    """What would be passed over, or would choose past the picks (``rules/pick.lp``), each by its place.
+    """Yield an error for each statement without effect, or with a choice outside the picks of ``pick.lp``.
 
-    ``stages``: the programs that there are beside ``base``.
+    ``stages``: the programs in addition to ``base``.
     """
     for statement in statements:
         if why := _objection(statement.node, stages):
@@ -81,8 +81,10 @@ def _objection(node: Any, stages: Sequence[str]) -> str:
 
 
 def unreadable(file: Path) -> Iterator[GrammarError]:
-    """What is no text, what clingo would end at without a word or read as another number, and what it would
-    read from elsewhere.
+    """Yield errors for the text of a file: no text, or an include that clingo would follow.
+
+    Other errors are for text at which clingo would stop without a message, and for numbers that clingo would
+    misread.
     """
     content = file.read_bytes()
     if wrong := illegible(content):
@@ -105,6 +107,6 @@ def unreadable(file: Path) -> Iterator[GrammarError]:
             if not letter.isascii():
                 yield GrammarError(f"{shown(letter)}: names are of plain letters", file, number, column)
     for number, line in enumerate(text.split("\n"), start=1):
-        # In comments and strings too: a file cannot be read by another idea of where these end than clingo's.
+        # In comments and strings, too, so that nothing depends on where they end.
         if include := re.search(r"#\s*include\b", line):
             yield GrammarError(DIRECTIVES["include"], file, number, include.start() + 1)

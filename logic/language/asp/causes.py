@@ -1,4 +1,4 @@
-"""Errors of one cause are one error: what follows from a misspelt or absent name is not said again."""
+"""First causes among errors: errors that follow from a misspelt or absent name are dropped."""
 
 import re
 from collections.abc import Iterable
@@ -8,22 +8,25 @@ from logic.errors import GrammarError
 
 
 class Mistake(NamedTuple):
-    """An error and what it is about."""
+    """Error with the names that it concerns."""
 
     error: GrammarError
     explains: frozenset[str] = frozenset()
-    """Names that are wrong by it, predicates as ``type/1``: what else is said of them follows from it."""
+    """Names that this error makes wrong, predicates as ``type/1``.
+
+    Further errors about them follow from this one.
+    """
     about: frozenset[str] | None = None
-    """Names that must not be wrong already, where these are not all that the error's text has."""
+    """Names that an earlier error must not concern; by default all names in the error's text."""
 
 
 def misspelt_name(error: GrammarError, name: str, meant: str) -> Mistake:
-    """The mistake that a name is not the one that was meant, which may be empty."""
+    """Return the mistake of a name that should be ``meant``, which may be empty."""
     return Mistake(error, frozenset({name, meant} - {""}), frozenset({name}))
 
 
 def first_causes(found: Iterable[Mistake]) -> list[GrammarError]:
-    """The errors without those that follow from one before them, and each once."""
+    """Return each error once, without errors that follow from an earlier one."""
     kept: dict[tuple[object, ...], GrammarError] = {}
     wrong: set[str] = set()
     for mistake in found:

@@ -1,4 +1,4 @@
-"""What is wrong with the facts of a grammar's .lp files, and with what is not stated, each by its place."""
+"""Mistakes in the facts of a grammar's .lp files, and missing facts, each with its place."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence, Set
@@ -18,48 +18,48 @@ from logic.layout.program import Program
 from logic.spelling import closest
 
 MOST_NAMED = 3
-"""Of how many names each has an error of its own, where one thing is wrong with all."""
+"""Largest number of names with an error each, if the same is wrong with all of them."""
 
 NAME = re.compile("[a-z][A-Za-z0-9_]*")
-"""Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
+"""Names of types and pieces that clingo, SWI-Prolog and a house file write in the same way."""
 
 NO_NAME = {
     "type": "a type is named by a word that begins in lower case, as in bedroom",
     "piece": "a piece is named by a word that begins in lower case, as in bed",
 }
-"""What is said of other names."""
+"""Messages for other names."""
 
 
 PREDICATE = re.compile(r"\b[a-z]\w*/\d")
-"""In what is said of a fact: which predicate states what is not there."""
+"""Name of the predicate that should state a missing thing, in the message about a fact."""
 
 
 class Facts:
-    """The facts of a grammar with these words."""
+    """Facts of a grammar with these words."""
 
     def __init__(self, grammar: Grammar, words: Words) -> None:
-        """Know them."""
+        """Set the grammar and its words."""
         self._grammar, self._words = grammar, words
 
     def at(self, fact: Symbol, why: str) -> GrammarError:
-        """An error at the fact's place in the files."""
+        """Return an error at the fact's place in the files."""
         found = places(fact, self._words)
         return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
 
     def _place(self, fact: Symbol) -> tuple[bool, str, int, int]:
-        """The fact's place, to be ordered by: what a shipped grammar states comes before the user's own."""
+        """Return a sort key of the fact's place; facts of a shipped grammar precede the user's own."""
         found = self.at(fact, "")
         own = self._grammar.directory in Path(str(found.file)).parents
         return own, str(found.file), found.line or 0, found.column or 0
 
     def absent_from(self, kind: str, names: Sequence[str], files: Sequence[Path]) -> Mistake:
-        """The mistake that no file of a kind states these predicates."""
+        """Return the mistake that no file of a kind states these predicates."""
         there = ", ".join(file.name for file in files)
         why = f"no {kind} file states {', '.join(names)}: is a file gone? There is {there}"
         return Mistake(GrammarError(why, self._grammar.directory), frozenset({*names, "topology/1"}))
 
     def absent(self, clauses: Sequence[Symbol]) -> Iterator[GrammarError]:
-        """An error for each clause that no ``.pl`` file states; one for many of a predicate."""
+        """Yield an error for each clause that no ``.pl`` file states, or one for many of one predicate."""
         for size in ("room_size/3", "piece_size/4"):
             each = {
                 c.arguments[-1].name: c for c in clauses if len(c.arguments) == 1 + (size == "piece_size/4")
@@ -76,7 +76,7 @@ class Facts:
         yield from (self._absent_clause(clause) for clause in clauses if clause.name == "length")
 
     def _absent_clause(self, clause: Symbol) -> GrammarError:
-        """An error for a clause that no ``.pl`` file states: at the fact that calls for it."""
+        """Return an error for a clause that no ``.pl`` file states, at the fact that needs the clause."""
         if clause.name == "length":
             name = clause.arguments[0].name
             hint = f"{name}/1 has no clause: add one, as {name}(0.5). for half a metre"
@@ -90,9 +90,10 @@ class Facts:
         return next((error for error in errors if error.line), errors[0])
 
     def wrong(self, probe: Program, strange: Set[str]) -> tuple[list[Mistake], list[Mistake]]:
-        """What the core's own rules find wrong with the grammar's facts (``grammar.lp``): with values,
-        which explain the ``strange`` names among them, and with what is not there. Of several facts that name
-        one unknown thing, the first.
+        """Return the mistakes in the grammar's facts that the core's own rules find (``grammar.lp``).
+
+        The first list is about values, and explains the ``strange`` names among them. The second is about
+        missing things. For several facts that name one unknown thing, it has the first fact.
         """
         types = {OUTSIDE, *(str(symbol.arguments[0]) for symbol in probe.atoms("type", 1))}
         of_values: dict[tuple[Any, ...], Mistake] = {}  # One statement may state many facts.
@@ -131,7 +132,7 @@ class Facts:
         return bool(error.line) and self._grammar.directory not in Path(str(error.file)).parents
 
     def misnamed(self, probe: Program) -> Iterator[Mistake]:
-        """Types and pieces whose names are no plain words."""
+        """Yield a mistake for each type and piece whose name is no plain word."""
         pieces = [fact for name in ("may", "beside", "around") for fact in probe.atoms(name, 4)]
         for facts, place, what in (
             (probe.atoms("type", 1), 0, NO_NAME["type"]),
@@ -144,8 +145,10 @@ class Facts:
 
 
 def _renamed(absent: Mapping[tuple[str, str], Mistake]) -> list[Mistake]:
-    """What is absent, by name and why. Where one type is not known and one has no furniture, they are likely
-    to be one, renamed in some places.
+    """Return the mistakes about absent names.
+
+    If one type is unknown and one has no furniture, they are likely the same type, renamed in some places.
+    Then the mistakes say so.
     """
     unknown = {name for name, why in absent if "type/1" in why}
     empty = {name for name, why in absent if why.startswith("it has no furniture")}
@@ -164,14 +167,14 @@ def _renamed(absent: Mapping[tuple[str, str], Mistake]) -> list[Mistake]:
 
 
 def stated(fact: Symbol) -> Symbol:
-    """The grammar's own fact: of companions of both kinds it is named by the first argument."""
+    """Return the grammar's own fact; for companions the first argument is its name."""
     if fact.name != "companions":
         return fact
     return Function(fact.arguments[0].name, fact.arguments[1:])
 
 
 def places(atom: Symbol, own: Words) -> list[Use]:
-    """The heads, in the order of the files, that name a ground atom, or else those that may derive it."""
+    """Return the heads that name a ground atom, in the files' order, or else those that may derive it."""
 
     def names(argument: Symbol, text: str) -> bool:
         return bool(re.search(rf"(?<!\w){re.escape(str(argument))}(?!\w)", text))
@@ -192,7 +195,7 @@ def places(atom: Symbol, own: Words) -> list[Use]:
 
 
 def _may_be(term: Any, value: Symbol, bound: dict[str, Symbol]) -> bool:
-    """Whether a term with variables, of which some are ``bound``, can be a value, by its form."""
+    """Return True if a term can have a value, by its form. Some of its variables are ``bound``."""
     if term.ast_type == ASTType.Variable:
         return term.name == "_" or bound.setdefault(term.name, value) == value
     if term.ast_type == ASTType.SymbolicTerm:
@@ -205,5 +208,5 @@ def _may_be(term: Any, value: Symbol, bound: dict[str, Symbol]) -> bool:
         value.name,
         len(value.arguments),
     ):
-        return not term.arguments and value.type == SymbolType.Number  # a constant, as rooms
+        return not term.arguments and value.type == SymbolType.Number  # a constant such as rooms
     return all(_may_be(each, its, bound) for each, its in zip(term.arguments, value.arguments, strict=True))

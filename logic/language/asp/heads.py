@@ -1,7 +1,4 @@
-"""Which heads a grammar may have: not those of the core, whose picks alone make a layout.
-
-A predicate that a rule of the core derives is closed to grammars, unless the core opens it by ``#defined``.
-"""
+"""Heads that a grammar may have: none of the core's, whose picks alone make a layout."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -16,7 +13,7 @@ from logic.layout.messages import written
 from logic.spelling import closest
 
 CHOICES = {("option", 3), ("picks", 2)}
-"""What states a choice by its name, the first argument."""
+"""Predicates whose first argument names a choice."""
 
 NAMES = {ASTType.Function, ASTType.SymbolicTerm}
 UNNAMED = "name the choice by a word, as in option(mine(X),..): what stands here may be a choice of the core"
@@ -26,11 +23,11 @@ ELSEWHERE = (
     "the topology states {name}, here {topology}: one of your own is a file NAME.lp that topology(NAME) names"
 )
 BY_CONSTRAINT = "require it by a constraint, which has no head: it says what never holds"
-"""What is said of them."""
+"""Messages for these heads."""
 
 
 def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
-    """Statements that derive or rename what is the core's or the topology's, each with what to write."""
+    """Yield statements that derive or rename words of the core or of the topology, each with a remedy."""
     core = own.core or core_words()
     yield from _of_topology(own, core, grammar)
     forbidden = closed(core)
@@ -53,7 +50,7 @@ def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]
 
 
 def _taken(use: Use, taken: dict[Signature, set[str]]) -> str:
-    """The choice that an option belongs to, if the core makes it where the two may be read together."""
+    """Return the choice of an option, if the core makes it, too, in a program that is read with it."""
     choice = _functor(use.node.arguments[0])
     if not any(_meet(use.statement.program, other) for other in taken.get(choice, ())):
         return ""
@@ -61,7 +58,7 @@ def _taken(use: Use, taken: dict[Signature, set[str]]) -> str:
 
 
 def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
-    """What stands elsewhere than in the file of the topology, and is for that to state."""
+    """Yield statements that only the file of the topology may have, and that are elsewhere."""
     name = grammar.topology_name
     mine = [str(file) for file in grammar.own if file.stem == name]
     for signature, opened in core.opened.items():
@@ -74,12 +71,12 @@ def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[St
 
 
 def closed(core: Words) -> set[Signature]:
-    """The predicates that no grammar derives."""
+    """Return the predicates that no grammar may derive."""
     return core.derived.keys() - core.opened.keys()
 
 
 def choices(core: Words) -> dict[Signature, set[str]]:
-    """The names of the choices that the core makes, each with the programs in which it does."""
+    """Return the names of the core's choices, each with the programs in which the core makes the choice."""
     found: dict[Signature, set[str]] = {}
     for use in (use for each in CHOICES for use in core.derived.get(each, ())):
         found.setdefault(_functor(use.node.arguments[0]), set()).add(use.statement.program)
@@ -87,12 +84,12 @@ def choices(core: Words) -> dict[Signature, set[str]]:
 
 
 def _meet(program: str, other: str) -> bool:
-    """Whether statements of both programs may be read together: those of two stages are not."""
+    """Return True if statements of both programs may be read together, unlike those of two stages."""
     return program == other or not {program, other} <= {*STAGES, UNITS}
 
 
 def why_closed(signature: Signature, core: Words) -> tuple[str, list[str]]:
-    """Why no grammar derives a predicate; and the programs in which a constraint may require it instead."""
+    """Return the reason why no grammar derives a predicate, and programs for a constraint instead."""
     name = f"{signature[0]}/{signature[1]}"
     origins = [origin.statement for origin in core.derived[signature]]
     programs = {origin.program for origin in origins}
@@ -107,7 +104,7 @@ def why_closed(signature: Signature, core: Words) -> tuple[str, list[str]]:
 def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
     why, stages = why_closed(signature, core)
     if not stages:
-        # What a grammar states before any #program may be meant: units/2 for unit/2.
+        # A statement before any #program may be a slip: units/2 for unit/2.
         inputs = {name for name, arity in core.opened.keys() - own.derived.keys() if arity == signature[1]}
         meant = closest(signature[0], inputs) if use.statement.program == "base" else None
         return f"{why}: did you mean {meant}/{signature[1]}?" if meant else why
@@ -126,7 +123,7 @@ def _is_fact(statement: Statement) -> bool:
 
 
 def _constraint(use: Use, stage: str, own: Words) -> str:
-    """The constraint that requires what the head of a rule was to state."""
+    """Return the constraint that requires what the head of a rule should state."""
     node = use.statement.node
     head = node.head
     if head.ast_type == ASTType.Aggregate:
@@ -151,7 +148,7 @@ def _unless(literal: str) -> str:
 
 
 def _type_of(use: Use, own: Words) -> str:
-    """A type of room that may have a piece which an atom names: without it, rooms of all types are bound."""
+    """Return a room type that may have a piece in an atom, since a constraint without it binds all types."""
     named = {str(argument) for argument in use.node.arguments}
     return next(
         (

@@ -1,4 +1,4 @@
-"""What this topology cannot express, for names that ask for it."""
+"""Messages for names of things that the topologies cannot express."""
 
 import json
 import re
@@ -11,14 +11,14 @@ READ = "docs/rules.md#what-cannot-be-said"
 
 @cache
 def entries() -> list[dict]:
-    """Each with its ``topic``, the ``words`` that ask for it, and what the user is to know (``says``)."""
+    """Return entries with a ``topic``, the ``words`` that ask for it, and a text for the user (``says``)."""
     return json.loads((RULES / "language" / "inexpressible.json").read_text(encoding="utf-8"))
 
 
 def inexpressible(*names: str) -> str:
-    """What to say of a predicate with these names, its own or also its arguments'; empty if it is unknown.
+    """Return the message for a predicate with these names, its own or its arguments', or an empty text.
 
-    ``max_house_area`` and ``maxHouseAreas`` hold the words *house area*.
+    ``max_house_area`` and ``maxHouseAreas`` contain the words *house area*.
     """
     held = {word.lower() for name in names for word in re.findall("[A-Z]?[a-z]+", name)}
     held |= {word.removesuffix("s") for word in held}

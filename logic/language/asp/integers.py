@@ -1,4 +1,4 @@
-"""Whole numbers of .lp files: clingo has 32 bits for them, and counts on from the least past the greatest."""
+"""Whole numbers of .lp files: clingo's have 32 bits, and wrap around past the greatest."""
 
 # clingo.ast leaves the attributes of its nodes untyped.
 import re
@@ -17,17 +17,17 @@ from logic.layout.reading import children
 LEAST, GREATEST = -(2**31), 2**31 - 1
 
 MOST_DIGITS = 40
-"""More than any number of 32 bits has, in any base."""
+"""Number of digits above that of any number of 32 bits, in any base."""
 
 _ARITHMETIC = re.compile(r"[+*]|(?<!:)-")
-"""What stands in a statement whose numbers can leave the range, and in few others."""
+"""Operators of statements whose numbers can leave the range, which few other statements have."""
 
 _LITERAL = re.compile(r"((?<![\w)])-\s*)?(?<![\w'])(0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
 """A sign that is no subtraction, and a number."""
 
 
 def too_large(code: str, file: Path) -> Iterator[GrammarError]:
-    """Each number of a file's text, without comments and strings, that clingo reads as another one."""
+    """Yield an error for each number that clingo misreads, in a file's text without comments and strings."""
     for found in _LITERAL.finditer(code):
         sign, number = found.groups()
         base = {"0x": 16, "0o": 8, "0b": 2}.get(number[:2], 10)
@@ -39,7 +39,7 @@ def too_large(code: str, file: Path) -> Iterator[GrammarError]:
 
 
 def overflowing(statements: Iterable[Statement]) -> Iterator[GrammarError]:
-    """Each sum, product or power of known numbers that clingo computes as another one."""
+    """Yield an error for each sum, product or power of known numbers that clingo computes wrong."""
     found = list(statements)
     constants = {
         each.node.name: each.node.value for each in found if each.node.ast_type == ASTType.Definition
@@ -64,7 +64,7 @@ def _overflowing(node: Any, constants: Mapping[str, Any]) -> Iterator[GrammarErr
 
 
 def _value(node: Any, constants: Mapping[str, Any], within: frozenset[str]) -> int | None:
-    """The number that a term is; None where it is none, or not known."""
+    """Return the number that a term is, or None if it is none or unknown."""
     kind, value = node.ast_type, None
     if kind == ASTType.SymbolicTerm and node.symbol.type == SymbolType.Number:
         value = node.symbol.number
@@ -75,7 +75,7 @@ def _value(node: Any, constants: Mapping[str, Any], within: frozenset[str]) -> i
     elif kind == ASTType.UnaryOperation:
         inner = _value(node.argument, constants, within)
         if inner is not None and node.operator_type == UnaryOperator.Minus:
-            value = LEAST if inner == LEAST else -inner  # -2147483648 is read as minus that.
+            value = LEAST if inner == LEAST else -inner  # -2147483648 is read as minus 2147483648.
     elif kind == ASTType.BinaryOperation and node.operator_type in OPERATORS:
         left, right = (_value(each, constants, within) for each in (node.left, node.right))
         if left is not None and right is not None:
@@ -89,7 +89,7 @@ OPERATORS: dict[int, Callable[[int, int], int | None]] = {
     BinaryOperator.Multiplication: lambda left, right: left * right,
     BinaryOperator.Power: lambda left, right: left ** min(right, 64) if right >= 0 else None,
 }
-"""Those that can leave the range."""
+"""Operators whose results can leave the range."""
 
 
 def _short(number: str) -> str:

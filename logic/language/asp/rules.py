@@ -1,4 +1,4 @@
-"""The rules in a grammar's ``.lp`` files, read without running them: what is wrong with them alone."""
+"""Rules in a grammar's ``.lp`` files, read without running them, and the mistakes in rules by themselves."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -18,29 +18,29 @@ from logic.language.asp.vocabulary import Use, Words, core_words, misspelt_predi
 
 
 class StatedRules:
-    """What the rules of a grammar name, and what is wrong with that."""
+    """Names in the rules of a grammar, and the mistakes in their use."""
 
     def __init__(self, grammar: Grammar) -> None:
-        """Nothing is read yet."""
+        """Set the grammar; no file is read yet."""
         self.grammar = grammar
         self.words = Words()
         self.facts = Facts(grammar, self.words)
 
     @property
     def constants(self) -> list[str]:
-        """What the grammar defines as constants of clingo's, as text."""
+        """Constants of clingo that the grammar defines, as text."""
         return [str(use.node) for use in self.words.defined.values()]
 
     @property
     def program_of(self) -> dict[tuple[str | None, int | None, int | None], str]:
-        """The name of the program in which each rule of the grammar stands, by its place."""
+        """Name of the program of each rule of the grammar, by the rule's place."""
         return {place(rule.node): rule.program for rule in self.words.rules}
 
     def mistakes(self, last: bool) -> Iterator[Mistake]:
-        """Read the files; what is wrong with statements by themselves.
+        """Read the files. Yield the mistakes in statements by themselves.
 
-        Names that are not known are wrong too, but most are said only where this is the ``last`` look at the
-        grammar: a later one, by what lengths there are, knows more of what was meant.
+        Unknown names are mistakes, too. Most of them are reported only in the ``last`` examination of the
+        grammar. A later examination knows the lengths, and so more about the intended names.
         """
         try:
             misused = list(self._misused(read(self.grammar.own)))
@@ -48,7 +48,7 @@ class StatedRules:
         except GrammarError as error:
             yield Mistake(error)
             return
-        # What else is wrong may follow from the topology that is taken instead.
+        # Other mistakes may follow from the topology that is used instead.
         yield from (Mistake(error, frozenset({"topology/1"})) for error in misnamed)
         wrong = misnamed or misused
         yield from () if misnamed else map(Mistake, misused)
@@ -58,7 +58,10 @@ class StatedRules:
             yield from strange
 
     def strange(self) -> list[Mistake]:
-        """Predicates that are not known; the topology's name alone, as it says which others there are."""
+        """Return mistakes for the unknown predicates, or only for the topology's unknown name.
+
+        The message about the topology lists the known ones.
+        """
         found = list(misspelt_predicates(self.words))
         named = [mistake for mistake in found if "topology/1" in mistake.explains]
         if not named and self.grammar.topology_name == STAR.stem and (shared := self._of_plans_alone()):
@@ -68,19 +71,19 @@ class StatedRules:
         return named or found
 
     def _of_plans_alone(self) -> list[Use]:
-        """What a grammar for rooms around a main room states that is for rooms that share walls alone."""
+        """Return the uses of predicates for shared walls in a grammar for rooms around a main room."""
         star = core_words()
         stated = self.words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
         return [use for each in stated & opened(PLANS) for use in self.words.derived[each]] if stated else []
 
     def gone(self, strange: Sequence[Mistake], *needed: tuple[str, int]) -> list[Mistake]:
-        """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
+        """Return a mistake for predicates that every grammar states but this one lacks, unless misspelt."""
         names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self.words.derived}
         names -= {name for mistake in strange for name in mistake.explains}
         return [self.facts.absent_from(".lp", sorted(names), self.grammar.own)] if names else []
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
-        """Statements that no grammar may have, and those that do not act where they stand."""
+        """Yield errors for statements that no grammar may have, or that have no effect in their place."""
         try:
             self.words = words(statements, core_words(self.grammar.topology))
             self.facts = Facts(self.grammar, self.words)
@@ -96,7 +99,7 @@ class StatedRules:
         yield from overflowing(statements)
 
     def _other_topologies(self) -> Iterator[GrammarError]:
-        """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""
+        """Yield errors for rules that name a topology in a form that ``grammar.find`` does not read."""
         found = self.words.derived.get(("topology", 1), [])
         for use in found:
             named = f"topology({self.grammar.topology_name})."
@@ -107,7 +110,7 @@ class StatedRules:
             yield GrammarError(f"topology({name}). is no fact where it stands", self.grammar.directory)
 
     def topology_error(self, why: str, edges: Iterable[Symbol]) -> GrammarError:
-        """An error of the topology of the user's own, at the rules by which it has these ``edges``."""
+        """Return an error of the user's own topology, at the rules that derive these ``edges``."""
         found = [use for edge in edges for use in places(edge, self.words)]
         rules = sorted({place(use.node) for use in found or self.words.derived.get(("edge", 3), ())})
         if not rules:
@@ -118,7 +121,7 @@ class StatedRules:
 
 
 def _too_deep(statement: Statement) -> bool:
-    """Whether the terms of a statement lie deeper in each other than Python's stack is."""
+    """Return True if the terms of a statement are nested deeper than Python's stack permits."""
     try:
         words([statement])
     except RecursionError:

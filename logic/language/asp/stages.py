@@ -1,8 +1,8 @@
-"""Which ``#program`` a rule of a grammar acts in, by the words that it uses and derives.
+"""The ``#program`` in which a rule of a grammar acts, by the words that it uses and derives.
 
-A layout is made in two programs, house and room, with base in both: what holds in one of them does not hold
-in the other. Where a topology has units, a third one, units, comes before them. Where a word of the core is
-known is read from the core itself.
+A layout comes from two programs, house and room, with base in both. An atom of one program does not hold in
+the other. A topology with units has a third program, units, before them. The core itself tells in which
+programs its words are known.
 """
 
 from collections.abc import Container, Iterable, Iterator
@@ -14,13 +14,13 @@ from logic.language.asp.statements import Statement, error_at, place
 from logic.language.asp.vocabulary import Signature, Use, Words, core_words, stages
 
 PARTS = {"plan": "room"}
-"""Programs of the core that come with another one, where rooms share walls."""
+"""Programs of the core that belong to another one, if rooms share walls."""
 
 EVERY = frozenset({"base", UNITS, *STAGES})
 
 
 class Word(NamedTuple):
-    """A word of a rule, and the programs in which it has a meaning."""
+    """Word of a rule, and the programs in which it has a meaning."""
 
     name: str
     use: Use
@@ -28,15 +28,15 @@ class Word(NamedTuple):
 
 
 def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
-    """Rules that do not act as they read in the program in which they stand.
+    """Yield errors for rules that do not act as they read in their program.
 
-    ``refused`` holds the ids of nodes of which something else is said. Rules of a file before any
-    ``#program`` that belong after the same one are one error, at the first of them.
+    ``refused`` holds the ids of nodes that have another error. Rules of a file before any ``#program`` that
+    belong after the same one give one error, at the first of them.
     """
     together: dict[tuple[str, str], list[GrammarError]] = {}
     for statement, put, error in _misplaced(own, refused):
         if put and statement.program == "base":
-            # What a rule of the first stage derives may be for both.
+            # A rule derived in the first stage may serve both.
             together.setdefault((str(error.file), put.partition(" or ")[0]), []).append(error)
         else:
             yield error
@@ -47,14 +47,14 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
 
 
 def _misplaced(own: Words, refused: Container[int]) -> Iterator[tuple[Statement, str, GrammarError]]:
-    """Each of these rules with what to do about it, if that is to put it elsewhere."""
+    """Yield each of these rules with its error, and with a remedy if the rule belongs elsewhere."""
     every = frozenset({"base", *stages(own.core or core_words())})
     rules: dict[int, tuple[Statement, list[Word]]] = {}
     for word in _words(own):
         statement = word.use.statement
         rules.setdefault(id(statement.node), (statement, []))[1].append(word)
     for node, (statement, used) in rules.items():
-        found = [word for word in used if word.programs]  # Else another error says that it is not known.
+        found = [word for word in used if word.programs]  # Otherwise another error reports the word.
         if node in refused or statement.program not in every:
             continue
         found.sort(key=lambda word: place(word.use.node))
@@ -78,7 +78,7 @@ def _misplaced(own: Words, refused: Container[int]) -> Iterator[tuple[Statement,
 
 
 def _with_other_arity(word: Word, program: str, own: Words) -> str:
-    """A predicate of this name that is known in a program, where the word is not."""
+    """Return a predicate with this name and another arity that a program knows, or an empty text."""
     core = own.core or core_words()
     name = word.name.split("/")[0]
     others = {each for each in {*core.derived, *own.derived} if each[0] == name and _name(each) != word.name}
@@ -100,22 +100,22 @@ def _words(own: Words) -> Iterator[Word]:
 
 
 def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
-    """The programs in which a predicate may hold; all where nothing derives it."""
+    """Return the programs in which a predicate may hold: all programs if nothing derives it."""
     programs = _programs(own.derived.get(signature, ())) | _programs(core.derived.get(signature, ()))
     if any(use.statement.program not in {*EVERY, "pick"} for use in core.derived.get(signature, ())):
-        # A part that a request or the lengths add, to the stage whose rules use it.
+        # A part that a request or the lengths add to the stage whose rules use it.
         programs |= _programs(core.used.get(signature, ()))
     if programs and not programs & {*EVERY, "pick"} and signature in own.derived:
-        return EVERY  # In a program that is misspelt.
+        return EVERY  # In a misspelt program.
     return EVERY if not programs or programs & {"base", "pick"} else programs & EVERY
 
 
 def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
-    """The programs in which it is of use to derive a predicate: all, where the core does not use it."""
+    """Return the programs in which deriving a predicate has an effect: all if the core does not use it."""
     readers = _programs(core.used.get(signature, ())) & EVERY
     if not readers:
         return EVERY
-    # What a grammar states is read, and found wrong, in the program house.
+    # The program house reads the grammar's statements and finds mistakes in them.
     return frozenset({"base"} if readers & {"room", UNITS} else {"base", "house"})
 
 

@@ -1,4 +1,4 @@
-"""The statements of ``.lp`` files, each with the ``#program`` that it belongs to."""
+"""Statements of ``.lp`` files, each with its ``#program``."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,13 +13,13 @@ from logic.layout.reading import parse
 
 
 class Statement(NamedTuple):
-    """A node of clingo's syntax tree and the program's name."""
+    """Node of clingo's syntax tree and the name of its program."""
 
     node: Any
     program: str
 
     def error(self, text: str) -> GrammarError:
-        """Something wrong with this statement."""
+        """Return an error at this statement."""
         return error_at(self.node, text)
 
 
@@ -46,11 +46,11 @@ def read(files: Sequence[Path]) -> list[Statement]:
 
 
 def place(node: Any) -> tuple[str, int, int]:
-    """File, line and column at which a node begins."""
+    """Return the file, line and column at which a node begins."""
     begin = node.location.begin
     return begin.filename, begin.line, begin.column
 
 
 def error_at(node: Any, text: str) -> GrammarError:
-    """Something wrong with what stands at a node's place."""
+    """Return an error at a node's place."""
     return GrammarError(text, *place(node))

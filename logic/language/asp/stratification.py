@@ -1,7 +1,7 @@
-"""Rules of a grammar that depend on their own negation: they choose past the picks, or rule all out.
+"""Rules that depend on their own negation, and so choose without the picks or exclude every layout.
 
-``a :- not b. b :- not a.`` has two answers for one layout, of which a solver takes either. So no predicate of
-a grammar may depend on itself through negation, an aggregate or a condition.
+``a :- not b. b :- not a.`` has two answers for one layout, of which a solver takes either. Therefore no
+predicate of a grammar may depend on itself through negation, an aggregate or a condition.
 """
 
 from collections.abc import Iterable, Iterator
@@ -15,7 +15,7 @@ from logic.layout.reading import children
 
 
 def unstratified(statements: Iterable[Statement]) -> Iterator[GrammarError]:
-    """Rules whose head depends on a negation of itself, each by its place."""
+    """Yield an error for each rule whose head depends on a negation of itself."""
     needs: dict[str, set[str]] = {}
     negations: list[tuple[Statement, str, str]] = []
     for statement in statements:
@@ -39,7 +39,7 @@ def unstratified(statements: Iterable[Statement]) -> Iterator[GrammarError]:
 
 
 def _atoms(node: Any) -> set[str]:
-    """Predicates below a node, as in ``near/2``, or ``-near/2`` where that is negated classically."""
+    """Return the predicates below a node, as in ``near/2``, or ``-near/2`` for classical negation."""
     if isinstance(node, ASTSequence | list | tuple):
         return {name for part in node for name in _atoms(part)}
     if not isinstance(node, AST):
@@ -58,7 +58,7 @@ def _names(symbol: Any, sign: str) -> set[str]:
 
 
 def _reached(start: str, needs: dict[str, set[str]]) -> set[str]:
-    """What a predicate depends on, and itself."""
+    """Return the predicates on which a predicate depends, and the predicate itself."""
     found, left = {start}, [start]
     while left:
         new = needs.get(left.pop(), set()) - found

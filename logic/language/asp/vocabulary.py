@@ -1,4 +1,4 @@
-"""The words of a grammar's .lp files: what is misspelt, and what nothing uses."""
+"""Words of a grammar's .lp files: misspelt words, and words that nothing uses."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -22,11 +22,11 @@ from logic.spelling import closest
 Signature = tuple[str, int]
 
 CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
-"""What is said of a choice of ``option/3``, by its name."""
+"""Predicates whose first argument names a choice of ``option/3``."""
 
 
 class Use(NamedTuple):
-    """A word in a statement: its node."""
+    """Word in a statement: its node."""
 
     node: Any
     statement: Statement
@@ -34,25 +34,25 @@ class Use(NamedTuple):
 
 @dataclass
 class Words:
-    """The predicates that statements derive and use, their constants and #const names, each with its uses."""
+    """Predicates that statements derive and use, constants and #const names, each with its uses."""
 
     derived: dict[Signature, list[Use]] = field(default_factory=dict)
     used: dict[Signature, list[Use]] = field(default_factory=dict)
     constants: dict[str, list[Use]] = field(default_factory=dict)
     stated: set[str] = field(default_factory=set)
-    """The constants that stand in heads."""
+    """Constants in heads."""
     defined: dict[str, Use] = field(default_factory=dict)
     rules: list[Statement] = field(default_factory=list)
     opened: dict[Signature, Use] = field(default_factory=dict)
-    """What ``#defined`` names: of the core, what a grammar may state."""
+    """Names of ``#defined``: in the core the predicates that a grammar may state."""
     documented: set[Signature] = field(default_factory=set)
-    """What a comment ``%*! p(A,B): ... *%`` describes."""
+    """Predicates that a comment ``%*! p(A,B): ... *%`` describes."""
     core: "Words | None" = None
-    """Of a grammar's words: those of the core with the grammar's topology."""
+    """Words of the core with the grammar's topology, for the words of a grammar."""
 
 
 def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
-    """All words of these statements."""
+    """Return all words of these statements."""
     found = Words(core=core)
     for statement in statements:
         node = statement.node
@@ -73,7 +73,7 @@ def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
 
 @cache
 def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
-    """The words of the core with these files of a topology, and what is read where a rule names it."""
+    """Return the words of the core with these files of a topology and the files read on demand."""
     return words(_core(topology))
 
 
@@ -84,20 +84,21 @@ def _core(topology: tuple[Path, ...]) -> list[Statement]:
 
 @cache
 def opened(topology: tuple[Path, ...]) -> set[Signature]:
-    """What a grammar may state with these files of a topology: ``core_words(topology).opened``, in a tenth of
-    its time.
+    """Return the predicates that a grammar may state with these files of a topology.
+
+    The result is ``core_words(topology).opened``, in a tenth of the time.
     """
     nodes = [statement.node for statement in _core(topology)]
     return {(node.name, node.arity) for node in nodes if node.ast_type == ASTType.Defined}
 
 
 def stages(core: Words) -> tuple[str, ...]:
-    """The programs of a layout with these words of the core, in their order."""
+    """Return the programs of a layout with these words of the core, in order."""
     return (UNITS, *STAGES) if ("unit", 2) in core.derived else STAGES
 
 
 def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, list[Use]]) -> None:
-    """Collect atoms and constants below a node; conditions and negative literals in a head are used."""
+    """Collect atoms and constants below a node. Conditions and negative literals in a head count as used."""
     if isinstance(node, ASTSequence | list | tuple):
         for part in node:
             _read(part, statement, found, atoms)
@@ -132,7 +133,7 @@ def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, 
 
 
 def alternatives(symbol: Any) -> list[Any]:
-    """The functions of an atom: those of a pool, and what classical negation negates."""
+    """Return the functions of an atom: those of a pool, or the one below classical negation."""
     if symbol.ast_type == ASTType.Pool:
         return [each for part in symbol.arguments for each in alternatives(part)]
     if symbol.ast_type == ASTType.UnaryOperation:
@@ -141,7 +142,7 @@ def alternatives(symbol: Any) -> list[Any]:
 
 
 def misspelt_predicates(own: Words) -> Iterator[Mistake]:
-    """Predicates that nothing derives or uses."""
+    """Yield a mistake for each predicate that nothing derives or uses."""
     core = own.core or core_words()
     known = {*core.used, *core.derived, *core.opened}
     for signature, uses in ({each: [use] for each, use in own.opened.items()} | own.used).items():
@@ -154,13 +155,13 @@ def misspelt_predicates(own: Words) -> Iterator[Mistake]:
 
 
 def unknown_choices(own: Words) -> Iterator[Mistake]:
-    """Choices that are picked or weighed, and that no option/3 of the grammar or the core offers."""
+    """Yield a mistake for each picked or weighed choice that no option/3 of grammar or core offers."""
     core = own.core or core_words()
     offers = [*own.derived.get(("option", 3), ()), *core.derived.get(("option", 3), ())]
     of_grammar = {each for use in own.derived.get(("option", 3), ()) for each in _heads(use)}
     names = {each for use in offers for each in _heads(use)}
     if "" in of_grammar:
-        return  # A choice whose name is a variable: any.
+        return  # A choice whose name is a variable may be any.
     said = {""}
     for signature in sorted(CHOICES):
         for use in (*own.used.get(signature, ()), *own.derived.get(signature, ())):
@@ -173,16 +174,19 @@ def unknown_choices(own: Words) -> Iterator[Mistake]:
 
 
 def _heads(use: Use) -> set[str]:
-    """The names of what may be the first argument of an atom, empty for what is no word."""
+    """Return the possible names in the first argument of an atom, an empty text for a term without a name."""
     found = (re.match(r"[a-z]\w*", str(each)) for each in alternatives(use.node.arguments[0]))
     return {name[0] if name else "" for name in found}
 
 
 def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
-    """Constants that no other statement names. ``sized`` are the names that the ``.pl`` files know."""
+    """Yield a mistake for each constant that no other statement names.
+
+    ``sized`` are the names that the ``.pl`` files know.
+    """
     core = own.core or core_words()
     known = {*core.used, *core.derived, *core.opened}
-    # The values of a choice may be there to be picked, and no more.
+    # Values of a choice may only be picked.
     values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
     values += [str(use.node.arguments[0]) for use in own.derived.get(("topology", 1), ())]
     elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
@@ -193,9 +197,9 @@ def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
         if name in own.defined or name in elsewhere:
             continue
         if name in lines and not closest(name, others - {name}):
-            continue  # A line that sides of one kind lie on, as at a court.
+            continue  # A line for sides of one kind, as at a court.
         if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
-            continue  # A value in a table of the grammar's own, such as zone(kitchen,loud).
+            continue  # A value in a table of the grammar, such as zone(kitchen,loud).
         if len(uses) == 1:
             yield _misspelt(name, uses[0], "stands nowhere else", others - {name})
         elif name not in own.stated:
@@ -207,7 +211,7 @@ def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
 
 
 def _line_names(own: Words) -> dict[str, list[Use]]:
-    """The names in lines on which a topology says that rooms lie, as ``joint`` in ``joint(R)``."""
+    """Return the names in the lines on which a topology puts rooms, as ``joint`` in ``joint(R)``."""
     found: dict[str, list[Use]] = {}
     for use in own.derived.get(("edge", 3), ()):
         for name in re.findall(r"\b[a-z]\w*", str(use.node.arguments[2])):
@@ -216,7 +220,7 @@ def _line_names(own: Words) -> dict[str, list[Use]]:
 
 
 def misspelt_lines(own: Words) -> Iterator[Mistake]:
-    """Lines that stand once and are named nearly as another one is: ``outlin(S)`` for ``outline(S)``."""
+    """Yield a mistake for each line that occurs once and resembles another: ``outlin(S)``, ``outline(S)``."""
     lines = _line_names(own)
     others = {*lines, "outline"}
     for name, uses in lines.items():
@@ -231,7 +235,10 @@ def _misspelt(name: str, use: Use, what: str, others: set[str]) -> Mistake:
 
 
 def capitalised(own: Words) -> Iterator[GrammarError]:
-    """Variables that stand once in a rule and are called as a constant is: ``room(R,Hall)`` is any room."""
+    """Yield errors for variables that occur once in a rule and resemble a constant, as in ``room(R,Hall)``.
+
+    Such a rule concerns any room.
+    """
     names = own.constants.keys()
     for statement in own.rules:
         variables = re.findall(r"\b[A-Z][a-z]\w+", str(statement.node))
@@ -251,7 +258,7 @@ def contradictory(own: Words) -> Iterator[GrammarError]:
 
 
 def _beside(name: str, own: Words, known: set[Signature]) -> set[str] | None:
-    """What stands in the same argument of a grammar's own predicate as a name; None if it stands in none."""
+    """Return the other values in the same argument of a grammar's own predicate, or None."""
     for signature, uses in own.derived.items():
         columns = [] if signature in known else zip(*(use.node.arguments for use in uses), strict=True)
         for arguments in columns:
@@ -283,8 +290,10 @@ def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signatur
 
 
 def _meant_predicate(signature: Signature, known: Iterable[Signature], core: Words) -> str:
-    """The predicate that was meant, as ``window/2``: of this name or the most similar one, with as many
-    arguments if it can be, rather a documented one.
+    """Return the intended predicate, as in ``window/2``, or an empty text.
+
+    It has this name or the most similar one, if possible the same number of arguments, and rather
+    documentation.
     """
     name, arity = signature
     known = set(known) - {signature}
