@@ -22,9 +22,9 @@ def promised(
 ) -> Promises:
     """Return the promises of the houses of a program, by its facts.
 
-    ``extremes`` are the extreme sizes on the houses' grid (``Placer.lengths``); ``metres`` are lengths and
-    areas as the grammar states them (``Placer.metres``). ``stated`` is True if a brief or a plan may state
-    doors.
+    ``extremes`` are the extreme sizes on the houses' grid (``logic.placement.lengths.stated_lengths``);
+    ``metres`` are lengths and areas as the grammar states them (``logic.placement.lengths.metres``).
+    ``stated`` is True if a brief or a plan may state doors.
     """
     lengths = dict(metres["lengths"])
     opens = _pairs(program, "opens") if shares_walls else {}

@@ -72,7 +72,7 @@ class LoadedGrammar:
         self.furniture: dict[str, list[str]] = {}
         self.crowded: set[str] = set()
         self.extremes: dict[str, Any] = {}
-        """Extreme sizes of rooms and pieces: see ``Placer.lengths``."""
+        """Extreme sizes of rooms and pieces: see ``logic.placement.lengths.stated_lengths``."""
         self.most_rooms = MOST_ROOMS
         self.openings: list[Term] = []
         """Types between which doors may be openings, as terms.

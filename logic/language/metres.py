@@ -31,7 +31,7 @@ def impossible(lengths: Mapping[str, Any], origins: Origins) -> Iterator[Grammar
 
 
 def unlikely(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarError]:
-    """Yield a warning at the origin of each clause with an unlikely length, from ``Placer.lengths``."""
+    """Yield a warning at the origin of each clause with an unlikely length, from ``stated_lengths``."""
     found = {}
     for clause, metres, longest in _sizes(lengths):
         wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)

@@ -1,4 +1,4 @@
-"""What a solver process does for a house, and what it has refuted: said where a limit ends the work."""
+"""Account of a solver process's work on a house and of its refutations, for the message at a limit."""
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from clingo import Symbol
 
 GROUNDING, LAYOUT, LENGTHS, FURNITURE, PROOF = "grounding", "layout", "lengths", "furniture", "proof"
-"""The stages of the work."""
+"""Stages of the work."""
 
 EASE = {
     GROUNDING: "ask for fewer rooms, or let no rule join many values",
@@ -20,23 +20,26 @@ EASE = {
     FURNITURE: "try another seed, require fewer pieces, or larger rooms",
     PROOF: "ask for fewer rooms, or require less, so that less is to be proved",
 }
-"""For each stage what may be changed."""
+"""Remedy for each stage."""
 
 BY_AREA = {LAYOUT, LENGTHS, PROOF}
-"""Those that a stated area of the house makes harder."""
+"""Stages that a stated area of the house makes harder."""
 
 MOST = 3
-"""Of so many rules and lengths it is said how often they refuted something."""
+"""Largest number of rules and lengths that a report lists with their numbers of refutations."""
 
 
 class Account:
-    """The work for one house."""
+    """Work on one house."""
 
     def __init__(self, located: "Callable[[Iterable[Symbol]], Mapping[Symbol, Reason]]") -> None:
-        """``located`` says where clauses stand, which takes Prolog: so each is asked for when it is met."""
+        """Set the function that returns the places of clauses.
+
+        ``located`` takes time in Prolog, so it is called for each clause when the clause first occurs.
+        """
         self._located = located
         self.has_area = False
-        """Whether the grammar states the area of the house."""
+        """True if the grammar states the area of the house."""
         self._reasons: dict[Symbol, Reason | None] = {}
         self.begin()
 
@@ -49,15 +52,15 @@ class Account:
         self._undecided: Counter[str] = Counter()
 
     def at(self, stage: str, what: str) -> None:
-        """This is what is done now."""
+        """Set the current stage and work."""
         self.stage, self._at = stage, what
 
     def sampled(self) -> None:
-        """Another layout of the rooms is found."""
+        """Count another layout of the rooms."""
         self._layouts += 1
 
     def refuted(self, clauses: "Collection[Symbol]", furniture: bool = False) -> None:
-        """A layout of the rooms, or of the ``furniture`` of one, is infeasible by these clauses."""
+        """Count a layout of the rooms, or of one room's ``furniture``, that these clauses make infeasible."""
         if furniture:
             self._rooms += 1
         else:
@@ -65,7 +68,7 @@ class Account:
         if new := [clause for clause in clauses if clause not in self._reasons]:
             found = self._located(new)
             self._reasons |= {clause: found.get(clause) for clause in new}
-        # A clause is named in several ways, as of each piece of a room.
+        # A clause may have several names, for example one for each piece of a room.
         self._by.update({reason for clause in clauses if (reason := self._reasons[clause])})
 
     @property

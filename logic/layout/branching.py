@@ -1,4 +1,4 @@
-"""How a search of stage 1 branches: on the picks in a sampled order, house after house in one search."""
+"""Branching in searches of stage 1: on the picks in a sampled order, house after house in one search."""
 
 import math
 from collections.abc import Iterable
@@ -7,22 +7,23 @@ import clingo
 import numpy as np
 
 AGAIN = 4
-"""Searches that are left to the solver after one that is led."""
+"""Number of searches that are left to the solver after one in the given order."""
 
 
 class Brancher(clingo.Propagator):
-    """Makes the solver branch on the picks in a given order, each to be taken where it still can be.
+    """Propagator that makes the solver branch on the picks in a given order, each set to true if possible.
 
-    One search finds a model for each order. All that is decided for a model is decided under a switch, a
-    literal without a meaning: once that is false, the solver takes all of it back, and begins at the root
-    under the next switch. Nogoods are clauses of one search, which end with it: as rules of the program they
-    would stay behind.
+    One search finds a model for each order. All decisions for a model are under a switch, a literal without a
+    meaning. Once the switch is false, the solver retracts the decisions and begins at the root under the next
+    switch. Nogoods are clauses of one search, which end with it. As rules of the program they would remain.
     """
 
     def __init__(self, picks: np.ndarray, patience: int | None = None) -> None:
-        """Know the pick literals of a program. With ``patience`` the solver is left to itself after so many
-        decisions: then what it finds depends on all that it has solved before. It is led again at each
-        ``AGAIN``-th search, for what is refuted has many neighbours that are refuted too.
+        """Set the pick literals of a program.
+
+        With ``patience`` the solver chooses its own branches after so many decisions. The result then depends
+        on everything that the solver has solved before. At each ``AGAIN``-th search it branches in the given
+        order again, because refuted layouts have many neighbours that are refuted, too.
         """
         self._picks: list[int] = picks.tolist()
         self._patience = self._left = math.inf if patience is None else patience
@@ -36,17 +37,17 @@ class Brancher(clingo.Propagator):
     def branch(
         self, order: Iterable[int] = (), then: Iterable[int] = (), nogoods: Iterable[list[int]] = ()
     ) -> None:
-        """From the next model on find the first one outside the nogoods by the picks in this order.
+        """Order the picks for the next model, which is the first one outside the nogoods in this order.
 
-        ``then``: where in the order to go on after each pick that is taken. Nogoods need a search that begins
-        with them.
+        ``then``: index in the order at which to continue after each pick that becomes true. Nogoods must be
+        set before a search begins.
         """
         self._order, self._nogoods = order, nogoods
         self._left = self._patience if self._searches % AGAIN == 0 or self._patience == math.inf else 0
         self._searches += 1
         self._then = [1, *(place + 1 for place in then)]
         self.waiting = True
-        """Whether no model is found in this order yet, nor looked for."""
+        """True if the search for a model in this order has not begun."""
 
     def init(self, init: clingo.PropagateInit) -> None:
         """Begin a search."""
@@ -64,7 +65,7 @@ class Brancher(clingo.Propagator):
         self._queue = [switch, *(self._solver_literals[place] for place in self._order)]
 
     def check(self, control: clingo.PropagateControl) -> None:
-        """A layout is found; or that of the last order still stands, and is to be left."""
+        """Keep a new layout if it has no nogood, or leave the layout of the last order."""
         if self.waiting:
             left = self._switch
             self._begin(control.add_literal())
@@ -72,18 +73,18 @@ class Brancher(clingo.Propagator):
                 control.propagate()
             return
         while self._clauses:
-            # Locked: else clasp may delete them, as if it had learnt them.
+            # Locked, because clasp would otherwise delete them like learnt clauses.
             if not control.add_clause(self._clauses.pop(), tag=True, lock=True) or not control.propagate():
                 return
 
     def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
-        """The next pick that is neither taken nor refused."""
+        """Return the next pick that is still undecided, or the solver's own choice."""
         self._left -= 1
         if self._left < 0:
             return fallback
         queue, then, scanned, level = self._queue, self._then, self._scanned, assignment.decision_level
         scanned.extend([0] * (level + 1 - len(scanned)))
-        # What was decided when this level began, and so up to its place in the queue, still is.
+        # Decisions from before this level, up to its place in the queue, still hold.
         place = scanned[level]
         while place < len(queue) and (taken := assignment.value(queue[place])) is not None:
             place = then[place] if taken else place + 1

@@ -1,9 +1,9 @@
 # clingo.ast leaves the attributes of its nodes untyped.
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
-"""Rules under conditions: each of the user's own holds where ``stated(N)`` does, which is free to hold.
+"""Rules under conditions: each rule of the user holds if ``stated(N)`` does, which may hold or not.
 
-What a fact bounds or allows is wider without it, and what no fact allows can be added, as
-``why/left_out.lp`` says: so the fact that stands there, or that does not, is among the reasons.
+Without a fact its bounds and permissions are wider, and a fact that is absent can be added
+(``why/left_out.lp``). Therefore a fact that is stated, or absent, can be among the reasons.
 """
 
 import itertools
@@ -24,7 +24,7 @@ BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
 
 LEFT_OUT = RULES / "why" / "left_out.lp"
-"""What there could be where a fact is left out or added."""
+"""Rules for the effect of facts that are left out or added."""
 
 Signature = tuple[str, int]
 
@@ -32,11 +32,11 @@ ABSENT = " is not stated"
 """Words after a fact that a grammar lacks, placed at the first fact with the same first argument, or kind."""
 
 FAR = 1_000_000
-"""Millimetres, more than anything measures; small enough for clingo to add up."""
+"""Millimetres, more than any length; small enough for sums in clingo."""
 
 
 class Source:
-    """Rule files, which are parsed once for all the programs that are made of them."""
+    """Rule files, parsed once for all programs that are made from them."""
 
     def __init__(self, files: Sequence[Path], left_out: Places = frozenset()) -> None:
         """Keep the files, without the typical rules at ``left_out``; the core is added when needed."""
@@ -67,7 +67,7 @@ class Conditional(NamedTuple):
 
 
 def _conditional(files: Sequence[Path], laws: bool, left_out: Places) -> Conditional:
-    """See ``Source.conditional``."""
+    """Return the result of ``Source.conditional``."""
     found = Conditional([ast.Program(HERE, "base", [])], [], {})
     kinds, program = left_out_facts(), ""
 
@@ -96,7 +96,7 @@ def _conditional(files: Sequence[Path], laws: bool, left_out: Places) -> Conditi
 
 @cache
 def left_out_facts() -> set[Signature]:
-    """The facts that ``rules/why/left_out.lp`` asks for."""
+    """Return the facts that ``rules/why/left_out.lp`` uses."""
     found = set[Signature]()
 
     def take(statement: ast.AST) -> None:
@@ -110,7 +110,7 @@ def left_out_facts() -> set[Signature]:
 
 
 def _signature(found: ast.AST) -> Signature | None:
-    """Of an atom, or of all in a pool as ``lit(hall;study)``, in a head or a body; None for anything else."""
+    """Return the signature of an atom, or of all atoms in a pool such as ``lit(hall;study)``, or None."""
     if found.ast_type != ast.ASTType.Literal or found.atom.ast_type != ast.ASTType.SymbolicAtom:
         return None
     symbol = found.atom.symbol
@@ -124,43 +124,46 @@ def _beginning(head: ast.AST) -> str:
 
 
 def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:
-    """The rule with its head as a term of an atom of this name, under more conditions."""
+    """Return the rule with its head as a term of an atom with this name, under more conditions."""
     atom = ast.SymbolicAtom(ast.Function(HERE, name, [rule.head.atom.symbol], False))
     return rule.update(head=literal(atom), body=[*rule.body, *conditions])
 
 
 @cache
 def stated(number: int) -> ast.AST:
-    """The condition of a statement by its number: a proof asks for each a dozen times."""
+    """Return the condition of a statement by its number.
+
+    It is cached, as a proof needs each a dozen times.
+    """
     return atom_of(stated_symbol(number))
 
 
 @cache
 def free(number: int) -> ast.AST:
-    """The rule by which that condition may hold or not."""
+    """Return the rule by which this condition may hold or not."""
     choice = ast.ConditionalLiteral(HERE, literal(stated(number)), [])
     return ast.Rule(HERE, ast.Aggregate(HERE, None, [choice], None), [])
 
 
 @cache
 def stated_symbol(number: int) -> Symbol:
-    """The same as a symbol."""
+    """Return the condition as a symbol."""
     return Function("stated", [Number(number)])
 
 
 def atom_of(symbol: Symbol) -> ast.AST:
-    """A symbol in a rule."""
+    """Return a symbol as an atom in a rule."""
     terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
     return ast.SymbolicAtom(ast.Function(HERE, symbol.name, terms, False))
 
 
 def unbound(length: Symbol) -> Symbol:
-    """The fact of a length of which nothing is known: its numbers are least and greatest ones in turn."""
+    """Return the fact of an unknown length, whose numbers are least and greatest lengths in turn."""
     bounds = itertools.cycle([Number(0), Number(FAR)])
     numbers = [a if a.type != SymbolType.Number else next(bounds) for a in length.arguments]
     return Function(length.name, numbers)
 
 
 def literal(atom: ast.AST, sign: ast.Sign = ast.Sign.NoSign) -> ast.AST:
-    """An atom, or its negation, in a rule."""
+    """Return an atom, or its negation, as a literal in a rule."""
     return ast.Literal(HERE, sign, atom)

@@ -1,6 +1,7 @@
-"""Minimal conflicts: as few as possible of some statements, of whatever kind, that are impossible together.
+"""Minimal unsatisfiable cores: minimal sets of statements, of any kind, that are impossible together.
 
-``possible`` says whether some of them are, ``core`` gives some of impossible ones that are so by themselves.
+``possible`` returns True if some statements are possible together. ``core`` returns some of impossible
+statements that suffice for a contradiction.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,9 +15,9 @@ def minimal(
     possible: Callable[[Sequence[T]], bool],
     core: Callable[[Sequence[T]], list[T]],
 ) -> list[T]:
-    """Ts that are impossible together, and possible with any one of them left out."""
+    """Return statements that are impossible together, and possible with any one of them left out."""
     needed = core(statements)
-    # A rule is more readily left out than the facts above it, which it may stand in for.
+    # Rules are left out more readily than the facts above them, which they may replace.
     for statement in reversed(list(needed)):
         if statement in needed:
             fewer = [other for other in needed if other is not statement]
@@ -30,7 +31,7 @@ def preferred(
     possible: Callable[[Sequence[T]], bool],
     core: Callable[[Sequence[T]], list[T]],
 ) -> list[T]:
-    """The same, of the first statements wherever these do: few steps where many are impossible by a few.
+    """Return a minimal core that prefers the first statements, in few steps if a few statements conflict.
 
     QuickXplain: Junker, AAAI 2004.
     """

@@ -1,9 +1,9 @@
-"""Difference constraints in stage 1: clingo's own theory of them, where the rules state any.
+"""Difference constraints in stage 1: the theory of clingo-dl, if the rules state any.
 
-``&diff { a - b } <= c`` in ``differences.lp`` says what lengths forbid while the walls are still
-being chosen (clingo-dl: Janhunen, Kaminski, Ostrowski, Schaub, Schellhorn and Wanko, TPLP 17, 2017). Stage 2
-has these constraints too, beside those that are no differences: the theory saves time and excludes nothing
-that fits.
+``&diff { a - b } <= c`` in ``differences.lp`` states what lengths forbid while the walls are still being
+chosen (clingo-dl: Janhunen, Kaminski, Ostrowski, Schaub, Schellhorn and Wanko, TPLP 17, 2017). Stage 2 has
+these constraints too, with others that are no differences. The theory saves time and excludes nothing that
+fits.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -18,20 +18,20 @@ from logic.grammar import ADJACENT, BRIEF, GUARD, RULES, Places
 from logic.layout.reading import load, parse
 
 DIFFERENCES, ROOM = RULES / "shared_walls" / "differences.lp", "room"
-"""The file that states differences, and the part of the rules that has none: that of furniture."""
+"""File that states differences, and the part of the rules that has none: furniture."""
 
 STATING = DIFFERENCES, ADJACENT, GUARD, BRIEF
-"""All that state some."""
+"""All files that state differences."""
 
 FURNITURE = RULES / "room"
-"""Rules of furniture, which the programs with differences do without: these are of a house's rooms."""
+"""Rules of furniture, which programs with differences omit, since they are about the rooms of a house."""
 
 _spent = list[object]()
-"""Theories whose controls are gone, or are about to go: freed with the next program."""
+"""Theories whose controls are freed, or about to be. They are freed with the next program."""
 
 
 class Differences:
-    """The theory of one program, which must live as long; without that file among its rules, none."""
+    """Difference theory of a program, which must live as long; none without ``DIFFERENCES`` in its rules."""
 
     def __init__(
         self,
@@ -54,10 +54,11 @@ class Differences:
             from clingodl import ClingoDLTheory
 
             self._theory = ClingoDLTheory()
-            if BRIEF in self.files:  # Its areas are many differences of few lines.
+            if BRIEF in self.files:  # Its areas are many differences between few lines.
                 self._theory.configure("propagate", "full")
             self._theory.register(control)
-            # A control that is freed calls its theory: of a circle, the collector might free that one first.
+            # A freed control calls its theory. In a reference cycle the collector might free the theory
+            # first.
             _spent.clear()
             finalize(control, _spent.append, self._theory)
 
@@ -85,20 +86,21 @@ class Differences:
             self._theory.rewrite_ast(statement, builder.add)
 
     def prepare(self) -> None:
-        """Know the differences of the ground program."""
+        """Prepare the differences of the ground program."""
         if self._theory is not None:
             self._theory.prepare(self._control)
 
 
 def _of_topology(file: Path) -> bool:
-    """Whether it comes with a topology, of which furniture needs nothing."""
+    """Return True if a file belongs to a topology, which furniture does not need."""
     return RULES in file.parents and file.parent != RULES
 
 
 @cache
 def core_statements(files: tuple[Path, ...]) -> list[AST]:
-    """What these files of the core state of a house's rooms, ready to be added: a process makes a dozen
-    programs of the same.
+    """Return the statements of these core files about a house's rooms, ready to be added.
+
+    They are cached, because a process makes a dozen programs of the same files.
     """
     from clingodl import ClingoDLTheory
 

@@ -1,4 +1,4 @@
-"""What clingo says, as errors with file, line and column, and with what the user wrote there."""
+"""Messages of clingo as errors with file, line and column, and with the user's own text."""
 
 import re
 from collections.abc import Iterable
@@ -15,14 +15,14 @@ _PLACED = re.compile(
 _UNSAFE = re.compile(r":(?P<line>\d{1,9}):(?P<column>\d{1,9})[-\d:]{0,40}: note: '(?P<name>\S+)' is unsafe")
 
 _COMMENTS = re.compile(r'"(?:\\.|[^"\\\n])*+"?|%\*.*?(?:\*%|(?P<open>\Z))|%[^\n]*', re.DOTALL)
-"""Strings and comments, and where one begins that does not end."""
+"""Strings and comments, and the start of one that does not end."""
 
 REMARKS = {
     "operation undefined": "arithmetic takes whole numbers; where there is none, the rule is passed over",
     "tuple ignored": "a sum adds whole numbers: the first term of each tuple",
     "global variable in tuple": "outside the aggregate it has a value, so it counts once: rename it inside",
 }
-"""What clingo remarks on, and what follows from it."""
+"""Clingo's remarks, and their consequences."""
 
 SYNTAX = {
     re.compile(r"^\s*(//|/\*|#(\s|$))"): "a comment begins with %",
@@ -45,11 +45,11 @@ SYNTAX = {
     re.compile(r"\d\.\d"): "numbers are whole in .lp files: lengths belong in .pl files",
     re.compile(r"(?<![\w#])[A-Z]\w*\("): "predicates begin in lower case, variables in upper case",
 }
-"""What a line with a syntax error may hold, and how it is written."""
+"""Patterns in lines with a syntax error, and the correct notation."""
 
 
 def clingo_error(remarks: Iterable[str], otherwise: str) -> GrammarError:
-    """The first error among clingo's remarks; without one, an error with this text."""
+    """Return the first error among clingo's remarks, or else an error with the text ``otherwise``."""
     for remark in remarks:
         found = _PLACED.match(remark.strip())
         if found and found["kind"] == "error":
@@ -58,7 +58,7 @@ def clingo_error(remarks: Iterable[str], otherwise: str) -> GrammarError:
 
 
 def placed_error(remark: str) -> GrammarError:
-    """One remark of clingo's as an error at its place."""
+    """Return a remark of clingo as an error at its place."""
     found = _PLACED.match(remark.strip())
     if not found:
         return GrammarError(remark.strip())
@@ -88,7 +88,7 @@ def placed_error(remark: str) -> GrammarError:
 
 
 def _unclosed(file: str) -> GrammarError:
-    """A comment that goes on to the end of its file, where it begins."""
+    """Return an error at the start of a comment that goes on to the end of its file."""
     text = Path(file).read_text("utf-8")
     opened = next((each.start() for each in _COMMENTS.finditer(text) if each["open"] is not None), 0)
     before = text[:opened].split("\n")
@@ -97,9 +97,9 @@ def _unclosed(file: str) -> GrammarError:
 
 
 def excerpt(file: str, begin: tuple[int, int], end: tuple[int, int | None]) -> str:
-    """What stands between two places of a file, lines and columns, on one line."""
+    """Return the text between two places of a file, lines and columns, on one line."""
     lines = Path(file).read_text(encoding="utf-8").split("\n")
-    # Where a file ends within a statement, clingo names a line after its last.
+    # If a file ends within a statement, clingo names the line after its last.
     first = min(begin[0], len(lines)) - 1
     part = lines[first : max(first + 1, end[0])]
     part[-1] = part[-1][: end[1] and end[1] - 1]
@@ -108,6 +108,6 @@ def excerpt(file: str, begin: tuple[int, int], end: tuple[int, int | None]) -> s
 
 
 def written(node: Any) -> str:
-    """What the user wrote for a node of clingo's syntax tree."""
+    """Return the user's text for a node of clingo's syntax tree."""
     begin, end = node.location.begin, node.location.end
     return excerpt(begin.filename, (begin.line, begin.column), (end.line, end.column))

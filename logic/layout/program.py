@@ -1,11 +1,12 @@
-"""Stage 1, clingo: every discrete choice of a house, sampled by weight whatever the solver's state.
+"""Stage 1, clingo: every discrete choice of a house, sampled by weight independently of the solver's state.
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
-sampled pick by pick: the variables turn by turn, in random order within each turn, each taking its first
-value, in random order, that some stable model shares with all the picks before it. clingo finds that model in
-one go: it branches on the picks in just this order, so what it has to take back is proved impossible, and the
-first model is the lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a
-layout depends on the rules and the random numbers alone, never on what was solved before.
+sampled pick by pick. The variables come turn by turn, in random order within each turn. Each variable takes
+the first value, in random order, that some stable model shares with all the picks before it. clingo finds
+this model in one search, because it branches on the picks in exactly this order. Every choice that it
+retracts is proved impossible, and the first model is the lexicographically first (Di Rosa, Giunchiglia and
+Maratea, Constraints 15, 2010). Therefore a layout depends only on the rules and the random numbers, never on
+earlier searches.
 """
 
 import time
@@ -27,22 +28,24 @@ from logic.layout.ground import Instances, Literals
 from logic.layout.messages import clingo_error
 
 Part = tuple[str, Sequence[Symbol]]
-"""A ``#program`` part of the rules and its arguments."""
+"""``#program`` part of the rules, and its arguments."""
 
 HOUSE: tuple[Part, ...] = (("house", ()), (TYPICAL, ()))
-"""The parts that are a house's rooms."""
+"""Parts for the rooms of a house."""
 
 Nogood = Mapping[Symbol, bool]
 """Atoms that do not all hold, or fail, as stated together in one layout."""
 
 
 class TooMany(Exception):
-    """The search was ended before it was known whether there is a layout."""
+    """The search ended before it was known whether there is a layout."""
 
 
 @dataclass(frozen=True)
 class Conflict:
-    """A minimal set of reasons why a room cannot have its furniture: take one away and CLP(R) has a solution.
+    """Minimal set of reasons why a room cannot have its furniture.
+
+    Without any one of them CLP(R) has a solution.
 
     ``atoms`` of the layout, each of which holds or fails; ``clauses`` of the grammar, as terms:
     ``length(passage)``, ``size(bedroom)``, ``size(bedroom,bed)``.
@@ -53,7 +56,7 @@ class Conflict:
 
 
 EVERY = ("--models=0", "--project=show")
-"""Arguments of a program that is to give every layout once."""
+"""Arguments of a program that returns every layout once."""
 
 LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
@@ -64,14 +67,16 @@ heuristic has nothing to choose: a cheap one.
 """
 
 FREE = ("--configuration=handy", "--sat-prepro=no", "--sign-def=rnd", "--rand-freq=0.02")
-"""Arguments of a program that is solved for one house, where layouts are hard to find: clasp chooses the
-order of its search, at random by a ``--seed``, and only begins with the sampled picks. To simplify the
-program first takes as long as the search that it shortens.
+"""Arguments of a program that is solved for one house, in which layouts are hard to find.
+
+clasp chooses the order of its search, at random by a ``--seed``, and only begins with the sampled picks.
+Simplifying the program first would take as long as it saves.
 """
 
 SOON = 1000
-"""Number of conflicts after which a search by sampled picks stops, and clasp searches for any layout in its
-own order. If there is none, clasp proves that up to a hundred times sooner.
+"""Number of conflicts after which a search by sampled picks stops. clasp then searches in its own order.
+
+If there is no layout, its own order proves this up to a hundred times sooner.
 """
 
 BOUNDS = (500, 1000, 2000)
@@ -84,13 +89,13 @@ LAYOUTS = 1000
 """Number of layouts after which a program forgets all learnt nogoods, which grow slowly."""
 
 LEMMAS, NOTHING = 8, 0
-"""What clasp's option ``forget_on_step`` can say."""
+"""Values of clasp's option ``forget_on_step``."""
 
 CORE = RULES / "core.lp"
 
 
 class Program:
-    """One ground program: the rooms of a house, or the furniture of one type of room."""
+    """Ground program: the rooms of a house, or the furniture of one room type."""
 
     def __init__(
         self,
@@ -115,7 +120,7 @@ class Program:
         search = LASTING if seed is None else (*FREE, f"--seed={seed}")
         self._control = clingo.Control(
             [*search, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
-            # Of the list alone: in a circle with its control, a theory might be freed first, which crashes.
+            # Only the list: in a cycle with its control, a theory might be freed first, which crashes.
             logger=lambda _, text: remarks.append(text),
             message_limit=1000,
         )
@@ -146,10 +151,10 @@ class Program:
         self._bounds = BOUNDS if bounded else (SOON if self._sampling else None,)
 
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
-        """The options of all variables, in the rules' own order.
+        """Return the options of all variables, in the rules' own order.
 
-        For each variable: its turn, how many options there are. For each option: whether its variable picks
-        just one, its pick literal, its weight.
+        For each variable: its turn and its number of options. For each option: True if its variable picks
+        just one, its pick literal, and its weight.
         """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
@@ -182,16 +187,16 @@ class Program:
         )
 
     def atoms(self, name: str, arity: int) -> list[Symbol]:
-        """All atoms of this signature that may hold, in any model."""
+        """Return all atoms of this signature that may hold, in any model."""
         return [atom.symbol for atom in self._control.symbolic_atoms.by_signature(name, arity)]
 
     def facts(self, name: str, arity: int) -> list[Symbol]:
-        """The atoms of this signature that hold in all models."""
+        """Return the atoms of this signature that hold in all models."""
         found = self._control.symbolic_atoms.by_signature(name, arity)
         return [atom.symbol for atom in found if atom.is_fact]
 
     def possible(self, assumed: Iterable[Symbol] = (), without: Iterable[Symbol] = ()) -> bool:
-        """Whether there is a layout with all assumed atoms and without any of the others."""
+        """Return True if there is a layout with all ``assumed`` atoms and with none of ``without``."""
         self.end_search()
         return bool(self._control.solve(assumptions=self._literals(assumed, without)).satisfiable)
 
@@ -264,7 +269,7 @@ class Program:
             model = self._handle.model()
             if model is not None and not self._brancher.waiting:
                 return model
-            self.end_search()  # As after a layout without any choice: there was no other to go on to.
+            self.end_search()  # As after a layout without any choice, which has no successor.
             self._brancher.branch(order, then, excluded)
         self._configure("solver", forget_on_step=LEMMAS if self._sampled > LAYOUTS else NOTHING)
         self._configure("solve", enum_mode="user", models=0, solve_limit=f"{bound or 'umax'},umax")
@@ -274,7 +279,7 @@ class Program:
 
     @property
     def _is_undecided(self) -> bool:
-        """Return True if the sampling search ended at its bound."""
+        """True if the sampling search ended at its bound."""
         if self._handle is None or self._handle.model() is not None:
             return False
         return not self._handle.get().exhausted
@@ -298,13 +303,13 @@ class Program:
             setattr(getattr(self._control.configuration, part), name, value)
 
     def count(self, assumed: Iterable[Symbol], seconds: float) -> Iterator[tuple[int, bool | None]]:
-        """The number of layouts with all assumed atoms: last with True, or with False where there are more
-        than were counted in time; once a second before that, the number so far with None.
+        """Yield the number of layouts with all assumed atoms.
 
-        The program must have been made with the arguments ``EVERY``.
+        The last item has True if the count is complete, and False if time ran out before. Earlier items come
+        once a second, with the number so far and None. The program must have the arguments ``EVERY``.
         """
         begun, shown, number = time.monotonic(), 0.0, 0
-        late = Timer(seconds, self._control.interrupt)  # Where it takes long to find another one.
+        late = Timer(seconds, self._control.interrupt)  # For the case that it takes long to find another one.
         late.daemon = True
         with self._control.solve(assumptions=self._literals(assumed, ()), yield_=True) as handle:
             late.start()
@@ -325,7 +330,10 @@ class Program:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
     def _excluded(self, nogood: Nogood) -> list[int]:
-        """The literals of a nogood, one of which must fail. An atom that can never hold fails anyway."""
+        """Return the literals of a nogood, one of which must fail.
+
+        An atom that can never hold is left out.
+        """
         return [
             literal if holds else -literal
             for atom, holds in nogood.items()

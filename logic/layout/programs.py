@@ -1,4 +1,4 @@
-"""The programs of stage 1 for one grammar: the rooms of a house, and the furniture of a room of each type."""
+"""Programs of stage 1 for one grammar: the rooms of a house, and the furniture of each room type."""
 
 import time
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Rule files read by clingo, each by itself: what a grammar's files include is not clingo's to read."""
+"""Reader of rule files by clingo, each by itself, since clingo must not follow a grammar's includes."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
@@ -24,7 +24,7 @@ from logic.includes import below, height
 Logger = Callable[[MessageCode, str], None]
 
 MESSAGES = 1000
-"""How many remarks are passed on."""
+"""Largest number of remarks that are passed on."""
 
 
 def parse(
@@ -74,7 +74,7 @@ def _without(left_out: Places, take: Callable[[AST], None]) -> Callable[[AST], N
 
 
 def _includes(file: Path) -> bool:
-    """Whether a file of a grammar's includes others; the core's are clingo's to follow."""
+    """Return True if a grammar's file has includes. clingo itself follows those of the core."""
     return RULES not in file.parents and height(_text(file), file.suffix) > 0
 
 
@@ -83,7 +83,7 @@ def _text(file: Path) -> str:
 
 
 def _parse(file: Path, take: Callable[[AST], None], logger: Logger) -> None:
-    """Give what stands below a file's includes."""
+    """Pass on the statements below a file's includes."""
     statements, remarks, error = _statements(str(file), below(_text(file), file.suffix))
     for code, remark in remarks:
         logger(code, remark)
@@ -95,9 +95,9 @@ def _parse(file: Path, take: Callable[[AST], None], logger: Logger) -> None:
 
 @lru_cache
 def _statements(file: str, text: str) -> tuple[list[AST], list[tuple[MessageCode, str]], RuntimeError | None]:
-    """The statements of a text, with their places in this file, what clingo remarks, and what ends it.
+    """Return the statements of a text with their places in this file, clingo's remarks, and a final error.
 
-    A process makes a dozen programs of the same.
+    They are cached, because a process makes a dozen programs of the same text.
     """
     found: list[AST] = []
     remarks: list[tuple[MessageCode, str]] = []
@@ -115,7 +115,7 @@ def _statements(file: str, text: str) -> tuple[list[AST], list[tuple[MessageCode
 
 
 def _place(node: AST, file: str) -> None:
-    """Say that a statement and all its parts stand in this file."""
+    """Set the file of a statement and of all its parts."""
     if "location" in node.keys():  # noqa: SIM118 (a node is no mapping)
         begin, end = node.location.begin, node.location.end
         node.location = Location(
@@ -128,7 +128,7 @@ def _place(node: AST, file: str) -> None:
 
 
 def children(node: AST) -> Iterator[Any]:
-    """What stands in a node: nodes, sequences of them, or None for what there is not."""
+    """Return the children of a node: nodes, sequences of nodes, or None for absent ones."""
     kind = node.ast_type
     if kind not in _CHILDREN:
         _CHILDREN[kind] = node.child_keys
@@ -136,4 +136,4 @@ def children(node: AST) -> Iterator[Any]:
 
 
 _CHILDREN: dict[ASTType, list[str]] = {}
-"""Names of the children of each kind of node: to ask each node takes longer than to read it."""
+"""Names of the children of each kind of node, cached since asking each node takes longer than reading it."""

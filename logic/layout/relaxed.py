@@ -1,12 +1,12 @@
 # clingo.ast leaves the attributes of its nodes untyped.
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
-"""Why there is no house: a minimal set of the user's own statements and choices in conflict.
+"""Ground programs with retractable statements, to find a minimal core of the user's statements and choices.
 
 Every rule and fact of the grammar's files has one more condition (``conditional.py``), which is assumed.
-Without the assumption the statement may hold or not: that leaves all the houses there were and adds some, so
-leaving more out never makes a house impossible, and "take one away and there is a house" means something. The
-lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length is anything
-from nothing to very much.
+Without the assumption the statement may hold or not. This keeps all houses and adds some, so that leaving
+more out never makes a house impossible. Therefore "without this one there is a house" is meaningful. The
+lengths of the ``.pl`` files enter in the same way, in both stages. Without its clause a length may be
+anything between zero and a very large value.
 """
 
 import contextlib
@@ -41,31 +41,31 @@ from logic.layout.program import CORE, Conflict, Part, TooMany
 
 @dataclass(frozen=True)
 class Statement:
-    """One thing that may be left out: what the user reads, and the literals that stand for it."""
+    """Statement that may be left out: the text for the user, and the literals that stand for it."""
 
     reason: Reason
     literals: tuple[int, ...]
     clause: Symbol | None = None
-    """Of a ``.pl`` file: see ``Conflict``."""
+    """Clause of a ``.pl`` file: see ``Conflict``."""
 
 
 EVERYTHING = 15
-"""What clasp's option ``forget_on_step`` can say: scores, signs, nogoods and lemmas."""
+"""Value of clasp's option ``forget_on_step`` for scores, signs, nogoods and lemmas."""
 
 CONFLICTS = 100
-"""How many conflicts clingo may meet for each layout that may be refuted, where these are limited."""
+"""Number of conflicts of clingo per layout that may be refuted, if these are limited."""
 
 
 class Late(Exception):
-    """The time to try something is over."""
+    """The time for an attempt is over."""
 
 
 Refutation = Callable[[Sequence[Symbol]], Conflict | None]
-"""Why a layout is impossible in stage 2, if it is."""
+"""Function that returns the conflict of a layout in stage 2, or None."""
 
 
 class Relaxed:
-    """A ground program in which each statement of the user's can be left out."""
+    """Ground program in which each statement of the user can be left out."""
 
     def __init__(
         self,
@@ -78,9 +78,10 @@ class Relaxed:
     ) -> None:
         """Ground these parts of the core and of the source's files.
 
-        ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
-        With ``laws`` what the core requires can be left out too. With ``most`` ground rules are counted,
-        which takes its time, and those past them are left out: of the files alone, nothing wider or added.
+        ``lengths`` are facts for stage 1, with the clauses that each comes from and the places of these. With
+        ``laws`` the requirements of the core can be left out, too. With ``most`` ground rules are counted,
+        which takes time, and the rules after that number are left out. These are then only rules of the
+        files, without wider bounds or additions.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
@@ -108,7 +109,7 @@ class Relaxed:
                         found.append((reason, clause))
                 conditions = [stated(numbers[clause]) for clause in clauses]
                 builder.add(ast.Rule(HERE, literal(atom_of(fact)), [literal(atom) for atom in conditions]))
-                # Without a clause a length has no bounds; what is no length does not hold.
+                # Without its clause a length has no bounds, and any other fact does not hold.
                 for atom in conditions if unbound(fact) != fact else ():
                     missing = literal(atom, ast.Sign.Negation)
                     builder.add(ast.Rule(HERE, literal(atom_of(unbound(fact))), [missing]))
@@ -137,17 +138,17 @@ class Relaxed:
         self._known = {literal for each in self.statements for literal in each.literals}
 
     def choice(self, reason: Reason, holds: Iterable[Symbol] = (), fails: Iterable[Symbol] = ()) -> Statement:
-        """A choice of the request's: that some atoms hold, and others do not."""
+        """Return the choice of a request that some atoms hold, and others do not."""
         literals = [self._literal_of[atom] for atom in holds]
         literals += [-self._literal_of[atom] for atom in fails if atom in self._literal_of]
         return Statement(reason, tuple(literals))
 
     def give(self, holds: Iterable[Symbol], fails: Iterable[Symbol]) -> None:
-        """That these atoms hold, and the others do not, is never left out."""
+        """Assume, in all searches, that these atoms hold and the others do not."""
         self._given += self.choice(Reason(""), holds, fails).literals
 
     def proved(self, reason: Reason, nogoods: Iterable[Mapping[Symbol, bool]]) -> Statement:
-        """What is proved elsewhere, as a statement: no layout has all atoms of a nogood."""
+        """Return a result of another proof as a statement: no layout has all atoms of a nogood."""
         with self._control.backend() as backend:
             stated = backend.add_atom()
             backend.add_rule([stated], choice=True)
@@ -162,15 +163,15 @@ class Relaxed:
 
     @property
     def instances(self) -> int:
-        """How many ground rules there are, where these are counted."""
+        """Number of ground rules, if they are counted."""
         return self._instances.number
 
     def binds(self, statement: Statement) -> bool:
-        """Whether a statement has any ground instance, where these are counted."""
+        """Return True if a statement has any ground instance, if these are counted."""
         return any(self._instances.of[literal] for literal in statement.literals)
 
     def largest(self) -> Statement:
-        """The statement with the most ground instances, where these are counted."""
+        """Return the statement with the most ground instances, if these are counted."""
         return max(self.statements, key=lambda statement: self._instances.of[statement.literals[0]])
 
     def model(
@@ -180,10 +181,10 @@ class Relaxed:
         most: float = math.inf,
         conflicts: int | None = None,
     ) -> list[Symbol] | None:
-        """The shown atoms of a layout under these statements that is not ``refuted``; None if there is none.
+        """Return the shown atoms of a layout under these statements that is not ``refuted``, or None.
 
-        What is refuted is excluded from then on. Raises ``Late``, and ``TooMany`` past so many refuted
-        layouts or ``conflicts`` of clingo's own, ``CONFLICTS`` for each of these unless it is said.
+        Refuted layouts remain excluded. Raises ``Late``, and ``TooMany`` after ``most`` refuted layouts or
+        after ``conflicts`` of clingo. The default is ``CONFLICTS`` for each of the ``most`` layouts.
         """
         if monotonic() > self.until:
             raise Late
@@ -192,7 +193,8 @@ class Relaxed:
             conflicts = CONFLICTS * int(most)
         self._search(models=0, conflicts=conflicts)
         try:
-            # One search goes on past what is refuted: to begin another takes longer than all the rest.
+            # The search continues after refuted layouts, since starting another takes longer than all the
+            # rest.
             with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
                 for model in handle:
                     layout = sorted(model.symbols(shown=True))
@@ -213,15 +215,15 @@ class Relaxed:
             self._exclude(excluded)
 
     def forget(self) -> None:
-        """Forget after each search what it learnt: a hard one would lead those after it astray."""
+        """Forget after each search what it learnt, since a hard search would mislead later ones."""
         self._control.configuration.solver.forget_on_step = EVERYTHING
 
     def left_out(self, statements: Iterable[Statement]) -> list[Statement]:
-        """Those of the known statements that do not hold in the layout that was found last."""
+        """Return the known statements that do not hold in the last layout."""
         return [each for each in statements if not self._failing.isdisjoint(each.literals)]
 
     def prefer(self, statements: Iterable[Statement]) -> None:
-        """Know these statements, and look for layouts in which as many as possible of them hold."""
+        """Register these statements, and search for layouts in which as many of them as possible hold."""
         self._control.configuration.solver.heuristic = "Domain"
         self._known.update(literal for each in statements for literal in each.literals)
         with self._control.backend() as backend:
@@ -230,18 +232,18 @@ class Relaxed:
                 backend.add_heuristic(abs(each), kind, 1, 1, [])
 
     def prefer_none(self) -> None:
-        """Look for any layout again: one in which little holds is found many times sooner."""
+        """Search for any layout again, since a layout in which little holds is found many times sooner."""
         self._control.configuration.solver.heuristic = "Vsids"
 
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
-        """Some of these statements, which have no layout, that have none by themselves."""
+        """Return a core: those of these statements, which have no layout, that suffice for a conflict."""
         core: set[int] = set()
         self._search(models=1, conflicts=None)
         self._control.solve(assumptions=self._assumed(statements), on_core=core.update)
         return [statement for statement in statements if core.intersection(statement.literals)]
 
     def _search(self, models: int, conflicts: int | None) -> None:
-        """Look for so many layouts, all with 0, before so many conflicts, if these are limited."""
+        """Limit the next search to so many layouts (0 for all) and, if given, conflicts."""
         solve = self._control.configuration.solve
         solve.models, solve.solve_limit = models, f"{conflicts or 'umax'},umax"
 
@@ -249,7 +251,7 @@ class Relaxed:
         return self._given + [literal for statement in statements for literal in statement.literals]
 
     def at_most(self, number: int, choices: Iterable[Statement]) -> Statement:
-        """That at most this number of choices, each of one atom that holds, are otherwise."""
+        """Return the statement that at most this number of choices, each of one atom that holds, change."""
         with self._control.backend() as backend:
             more = backend.add_atom()
             others = [(-literal, 1) for choice in choices for literal in choice.literals]
@@ -272,7 +274,7 @@ class Relaxed:
 
     def _exclude(self, conflicts: Sequence[list[int]]) -> None:
         if not conflicts:
-            return  # To open a backend takes longer than a search.
+            return  # Opening a backend takes longer than a search.
         with self._control.backend() as backend:
             for literals in conflicts:
                 backend.add_rule([], literals)

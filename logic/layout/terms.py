@@ -1,4 +1,4 @@
-"""What enters stage 1 beside the rules, as ASP terms: a request's requirements and a grammar's lengths."""
+"""Inputs of stage 1 besides the rules, as ASP terms: a request's requirements and a grammar's lengths."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import ceil, floor, log
@@ -15,23 +15,23 @@ from logic.request.own_plan import OwnPlan
 from logic.request.request import MOST, Range, Request
 
 STEP = 500
-"""Millimetres: how precisely stage 1 knows the depth of a unit."""
+"""Precision of the depth of a unit in stage 1, millimetres."""
 
 Span = tuple[float, float]
-"""From the least to the greatest."""
+"""Least and greatest value."""
 
 ANY: Span = (0.0, 1e6)
-"""Millimetres of what may be as long as it likes."""
+"""Span of an unlimited length, millimetres."""
 
 STAIR = 1.08
-"""How much wider the steps of an area are at least than those before them."""
+"""Least ratio between the widths of successive steps of an area."""
 
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
-"""For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
+"""Facts of stage 1 about lengths by room type, each with the clause that it comes from."""
 
 
 def requirements(kind: str, ranges: Mapping[str, Range]) -> list[Symbol]:
-    """The requirements ``among`` (room types) or ``has`` (pieces), by name: see ``rules/request.lp``."""
+    """Return the requirements ``among`` (room types) or ``has`` (pieces), by name: ``rules/request.lp``."""
     return [
         Function(kind, [Function(name), Number(least), Number(MOST if most is None else most)])
         for name, (least, most) in sorted(ranges.items())
@@ -39,7 +39,7 @@ def requirements(kind: str, ranges: Mapping[str, Range]) -> list[Symbol]:
 
 
 def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
-    """The requirement ``fixed`` of each fixed room."""
+    """Return the requirement ``fixed`` of each fixed room."""
     return [
         Function("fixed", [Number(number), Function(fixed.room.type), Function(fixed.side)])
         for number, fixed in enumerate(rooms)
@@ -47,19 +47,19 @@ def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
 
 
 def room_requirements(request: Request) -> list[Symbol]:
-    """All that a request requires of the rooms of a house."""
+    """Return all requirements of a request on the rooms of a house."""
     own = own_requirements(request.plan) if request.plan else {}
     brief = [each for _, some in brief_requirements(request.brief) for each in some] if request.brief else []
     return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own, *brief]
 
 
 def shared_requirements(request: Request) -> list[Symbol]:
-    """All that a request requires of the rooms of a house of units: see ``rules/shared_walls/units.lp``."""
+    """Return all requirements on the rooms of a house of units: see ``rules/shared_walls/units.lp``."""
     return requirements("shared", request.types)
 
 
 def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
-    """The requirements of a plan of the user's, each in words: see ``rules/shared_walls/own.lp``."""
+    """Return the requirements of a user's plan, each in words: see ``rules/shared_walls/own.lp``."""
     found = {}
     ends = [max(line[side][1] for line in plan.lines) for side in ("east", "south")]
     for number, (room, lines) in enumerate(zip(plan.rooms, plan.lines, strict=True)):
@@ -145,8 +145,9 @@ def _sides(brief: Brief, lengths: Iterable[Symbol]) -> Iterator[tuple[int | str,
 
 
 def _widths(least: float, most: float, across: Span, down: Span) -> Span:
-    """The widths of a box with such an area, square millimetres, whose sides are so long; of any such box
-    where there is none.
+    """Return the range of widths of a box with areas (square millimetres) and sides in these ranges.
+
+    If no such box exists, return the range for any sides.
     """
     slit = 1e3 * LEAST_SIDE
     low = max(slit, across[0], least / down[1])
@@ -155,9 +156,7 @@ def _widths(least: float, most: float, across: Span, down: Span) -> Span:
 
 
 def _stairs(least: float, most: float, ratio: float, lower: int) -> list[float]:
-    """Widths, each so much wider than the one before: the first one is less than the least, and so many of
-    them, ``lower``, are greater than the most.
-    """
+    """Return widths in steps of ``ratio``, from below ``least`` to ``lower`` widths above ``most``."""
     steps = 2 + ceil(log(most / least) / log(ratio)) + lower
     return [least * ratio ** (number - 1) for number in range(steps)]
 
@@ -167,22 +166,22 @@ def _term(name: str, *arguments: str | int) -> Symbol:
 
 
 def granted(requirement: Symbol) -> Symbol:
-    """The atom to assume where a requirement is to hold."""
+    """Return the atom to assume if a requirement must hold."""
     return Function("granted", [requirement])
 
 
 def parts(terms: Iterable[Symbol]) -> list[Part]:
-    """The parts of the rules that these terms name, with their arguments."""
+    """Return the parts of the rules that these terms name, with their arguments."""
     return [(term.name, term.arguments) for term in terms]
 
 
 def to_furnish(type_: str, rooms: int) -> list[Symbol]:
-    """The atoms of which one holds where some room is of this type and is to be furnished."""
+    """Return atoms, one of which holds if some room with furniture has this type."""
     return [Function("unfurnished", [Number(number), Function(type_)]) for number in range(rooms)]
 
 
 def length_facts(lengths: Mapping[str, Any]) -> Lengths:
-    """The lengths (see ``logic.placement.placer.Placer.lengths``) in whole millimetres, by room type."""
+    """Return the lengths of ``logic.placement.lengths.stated_lengths`` in whole millimetres, by room type."""
     named = [
         (Function("length", [Function(name), Number(floor(1000 * m))]), Function("length", [Function(name)]))
         for name, m in lengths["lengths"].items()
@@ -209,10 +208,10 @@ def wall_facts(
     thickness: float,
     doors: Iterable[str],
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-    """What stage 1 knows of walls (``differences.lp``), each fact with the clauses it comes from.
+    """Return the facts of stage 1 about walls (``differences.lp``), each with the clauses it comes from.
 
     For the arguments see ``logic.placement.lengths.wall_lengths``. Clauses that only stage 2 knows have a
-    fact too.
+    fact, too.
     """
     door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
     clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))
@@ -242,8 +241,9 @@ def wall_facts(
 def area_facts(
     total: Sequence[float], rooms: Iterable[tuple[str, float, float, float, float]]
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-    """What stage 1 knows of the area of the house and of rooms of each type (``areas.lp``), each fact with
-    the clauses it comes from. ``rooms``: see ``Placer.areas``.
+    """Return the facts of stage 1 about the areas of the house and of each room type (``areas.lp``).
+
+    Each fact has the clauses it comes from. ``rooms``: see ``logic.placement.lengths.area_bounds``.
     """
 
     def bounds(least: float, most: float) -> tuple[Symbol, Symbol]:
@@ -262,7 +262,10 @@ def area_facts(
 def berth_fact(
     lengths: Mapping[str, float], rooms: Sequence[tuple[str, float, float, float, float]]
 ) -> tuple[Symbol, tuple[Symbol, ...]]:
-    """What rooms take of a star's main room (``star/areas.lp``), centimetres, with its clauses."""
+    """Return the fact of the wall that rooms take of a star's main room, centimetres, with its clauses.
+
+    See ``star/areas.lp``.
+    """
     gap = max(lengths["room_gap"], lengths["door_clearance"])
     bounds = [min(room[3] for room in rooms), max(room[4] for room in rooms)]
     bounds += [gap, gap, lengths["door_width"], lengths["door_width"]]
@@ -275,12 +278,12 @@ def berth_fact(
 
 
 def depth_steps(least: float, most: float) -> list[Symbol]:
-    """What is known of the depths of units, metres: facts of ``rules/shared_walls/units.lp``."""
+    """Return the facts of ``rules/shared_walls/units.lp`` about the depths of units, metres."""
     first, last = floor(1000 * least / STEP), ceil(1000 * most / STEP)
     return [Function("step", [Number(STEP * number)]) for number in range(first, last + 1)]
 
 
 def _millimetres(extremes: Sequence[float]) -> list[Symbol]:
-    """Least and greatest lengths in turn, as whole millimetres that exclude none of them."""
+    """Return least and greatest lengths in turn, as whole millimetres that exclude none of them."""
     bounds = [floor, ceil] * (len(extremes) // 2)
     return [Number(bound(1000 * metres)) for bound, metres in zip(bounds, extremes, strict=True)]
