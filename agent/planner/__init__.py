@@ -1,9 +1,11 @@
-"""A next-best-view planner: an occupancy map, viewpoints by information gain, paths.
+"""Next-best-view planner: an occupancy map, viewpoints chosen by information gain, and paths.
 
-It reads the agent's own rays and actions, and whether its moves were blocked. It knows nothing else: not its
-pose, its house, its target or its reward. Headings are multiples of 45 degrees to walls that lie along two
-axes, so odometry is exact. Axes: E environments, R rays, C channels, S by S cells.
-``docs/planner.md`` tells how it works and what it costs.
+The planner reads only the agent's own rays and actions, and for each move whether it was blocked. It knows
+neither its pose nor its house, target or reward. Headings are multiples of 45 degrees to walls that lie along
+two axes, so odometry is exact.
+
+Axes: E environments, R rays, C channels, S by S cells. ``docs/planner.md`` explains how the planner works and
+what it costs.
 """
 
 import numpy as np
@@ -29,17 +31,17 @@ from sim.runtime import Array, Launch, start, ti
 __all__ = ["TUNED", "Planner", "PlannerConfig"]
 
 UNSEEN, FREE, TAKEN = range(3)
-"""What ``Planner.occupancy`` says of a cell."""
+"""Values of ``Planner.occupancy``."""
 
 GIVEN = {"prior"}
-"""The arrays of ``PlannerArrays`` that others write."""
+"""Arrays of ``PlannerArrays`` that code outside the planner writes."""
 
 STATE = (*(name for name in PlannerArrays._fields if name not in GIVEN), "states", "advice")
-"""The arrays that the next steps depend on."""
+"""Names of the arrays that the next steps depend on."""
 
 
 def require_time(world: Config) -> None:
-    """Raise ``ValueError`` for episodes too long for a cell to keep when it was seen."""
+    """Raise ``ValueError`` for episodes with more steps than a cell can store."""
     if world.steps > LATEST - 2:
         raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
 
@@ -47,7 +49,7 @@ def require_time(world: Config) -> None:
 def memory_arrays(
     config: PlannerConfig, count: int, rays: int, errs: bool, prior: bool, slips: bool
 ) -> dict[str, Array]:
-    """What planners of ``count`` environments keep: see ``PlannerArrays``; their states, and the advice."""
+    """Return what planners of ``count`` environments keep: ``PlannerArrays``, states and advice."""
     area = count << 2 * config.map_bits
     return {
         "cells": Array(ti.u16, area),
@@ -68,15 +70,16 @@ def memory_arrays(
 
 
 class Planner:
-    """Planners of E environments: one kernel takes them all a step further.
+    """Planners of E environments, which one kernel advances together.
 
-    A planner keeps when it last saw each cell (half a body wide), which cells are occupied, and the target
-    that it has seen. Its goal is that target, or else the viewpoint that shows most candidates, places where
-    a target may lie that were not seen since the last pick-up, for its cost.
+    A planner stores the step at which it last saw each cell (half a body wide), the cells that are occupied,
+    and the target that it has seen. Its goal is that target. Without a known target, the goal is the
+    viewpoint that shows most candidates for its cost. Candidates are places where a target may lie and that
+    were not seen since the last pick-up.
     """
 
     advice: Tensor
-    """(E,) int64, the action that leads to the goal. The same memory after every step."""
+    """Action that leads to the goal, (E,) int64. The same memory after every step."""
 
     def __init__(
         self,
@@ -86,13 +89,13 @@ class Planner:
         prior: bool = False,
         led: bool = False,
     ) -> None:
-        """Make planners for E environments of the configuration ``world``, in each of which an episode
-        begins.
+        """Make planners for E environments of the configuration ``world``; an episode begins in each.
 
-        ``prior``: what places count, and which of the unseen ones stop sight, is read from the array of this
-        name, which a network or a study that knows the house fills, and not estimated. ``led``: they choose
-        no viewpoint; where they have none (``lost``) they are given one by ``lead``.
-        Raises ``ValueError`` for episodes too long for a cell to keep when it was seen.
+        ``prior``: the planner does not estimate what unseen places count and which of them block sight. It
+        reads both from the array ``prior``, which a network or a study that knows the house fills. ``led``:
+        the planner chooses no viewpoint. A planner without a goal (``lost``) gets a viewpoint from ``lead``.
+
+        Raises ``ValueError`` for episodes with more steps than a cell can store.
         """
         world.require_lattice("a planner")
         require_time(world)
@@ -142,33 +145,36 @@ class Planner:
         self._open(("observation", "blocked", "action", "begun"))
 
     def _open(self, given: tuple[str, ...]) -> None:
-        """Hold the arrays as tensors: those of these names are given in each step."""
+        """Hold the arrays as tensors. Each step copies its arguments to those named in ``given``."""
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._given = [tensors[name] for name in given]
         self._states = tensors["states"].view(-1, SIZE)
         self.advice = tensors["advice"]
 
     def step(self, observation: Tensor, blocked: Tensor, action: Tensor, begun: Tensor) -> None:
-        """Take what an action led to: ``observation`` (E, R, C), and whether it was ``blocked`` (E,) bool.
+        """Take the result of an action: ``observation`` (E, R, C) and ``blocked`` (E,) bool.
 
-        Where ``begun`` (E,) bool, the observation is an episode's first one, and the action is ignored.
+        Where ``begun`` (E,) bool is true, the observation is the first of an episode and the action is
+        ignored.
         """
         self._take(observation, blocked, action, begun)
 
     def _take(self, *given: Tensor) -> None:
-        """Run the kernel with these in the place of those before."""
+        """Copy these tensors over those of the last step, then run the kernel."""
         for held, now in zip(self._given, given, strict=True):
             held.copy_(now.reshape(-1))
         self._launch()
 
     @property
     def lost(self) -> Tensor:
-        """Where (E,) bool it has no goal: no viewpoint, and no target that is known."""
+        """Mask (E,) bool of the planners without a goal: they have no viewpoint and know no target."""
         return self.read("kind") == NONE
 
     def lead(self, environments: np.ndarray, goals: np.ndarray) -> None:
-        """Give viewpoints to planners that are ``led``, in these environments (n,) int: ``goals`` (n, 3) int,
-        the node, the heading there, and how many nodes the path is about long. The advice follows them.
+        """Give viewpoints to planners that are ``led``, in these environments (n,) int.
+
+        ``goals`` (n, 3) int has the node, the heading there, and the approximate length of the path in nodes.
+        The advice follows the viewpoints.
         """
         if self._lead is None:
             raise ValueError("these planners choose their viewpoints: make them with led")
@@ -183,7 +189,7 @@ class Planner:
 
     @property
     def state(self) -> dict[str, Tensor]:
-        """All that the next steps depend on: copies, to be given back another time."""
+        """Copies of all arrays that the next steps depend on, which can be assigned again later."""
         return {name: torch.from_numpy(self.arrays[name].numpy()) for name in STATE}
 
     @state.setter
@@ -194,30 +200,33 @@ class Planner:
             self.arrays[name].fill(state[name].numpy())
 
     def read(self, name: str) -> Tensor:
-        """A number (E,) int32 of all states, by its name in ``agent.planner.state``."""
+        """Return one number (E,) int32 of all states, by its name in ``agent.planner.state``."""
         return self._states[:, AT[name]]
 
     @property
     def seeks(self) -> Tensor:
-        """Where (E,) bool no target is known, so that one must be sought."""
+        """Mask (E,) bool of the planners that know no target, so that they must search for one."""
         return self.read("kind") != TARGET
 
     @property
     def seen(self) -> Tensor:
-        """How many cells (E,) int32 have been seen."""
+        """Number (E,) int32 of cells that were seen in this episode."""
         return self.read("seen")
 
     def pose(self, environment: int) -> tuple[float, float, int]:
-        """Where the planner locates the eye: cells east and south of its start, and its heading. The frame's
-        axes are the walls'; which of them is east was chosen so that the episode began at heading 0, or at 1
-        if that was diagonal. Where no wall was in sight at first, it may begin again at the first wall.
+        """Return the planner's estimate of the eye: cells east and south of its start, and its heading.
+
+        The frame's axes lie along the walls. The frame's east is such that the episode began at heading 0, or
+        at 1 if the first heading was diagonal. If no wall was in sight at first, the frame may begin again at
+        the first wall.
         """
         x, y, heading = (int(self.read(name)[environment]) for name in ("x", "y", "heading"))
         return x / 2, y / 2, heading
 
     def goal(self, environment: int) -> tuple[float, float] | None:
-        """Where it goes, cells east and south of its start: to where it believes the target to be, else to a
-        viewpoint; None where it has no goal.
+        """Return the goal in cells east and south of the start, None without a goal.
+
+        The goal is the estimated place of the target if one is known, otherwise a viewpoint.
         """
         if self.read("kind")[environment] == NONE:
             return None
@@ -229,18 +238,22 @@ class Planner:
         return float((x + side // 2) % side - side // 2), float((y + side // 2) % side - side // 2)
 
     def occupancy(self, environment: int) -> np.ndarray:
-        """Cells (S, S) uint8, south by east, unseen, free or taken; the start is the middle's corner."""
+        """Return cells (S, S) uint8, south by east: unseen, free or taken.
+
+        The start is a corner in the middle.
+        """
         cells = self._map("cells", environment)
         return np.where(cells & OCCUPIED, TAKEN, np.where(cells >> FLAGS, FREE, UNSEEN)).astype(np.uint8)
 
     def last_seen(self, environment: int) -> np.ndarray:
-        """The steps (S, S) at which cells were last seen, 0 for never; placed as ``occupancy``."""
+        """Return the steps (S, S) at which cells were last seen, 0 for never; placed as ``occupancy``."""
         return (self._map("cells", environment) & (OCCUPIED - 1)) >> FLAGS
 
     def unseen_floor(self, environment: int) -> np.ndarray:
-        """What places never seen count as candidates (S / 2, S / 2) uint8, for two by two cells of
-        ``occupancy`` each, from 0 to ``CERTAIN``: how surely they are free floor. 0 where that was not
-        computed.
+        """Return the weight of places never seen as candidates, (S / 2, S / 2) uint8, from 0 to ``CERTAIN``.
+
+        A weight states how likely a place of two by two cells of ``occupancy`` is free floor. It is 0 where
+        it was not computed.
         """
         tiles, half = 1 << self.config.map_bits - TILE, 1 << self.config.map_bits - 2
         blocks = self.arrays["odds"].view().reshape(-1, tiles, tiles, SIDE, SIDE)[environment]
@@ -248,27 +261,27 @@ class Planner:
         return np.where(odds == UNKNOWN, 0, odds)
 
     def foreseen(self, environment: int) -> np.ndarray:
-        """With a prior: what places count (S / 2, S / 2) uint8, two by two cells of ``occupancy`` each."""
+        """Return the weights of the prior (S / 2, S / 2) uint8, two by two cells of ``occupancy`` each."""
         half = 1 << self.config.map_bits - 1
         blocks = self.arrays["prior"].view().reshape(-1, half, half)[environment]
         return (np.roll(blocks, (half // 2, half // 2), axis=(0, 1)) & COUNT).astype(np.uint8)
 
     def paths(self, environment: int) -> np.ndarray:
-        """Nodes (S, S) from the goal where they were searched, else 65535; placed as ``occupancy``."""
+        """Return path lengths (S, S) in nodes from the goal, 65535 if unknown; placed as ``occupancy``."""
         return self._map("distance", environment)
 
     def _map(self, name: str, environment: int) -> np.ndarray:
-        """An array of one environment (S, S), rolled so that the start is in the middle."""
+        """Return an array of one environment (S, S), rolled so that the start is in the middle."""
         side = 1 << self.config.map_bits
         one = self.arrays[name].view().reshape(-1, side, side)[environment]
         return np.roll(one, (side // 2, side // 2), axis=(0, 1))
 
     @property
     def walls(self) -> np.ndarray:
-        """What the maps show to be occupied, solid and near, but not when it was seen: (E S S,) uint16."""
+        """Bits of the maps' cells that tell occupied, solid and near, without the step; (E S S,) uint16."""
         return self.arrays["cells"].numpy() & np.uint16(OCCUPIED | SOLID | NEAR)
 
     def add_walls(self, walls: np.ndarray) -> None:
-        """Add what other maps of the same episodes showed (``walls``): for studies of their value."""
+        """Add ``walls`` from other maps of the same episodes, for studies of their value."""
         self.arrays["cells"].view()[:] |= walls
         self.arrays["dirty"].view()[:] = 1

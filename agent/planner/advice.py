@@ -1,4 +1,4 @@
-"""What a planner advises: the turn to the heading from which a step brings the goal nearest."""
+"""Advice of a planner: the turn to the heading from which a step brings the goal nearest."""
 
 from agent.planner.mapping.occupancy import Occupancy
 from agent.planner.paths import FAR, Paths
@@ -8,21 +8,23 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class Advice:
-    """Advice to a body on a map, by the paths to its goal."""
+    """Actions for a body on a map, from the paths to its goal."""
 
     def __init__(self, occupancy: Occupancy, paths: Paths) -> None:
         self.occupancy, self.paths, self.step = occupancy, paths, occupancy.step
 
     @ti.func
     def span(self, px, py):
-        """Half cells to look ahead at a pose: a step, or from node to node where that is more."""
+        """Return the half cells to look ahead at a pose: a step, or from node to node if that is more."""
         return ti.select((px | py) & 1 == 0, ti.max(2, self.step), self.step)
 
     @ti.func
     def gains(self, memory: ti.template(), base, px, py, heading, forward):
-        """Of a step at each of the eight headings, counter-clockwise from the body's own: how much nearer
-        each half cell of it brings the goal, -1 where that is not known or the step is not free. The first
-        is not free where the rays say that the body cannot go ``forward``.
+        """Return how much nearer each half cell of a step brings the goal, for the eight headings.
+
+        Headings count counter-clockwise from the body's own. A gain is -1 if it is unknown or the step is not
+        free. The step at the body's own heading is not free if the rays show that the body cannot go
+        ``forward``.
         """
         span, far = self.span(px, py), self.paths.far(memory, base, px, py)
         gains = ti.Vector([-1.0] * 8)
@@ -34,7 +36,7 @@ class Advice:
             if way[0] * way[1] != 0:
                 free &= self.occupancy.room(memory, base, qx, py) & self.occupancy.room(memory, base, px, qy)
                 if ti.static(self.occupancy.touching):
-                    # Nor may a wall lie on any side of the square about the way.
+                    # On each side of the square about the way, too, no wall may lie.
                     for corner in ti.static(range(2)):
                         cx, cy = ti.select(corner, qx, px), ti.select(corner, qy, py)
                         to = 1 - 2 * corner
@@ -50,8 +52,10 @@ class Advice:
 
     @ti.func
     def turn(self, memory: ti.template(), base, px, py, heading, gains):
-        """How far to turn, in eighths counter-clockwise: of the steps that lead nearest to the one with the
-        fewest turns before and after it. One where none is known to lead anywhere.
+        """Return the turn to the best step, in eighths counter-clockwise.
+
+        The best step brings the goal nearest. Among equals it is the one with the fewest turns before and
+        after it. The turn is 1 if no step is known to lead anywhere.
         """
         span, nearest, turn, fewest = self.span(px, py), gains.max(), 1, 1 << 10
         for k in range(8):
@@ -65,5 +69,5 @@ class Advice:
 
     @ti.func
     def action(self, turn):
-        """Left, right or forward, to make such a turn."""
+        """Return the action that begins such a turn, left or right, or forward for no turn."""
         return ti.select(turn == 0, FORWARD, ti.select(turn > 4, RIGHT, LEFT))

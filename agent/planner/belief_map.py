@@ -1,4 +1,4 @@
-"""Where a planner believes the target to be, for pictures: what each place counts in its choice of a view."""
+"""Map of a planner's belief about the target's place, for pictures: weights of places in its choice."""
 
 from functools import cache
 from typing import Any
@@ -19,7 +19,7 @@ from sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
 
 
 class BeliefMap:
-    """Reads what planners believe; it changes nothing that their next steps depend on."""
+    """Reader of what planners believe. Reading changes nothing that the planners' next steps depend on."""
 
     def __init__(self, planner: Planner) -> None:
         self.side = 1 << planner.config.map_bits - 1  # blocks of two by two cells
@@ -28,10 +28,12 @@ class BeliefMap:
         self._launch = Launch(kernel, planner.arrays | {"counts": self.counts})
 
     def read(self, environment: int = 0) -> np.ndarray:
-        """What a target in each block of two by two cells counts (S / 2, S / 2) uint8, from 0 to ``CERTAIN``,
-        south by east with the start in the middle: floor that it saw before the last pick-up, and what it
-        never saw by how surely that is free floor; less in the room, or outside the room, where the pick-ups
-        so far say that targets are rare. Nothing where a view has shown that no target is there.
+        """Return the weight of each block of two by two cells, (S / 2, S / 2) uint8, from 0 to ``CERTAIN``.
+
+        Blocks lie south by east with the start in the middle. Floor that was seen before the last pick-up
+        counts. Places never seen count by the probability that they are free floor. A block counts less in
+        the start room, or outside it, if the pick-ups so far suggest that targets are rare there. A block
+        counts 0 if a view has shown that no target is there.
         """
         self._launch()
         blocks = self.counts.view().reshape(-1, self.side, self.side)[environment]
@@ -40,7 +42,10 @@ class BeliefMap:
 
 @cache
 def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
-    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernel for a running Taichi.
+
+    The kernel's arguments have the names of the planner's arrays.
+    """
     occupancy = Occupancy(config, body.step, body.touching, body.errs)
     belief = Belief(config, occupancy, body.prior)
     parts = Candidates(config, occupancy, belief)
@@ -54,7 +59,8 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
                 node = parts.field.node(tile, block)
                 x, y, i = occupancy.across(node), occupancy.down(node), parts.first(base) + parts.at(node)
                 count, kept = 0, ti.cast(memory.odds[parts.field.of_tile(base, tile) + block], ti.i32)
-                # What was not kept is computed at each choice, and only floor that was seen is told without.
+                # Each choice computes the weights that are not kept. Without a choice, only seen floor has a
+                # weight.
                 known = (kept != UNKNOWN) | (memory.cells[base + node] >> FLAGS != 0)
                 if (
                     known

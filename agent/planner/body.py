@@ -1,47 +1,47 @@
-"""What a planner must know of the body and its rays."""
+"""Model of the body and its rays, as a planner needs it."""
 
 from typing import NamedTuple
 
 
 class BodyModel(NamedTuple):
-    """The body that a planner leads."""
+    """Body that a planner leads."""
 
     rays: int
     columns: tuple[str, ...]
-    """What an observation says of each ray: ``Config.columns``."""
+    """Columns of an observation of each ray: ``Config.columns``."""
 
     step: int
-    """Half cells."""
+    """Length of a step, half cells."""
 
     touching: bool
-    """Whether it fills a cell of the house."""
+    """True if the body fills a cell of the house."""
 
     target: float
     """Half a target's side, cells."""
 
     ray_range: float
-    """Of rays, parts of a cell."""
+    """Range of the rays, in fractions of a cell: see ``FINE``."""
 
     noise: float
-    """The standard deviation of the rays' distances, cells."""
+    """Standard deviation of the rays' distances, cells."""
 
     dropout: bool
-    """Whether a ray may return nothing though it met something."""
+    """True if a ray may return nothing although it met something."""
 
     slip: bool
-    """Whether an action may do nothing, unnoticed."""
+    """True if an action may be ignored unnoticed."""
 
     eighth: int
-    """Rays in an eighth of a turn."""
+    """Number of rays in an eighth of a turn."""
 
     errs: bool
-    """Whether rays or wheels err, and the body does not fill a cell."""
+    """True if rays or wheels err and the body does not fill a cell."""
 
     prior: bool
-    """Whether what unseen places count is given from outside."""
+    """True if the weights of unseen places are given from outside."""
 
     led: bool
-    """Whether its viewpoints are given from outside, and none is chosen."""
+    """True if viewpoints are given from outside and the planner chooses none."""
 
     drives: bool = False
-    """Whether it is a disc that drives, at any heading."""
+    """True if the body is a disc that drives at any heading."""

@@ -1,4 +1,4 @@
-"""The goal: the target that was seen, or else the next best view; and the paths to it."""
+"""Goal of a planner: the target that was seen, or else the next best view; and the paths to the goal."""
 
 from agent.planner.body import BodyModel
 from agent.planner.config import PlannerConfig
@@ -9,7 +9,7 @@ from agent.planner.viewpoints.choice import Viewpoints
 from sim.runtime import ti
 
 NEXT = 2
-"""Half cells from a viewpoint at which a body that drives is there."""
+"""Half cells from a viewpoint within which a body that drives has arrived."""
 
 
 @ti.data_oriented
@@ -31,8 +31,10 @@ class Goal:
 
     @ti.func
     def choose(self, memory: ti.template(), tables: ti.template(), state, base, hits):
-        """The goal and the paths to it: the target that was seen, or else the next best view, which a body
-        that is led is given afterwards (``lead``).
+        """Update the goal and the paths to it; return the state.
+
+        The goal is the target that was seen, or else the next best view. A body that is ``led`` gets its view
+        afterwards (``lead``).
         """
         far = self.paths.far(memory, base, state.x, state.y)
         state.stale += hits
@@ -48,12 +50,13 @@ class Goal:
                 ti.abs(self.occupancy.apart(self.occupancy.across(state.goal), self.occupancy.across(node))),
                 ti.abs(self.occupancy.apart(self.occupancy.down(state.goal), self.occupancy.down(node))),
             )
-            # From far away, a node more or less on this side or on that makes no other path.
+            # From far away, one node of drift does not change the path.
             drifted = self.config.target_drift * moved > far
-            # Where it stands at the goal and has not picked it up, the target lies a part of a cell aside.
+            # If the body stands at the goal without a pick-up, the target lies a fraction of a cell aside.
             search |= ti.cast((state.kind != TARGET) | drifted | (far == 0), ti.i32)
             state.kind, state.goal = TARGET, ti.select(search, node, state.goal)
-            # Mostly it is in sight: no path is tried first that is much longer than the straight one.
+            # The target is usually in sight, so the first search allows no path much longer than the straight
+            # one.
             away = ti.max(
                 ti.abs(state.target[0] - 0.5 * ti.cast(state.x, ti.f32)),
                 ti.abs(state.target[1] - 0.5 * ti.cast(state.y, ti.f32)),
@@ -96,7 +99,7 @@ class Goal:
 
     @ti.func
     def look_again(self, memory: ti.template(), state, base):
-        """All is seen: look again where it has not looked for longest."""
+        """Make the places unseen again that were not seen for longest: no candidate is left."""
         state.since += ti.max(1, (state.time - state.since) // 2)
         state.straight = -1
         self.viewpoints.forget(memory, base)
@@ -104,7 +107,7 @@ class Goal:
 
     @ti.func
     def lead(self, memory: ti.template(), state, base, node, look, within):
-        """Go to a node to look at a heading from there, by a path of ``within`` nodes or a few more."""
+        """Go to a node and look at a heading from there, by a path of about ``within`` nodes."""
         state.kind, state.goal, state.look, state.plan_age = SEARCH, node, look, 0
         state = self.search(memory, state, base, within + self.config.path_slack)
         state.path = self.paths.far(memory, base, state.x, state.y)
@@ -112,19 +115,20 @@ class Goal:
 
     @ti.func
     def search(self, memory: ti.template(), state, base, within):
-        """Search the paths to the goal, of ``within`` nodes, or else to what lies near to it."""
+        """Search paths to the goal, at most ``within`` nodes long; if there are none, to places near it."""
         self.paths.forget(memory, base, state.queued)
         state.queued, state.stale, state.path_age = 0, 0, 0
         off, radius = ti.Vector([0.0, 0.0]), 0.5
         if state.kind == TARGET:
-            # As near as the body must come to touch it.
+            # Radius at which the body touches the target.
             off = state.target - ti.floor(state.target + 0.5)
             radius = 1.0 + self.half - self.config.target_overlap
         px, py = state.x, state.y
         if within > 0:
             state.queued = self.paths.measure(memory, base, state.goal, off, radius, within, px, py)
         if self.paths.far(memory, base, px, py) == FAR:
-            # A viewpoint was chosen when less was known to be in its way: now a place near it will do.
+            # The viewpoint was chosen when fewer obstacles were known on its path: now a place near it will
+            # do.
             self.paths.forget(memory, base, state.queued)
             about = ti.static(self.radius)
             state.queued = self.paths.measure(memory, base, state.goal, off, about, FAR, px, py)

@@ -1,4 +1,4 @@
-"""The part of a planner's map that lies about the body, as a picture that an agent can read."""
+"""Part of a planner's map about the body, as a picture that an agent can read."""
 
 from functools import cache
 from typing import Any
@@ -15,20 +15,26 @@ from agent.planner.state import SIZE, loaded
 from sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
 
 LAYERS = TAKEN, SEEN, FRONTIER, AGE = range(4)
-"""255 where a cell is occupied; where it was ever seen; where it was, is not occupied, and lies beside one
-that was not; and how long ago it was seen last, 0 for now, 254 for an episode, 255 for never."""
+"""Layers of a window. ``TAKEN``: 255 where a cell is occupied. ``SEEN``: 255 where a cell was ever seen.
+``FRONTIER``: 255 where a seen, free cell lies next to an unseen one. ``AGE``: steps since a cell was last
+seen, 0 for now, 254 for an episode, 255 for never."""
 
 
 class LocalMap:
-    """Cuts windows out of E planners' maps, ``side`` by ``side`` cells. The body stands in the middle, and by
-    the nearest eighth of a turn looks up, or halfway between up and left.
+    """Windows of ``side`` by ``side`` cells, cut out of E planners' maps.
+
+    The body stands in the middle. By its nearest eighth of a turn it looks up, or halfway between up and
+    left.
     """
 
     cells: Tensor
     """(E, 4, side, side) uint8: see ``LAYERS``. The same memory after every ``read``."""
 
     def __init__(self, planner: Planner, side: int) -> None:
-        """Raises ``ValueError`` for a side that is odd, or more than a map has."""
+        """Cut windows from this planner's maps.
+
+        Raises ``ValueError`` for a side that is odd or larger than a map.
+        """
         most, count = 1 << planner.config.map_bits, len(planner.advice)
         if side % 2 or not 2 <= side <= most:
             raise ValueError(f"a window is an even number of cells wide, 2 to {most}, not {side}")
@@ -38,19 +44,22 @@ class LocalMap:
         self.cells = array.tensor(np.uint8, (count, len(LAYERS), side, side))
 
     def read(self) -> Tensor:
-        """The windows as the maps are now."""
+        """Return the windows of the maps as they are now."""
         self._launch()
         return self.cells
 
 
 @cache
 def _kernel(program: Any, config: PlannerConfig, body: BodyModel, side: int, steps: int) -> Any:
-    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernel for a running Taichi.
+
+    The kernel's arguments have the names of the planner's arrays.
+    """
     occupancy = Occupancy(config, body.step, body.touching, body.errs)
 
     @ti.func
     def when(cell):
-        """The step at which a cell was last seen, 0 for never."""
+        """Return the step at which a cell was last seen, 0 for never."""
         return (cell & ti.static(OCCUPIED - 1)) >> FLAGS
 
     @kernel
@@ -60,7 +69,7 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel, side: int, ste
             up = occupancy.ahead(state.heading & 6)
             right = ti.Vector([-up[1], up[0]])
             for j in range(side):
-                # A cell's middle, half cells from the body's node: rows and columns lie between nodes.
+                # Middle of a cell, half cells from the body's node: rows and columns lie between nodes.
                 middle = up * (side - 1 - 2 * i) + right * (2 * j + 1 - side)
                 x, y = (state.x >> 1) + ((middle[0] - 1) >> 1), (state.y >> 1) + ((middle[1] - 1) >> 1)
                 cell = ti.cast(memory.cells[base + occupancy.at(x, y)], ti.i32)

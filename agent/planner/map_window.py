@@ -1,4 +1,4 @@
-"""A window of the map that a planner keeps, as an observation: a wrapper of ``HouseVectorEnv``."""
+"""Wrapper of ``HouseVectorEnv`` that adds a window of a planner's map to the observations."""
 
 from typing import Any
 
@@ -21,23 +21,25 @@ MAP = "map"
 
 
 class MapWindow(VectorWrapper):
-    """Observations have one part more, ``map``: ``Box(0, 255, (4, side, side), uint8)``.
+    """Wrapper that adds a part ``map`` to observations: ``Box(0, 255, (4, side, side), uint8)``.
 
-    | layer | is |
+    | layer | value |
     |---|---|
     | 0 | 255 where a cell is occupied |
-    | 1 | 255 where it was ever seen |
-    | 2 | 255 on the frontier: seen, not occupied, beside a cell that was not seen |
-    | 3 | how long ago it was seen: 0 now, 254 as many steps as an episode has, 255 never |
+    | 1 | 255 where a cell was ever seen |
+    | 2 | 255 on the frontier: seen, not occupied, next to a cell that was not seen |
+    | 3 | time since a cell was seen: 0 now, 254 as many steps as an episode has, 255 never |
 
-    A cell is half a body wide, 0.14 m by default. The body is in the middle, and by the nearest eighth of a
-    turn looks up, or halfway between up and left. It is the map of ``agent.planner``, by the agent's rays and
-    moves alone; in the backend ``free`` by its rays and its pose.
+    A cell is half a body wide, 0.14 m by default. The body is in the middle. By its nearest eighth of a turn
+    it looks up, or halfway between up and left. The map is that of ``agent.planner``, made from the agent's
+    rays and moves alone; in the backend ``free`` from its rays and its pose.
     """
 
     def __init__(self, env: VectorEnv, side: int = 48, config: PlannerConfig = TUNED) -> None:
-        """Show ``side`` by ``side`` cells. Raises ``ValueError`` for environments without rays, or with flat
-        observations, and for a side that is odd or more than a map has.
+        """Show ``side`` by ``side`` cells.
+
+        Raises ``ValueError`` for environments without rays, or with flat observations, and for a side that is
+        odd or larger than a map.
         """
         super().__init__(env)
         inner = env.unwrapped
@@ -57,7 +59,7 @@ class MapWindow(VectorWrapper):
         self.ended = torch.zeros(self.num_envs, dtype=torch.bool)
 
     def reset(self, *, seed: Any = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
-        """As the environments do: the maps of episodes that begin are empty but for what is seen."""
+        """Reset the environments. Maps of episodes that begin are empty except for what is in sight."""
         seen, info = self.env.reset(seed=seed, options=options)
         begun = np.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
@@ -68,7 +70,7 @@ class MapWindow(VectorWrapper):
         return self._with_map(seen), info
 
     def step(self, actions: Any) -> tuple[Any, ...]:
-        """As the environments do."""
+        """Step the environments and the maps."""
         seen, reward, terminated, truncated, info = self.env.step(actions)
         ended, final = terminated | truncated, info.get("final_obs")
         blocked = info["blocked"]
@@ -81,8 +83,10 @@ class MapWindow(VectorWrapper):
         return self._with_map(seen), reward, terminated, truncated, info
 
     def step_torch(self, actions: Tensor) -> tuple[Any, ...]:
-        """``HouseVectorEnv.step_torch``, whose observations have the map too, in the same memory at each
-        call; in ``SAME_STEP`` ``final_obs`` in the info has a copy, valid where an episode ended.
+        """Return ``HouseVectorEnv.step_torch``, with the map added to its observations.
+
+        The map is in the same memory at each call. In ``SAME_STEP``, ``final_obs`` in the info has a copy,
+        valid where an episode ended.
         """
         seen, reward, terminated, truncated, info = self.inner.step_torch(actions)
         ended, final, blocked = terminated | truncated, info.get("final_obs"), info["blocked"]
@@ -94,7 +98,7 @@ class MapWindow(VectorWrapper):
         return self._parts(seen) | {MAP: self.window.cells}, reward, terminated, truncated, info
 
     def _follow(self, seen: Any, final: Any, blocked: Tensor, actions: Tensor, ended: Tensor) -> Tensor:
-        """Keep the maps in step. In ``SAME_STEP``, a copy of the windows as episodes ended."""
+        """Update the maps. Return the windows; in ``SAME_STEP``, a copy of the windows as episodes ended."""
         begun, last = torch.zeros_like(ended, dtype=torch.uint8), self.window.cells
         if self.inner.autoreset_mode is AutoresetMode.NEXT_STEP:
             begun[self.ended], self.ended = 1, ended.clone()
@@ -109,7 +113,7 @@ class MapWindow(VectorWrapper):
     def _keep(
         self, seen: Any, blocked: Tensor, actions: Tensor, begun: Tensor, ended: Tensor | None = None
     ) -> Tensor:
-        """Let planners take a step, and show their windows; where it ``ended`` an episode, from there."""
+        """Step the planners and return their windows; for episodes that ``ended``, from their last pose."""
         planner, rays = self.planner, self._rays(seen)
         if isinstance(planner, DrivingPlanner):
             pose = self.inner.world.describe()[0]

@@ -1,7 +1,7 @@
-"""Paths on the map: breadth-first over nodes, from a goal to the body and a little further.
+"""Paths on the map: breadth-first search over nodes, from a goal to the body and a little further.
 
-A step along a diagonal goes as far along both axes, so all eight neighbours of a node are one apart. What is
-near to what was seen and not known to be solid counts as free: the body finds out on its way.
+A diagonal step goes equally far along both axes, so all eight neighbours of a node are at distance one. Nodes
+near to seen cells that are not known to be solid count as free: the body finds out on its way.
 """
 
 from agent.planner.config import PlannerConfig
@@ -9,44 +9,44 @@ from agent.planner.mapping.occupancy import Occupancy
 from sim.runtime import ti
 
 FAR = (1 << 16) - 1
-"""The distance of a node that no search has reached."""
+"""Distance of a node that no search has reached."""
 
 
 @ti.data_oriented
 class Paths:
-    """Searches on a map: ``distance`` holds nodes' distances, ``queue`` the nodes that were reached."""
+    """Searches on a map: ``distance`` holds the distances of nodes, ``queue`` the nodes that were reached."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy) -> None:
         self.config, self.occupancy = config, occupancy
 
     @ti.func
     def forget(self, memory: ti.template(), base, tail):
-        """Take back the last search, whose queue ends at ``tail``."""
+        """Clear the distances of the last search, whose queue ends at ``tail``."""
         for k in range(tail):
             memory.distance[base + ti.cast(memory.queue[base + k], ti.i32)] = ti.cast(FAR, ti.u16)
 
     @ti.func
     def reached(self, memory: ti.template(), base, node):
-        """Whether the last search has reached a node."""
+        """Return 1 if the last search has reached a node."""
         return ti.cast(ti.cast(memory.distance[base + node], ti.i32) < FAR, ti.i32)
 
     @ti.func
     def push(self, memory: ti.template(), base, node, distance, tail):
-        """Reach a node for the first time; the queue's new end."""
+        """Reach a node for the first time; return the queue's new end."""
         memory.distance[base + node] = ti.cast(distance, ti.u16)
         memory.queue[base + tail] = ti.cast(node, self.occupancy.number)
         return tail + 1
 
     @ti.func
     def spread(self, memory: ti.template(), base, node, tail):
-        """Reach the neighbours of a node, diagonal ones only past two free corners; the queue's new end."""
+        """Reach the neighbours of a node, diagonal ones only past two free corners; return the new end."""
         x, y = self.occupancy.across(node), self.occupancy.down(node)
         distance = ti.cast(memory.distance[base + node], ti.i32) + 1
         free = ti.Vector([0, 0, 0, 0])
         for k in ti.static(range(4)):
             dx, dy = (1, 0, -1, 0)[k], (0, 1, 0, -1)[k]
             beside = self.occupancy.at(x + dx, y + dy)
-            # What was reached is free, but for where the search began: mostly no more need be read.
+            # Reached nodes are free, except where the search began: usually nothing else must be read.
             free[k] = self.reached(memory, base, beside)
             if free[k] == 0 and self.occupancy.open(memory, base, beside):
                 free[k] = 1
@@ -61,9 +61,11 @@ class Paths:
 
     @ti.func
     def measure(self, memory: ti.template(), base, goal, off, radius, within, px, py):
-        """Distances from a goal's node, and from what is free less than ``radius`` cells from the goal along
-        both axes, where it lies ``off`` its node, to all nodes up to the body's and a little further that may
-        lie on a path of ``within`` nodes; the queue's end. Where nothing there is free, from further away.
+        """Write the distances of nodes from a goal; return the queue's end.
+
+        The search begins at the free nodes that are less than ``radius`` cells from the goal along both axes;
+        the goal lies ``off`` its node. If none is free, the radius grows. The search ends a little beyond the
+        body, and visits only nodes that may lie on a path of ``within`` nodes.
         """
         tail, x, y = 0, self.occupancy.across(goal), self.occupancy.down(goal)
         for wider in range(4):
@@ -93,8 +95,9 @@ class Paths:
 
     @ti.func
     def turns(self, memory: ti.template(), base, px, py, heading):
-        """Turns, of 45 degrees each, on a path from a pose in half cells to the goal that goes straight on as
-        long as that leads nearer, and then turns as little as it must.
+        """Return the number of 45-degree turns on a path from a pose in half cells to the goal.
+
+        The path goes straight on while that leads nearer, and then turns as little as possible.
         """
         x, y, left = px >> 1, py >> 1, FAR
         for k in range(4):
@@ -107,7 +110,7 @@ class Paths:
             if going & (left > 0):
                 going = 0
                 for k in ti.static(range(8)):
-                    # Straight on, or a turn to either side, or two, or three, or back.
+                    # Straight on first, then turns of 1, 2 and 3 eighths to either side, then back.
                     if going == 0:
                         side = (heading + (0, 1, 7, 2, 6, 3, 5, 4)[k]) & 7
                         way = self.occupancy.ahead(side)
@@ -126,7 +129,7 @@ class Paths:
 
     @ti.func
     def far(self, memory: ti.template(), base, px, py):
-        """Distance of a pose from the goal, in half cells, by the nodes about it; ``FAR`` if unknown."""
+        """Return the distance of a pose from the goal, in half cells, by its nodes; ``FAR`` if unknown."""
         best = FAR
         for k in range(4):
             x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1

@@ -1,47 +1,47 @@
-"""The state of one environment's planner: whole numbers and the target's place, beside the arrays that it
-keeps."""
+"""State of one environment's planner: integers and the target's place, besides the planner's arrays."""
 
 from sim.runtime import ti
 
 NONE, SEARCH, TARGET = range(3)
-"""What a goal is: none, a viewpoint or a candidate, the target that was seen."""
+"""Kinds of goals: none; a viewpoint or a candidate; the target that was seen."""
 
 State = ti.types.struct(
     time=ti.i32,  # steps in this episode
     x=ti.i32,  # the eye's place, half cells east of its start
     y=ti.i32,  # and south
     heading=ti.i32,  # eighths of a turn
-    aligned=ti.i32,  # whether a wall has shown how the heading lies to the house
+    aligned=ti.i32,  # 1 if a wall has shown how the heading lies to the house
     straight=ti.i32,  # half cells gone straight on since the last sweep; -1: the next sweep skips nothing
-    since=ti.i32,  # the step since which the target may have lain where it lies, if it is not known
-    known=ti.i32,  # whether a target is known
+    since=ti.i32,  # step since which an unknown target may have lain where it lies
+    known=ti.i32,  # 1 if a target is known
     target=ti.math.vec2,  # its centre, cells east and south of the start
-    kind=ti.i32,  # what the goal is
-    goal=ti.i32,  # its node; of a target, about where it lies
+    kind=ti.i32,  # kind of the goal
+    goal=ti.i32,  # node of the goal; for a target, approximately
     look=ti.i32,  # the viewpoint's heading, -1 for none
     plan_age=ti.i32,  # steps since the viewpoint was chosen
-    queued=ti.i32,  # how long the last path search's queue is
+    queued=ti.i32,  # length of the last path search's queue
     path_age=ti.i32,  # steps since that search
-    stale=ti.i32,  # cells that were found to be occupied since that search
-    forward=ti.i32,  # whether the rays leave the body room to go forward
-    path=ti.i32,  # half cells to the goal, 65535 where no path is known
+    stale=ti.i32,  # cells found to be occupied since that search
+    forward=ti.i32,  # 1 if the rays leave the body room to go forward
+    path=ti.i32,  # half cells to the goal, 65535 without a known path
     new=ti.i32,  # cells seen for the first time in the last step
-    seen=ti.i32,  # and ever
+    seen=ti.i32,  # cells seen in this episode
     found=ti.i32,  # targets picked up, as far as the planner can tell
-    found_here=ti.i32,  # those of them in the start room
+    found_here=ti.i32,  # number of these in the start room
 )
 
 NAMES = tuple(State.members)
 SIZE = len(NAMES) + 1
-"""Numbers of a state: the target's place is two."""
+"""Numbers in a state: the target's place takes two."""
 
 AT = {name: k + (k > NAMES.index("target")) for k, name in enumerate(NAMES)}
-"""Where each is in its environment's part of the array, whole numbers but for the target's float32 bits."""
+"""Index of each number in its environment's part of the array: integers, and the float32 bits of the
+target."""
 
 
 @ti.func
 def loaded(states: ti.template(), e):
-    """An environment's state."""
+    """Return an environment's state."""
     at = e * SIZE
     return State(
         time=states[at],
@@ -88,7 +88,7 @@ def store(states: ti.template(), e, state):
 
 @ti.func
 def first_state(heading):
-    """The state of an episode that begins."""
+    """Return the state of an episode that begins."""
     state = State(0)
     state.heading, state.since, state.straight = heading, 1, -1
     return state

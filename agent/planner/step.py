@@ -1,4 +1,4 @@
-"""A step of all planners: move, see, remember, choose, advise."""
+"""Step of all planners: move, see, remember, choose, advise."""
 
 from functools import cache
 from typing import Any
@@ -20,24 +20,24 @@ from agent.planner.viewpoints.choice import Viewpoints
 from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 
 SKIPPED = 2
-"""In place of whether an episode has begun: this environment's planner stays as it is."""
+"""Value of ``begun`` for environments whose planner stays as it is."""
 
 Sighting = ti.types.struct(
-    due=ti.i32,  # whether the rays were swept
-    hits=ti.i32,  # cells found to be occupied that were not known to be
-    forward=ti.i32,  # whether the rays leave the body room to go forward
-    door=ti.i32,  # whether the body is before a closed door
+    due=ti.i32,  # 1 if the rays were swept
+    hits=ti.i32,  # cells newly found to be occupied
+    forward=ti.i32,  # 1 if the rays leave the body room to go forward
+    door=ti.i32,  # 1 if the body is before a closed door
     spotted=ti.i32,  # rays that met the target
-    missed=ti.i32,  # whether a ray missed a known target that it should have met
-    low=ti.math.vec2,  # the corners of where rays met it, cells from the eye
+    missed=ti.i32,  # 1 if a ray missed a known target that it should have met
+    low=ti.math.vec2,  # corners of the box of the rays' ends on the target, cells from the eye
     high=ti.math.vec2,
-    side=ti.math.vec2,  # the sum of these rays' directions
+    side=ti.math.vec2,  # sum of these rays' directions
 )
 
 
 @ti.data_oriented
 class Step:
-    """The parts of a step, for a configuration and a body; environment ``e``'s cells begin at ``base``."""
+    """Parts of a step, for a configuration and a body; environment ``e``'s cells begin at ``base``."""
 
     def __init__(self, config: PlannerConfig, body: BodyModel) -> None:
         self.config, self.body = config, body
@@ -56,7 +56,11 @@ class Step:
     @ti.func
     def move(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
              action, blocked, fresh):  # fmt: skip
-        """The pose after an action; an empty map in a ``fresh`` episode. Whether all begins here, too."""
+        """Return the state after an action, and 1 if an episode or a new map begins here.
+
+        In a ``fresh`` episode the map is cleared. So is a map that turns out to lie at 45 degrees to the
+        walls.
+        """
         diagonal = -1
         done = 1
         if ti.static(self.body.slip) and fresh == 0:
@@ -76,7 +80,7 @@ class Step:
         if (fresh == 1) | (state.aligned == 0):
             diagonal = self.scan.diagonal(tables, observation, e)
             if (diagonal >= 0) & (diagonal != state.heading & 1):
-                # All that was seen, before the first wall, was taken for what lies 45 degrees aside.
+                # Before the first wall, the map took everything for what lies 45 degrees aside.
                 fresh = 1
         if fresh:
             self.paths.forget(memory, base, state.queued)
@@ -90,7 +94,7 @@ class Step:
 
     @ti.func
     def see(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e):
-        """Mark what the body covers and the rays show on the map; what else they show."""
+        """Mark what the body covers and the rays show on the map; return the state and the sighting."""
         px, py, heading, time, known = state.x, state.y, state.heading, state.time, state.known
         eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
         offset, new = state.target - eye, self.occupancy.see_body(memory, base, px, py, time)
@@ -99,7 +103,7 @@ class Step:
         sight.forward, sight.low, sight.high = 1, ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
         before, last_kind, last_far, last_reached = ti.Vector([0.0, 0.0]), -1, 0, 0
         corner = self.occupancy.at(px >> 1, py >> 1)
-        row = (heading * 4) | (px & 1) | ((py & 1) << 1)  # of the fan: the heading, and where in a cell
+        row = (heading * 4) | (px & 1) | ((py & 1) << 1)  # of the fan: the heading, and the place in a cell
         for r in range(self.body.rays):
             j = 2 * (heading * self.body.rays + r)
             d, kind = self.scan.end(tables, observation, e, heading, r)
@@ -139,21 +143,21 @@ class Step:
 
     @ti.func
     def remember(self, memory: ti.template(), state, sight, base, blocked):
-        """Where the target is, whether one was picked up, and what hinders the body."""
+        """Update the target's place, the pick-ups, and what blocks the body; return state and sighting."""
         px, py = state.x, state.y
         eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
         state = self.remember_target(memory, state, sight, base, eye)
-        # What blocks a body before a closed door is the door, which opens.
+        # Before a closed door, the obstacle is the door, which will open.
         if (blocked != 0) & (sight.door == 0):
             sight.forward = 0
         if (px | py) & 1 == 0:
-            # It may stand nearer to a wall than the map would have let it go.
+            # The body may stand nearer to a wall than the map would have let it go.
             self.occupancy.clear(memory, base, px >> 1, py >> 1)
         way = self.occupancy.ahead(state.heading)
         noted = sight.due | ti.cast(blocked, ti.i32)
         passes = self.occupancy.passes(memory, base, px, py, way[0], way[1], ti.static(self.body.step))
         if (sight.forward == 0) & noted & passes & (sight.door == 0):
-            # It cannot go where the map says it can: what hinders it lies between two rays.
+            # The body cannot go where the map shows room: the obstacle lies between two rays.
             qx, qy = px + self.ahead * way[0], py + self.ahead * way[1]
             self.occupancy.close(memory, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
             sight.hits += 1
@@ -161,7 +165,7 @@ class Step:
 
     @ti.func
     def remember_target(self, memory: ti.template(), state, sight, base, eye):
-        """Where the target is, and whether one was picked up, by what is seen from the ``eye``, cells."""
+        """Update the target's place and the pick-ups, seen from the ``eye``, cells; return the state."""
         offset, known, picked = state.target - eye, state.known, 0
         if sight.spotted > 0:
             there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, offset)
@@ -182,7 +186,7 @@ class Step:
 
     @ti.func
     def advise(self, memory: ti.template(), state, base):
-        """The action that leads to the goal."""
+        """Return the action that leads to the goal."""
         px, py, heading = state.x, state.y, state.heading
         gains = self.advice.gains(memory, base, px, py, heading, state.forward)
         turn = self.advice.turn(memory, base, px, py, heading, gains)
@@ -193,7 +197,10 @@ class Step:
 
 @cache
 def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
-    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernel for a running Taichi.
+
+    The kernel's arguments have the names of the planner's arrays.
+    """
     parts = Step(config, body)
 
     @kernel
@@ -207,7 +214,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
         states: Ints,
         advice: Longs,
     ):
-        ti.loop_config(block_dim=8)  # few environments to a thread: their steps take very different times
+        ti.loop_config(block_dim=8)  # few environments per thread: the times of their steps differ widely
         for e in range(blocked.shape[0]):
             if begun[e] != SKIPPED:
                 base, state = e * parts.occupancy.area, loaded(states, e)
@@ -225,7 +232,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
 
 @cache
 def lead_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
-    """The kernel that gives planners viewpoints in the step in which they have none."""
+    """Return the kernel that gives viewpoints to planners in the step in which they have none."""
     parts = Step(config, body)
 
     @kernel

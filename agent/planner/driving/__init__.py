@@ -1,4 +1,4 @@
-"""Planners of bodies that drive: the map, the views and the paths of ``agent.planner``, from any pose."""
+"""Planners of bodies that drive: the map, views and paths of ``agent.planner``, from any pose."""
 
 from agent.planner.driving.planner import DrivingPlanner
 

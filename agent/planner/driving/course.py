@@ -1,4 +1,4 @@
-"""Where a body is to drive along a path on its map: as far ahead as it has room on a straight line."""
+"""Course of a body along a path on its map: as far ahead as the straight line is free."""
 
 from agent.planner.mapping.occupancy import Occupancy
 from agent.planner.paths import FAR
@@ -6,13 +6,13 @@ from agent.planner.state import NONE, TARGET
 from sim.runtime import ti
 
 AHEAD = 28
-"""Nodes of a path that are looked ahead: about 4 m."""
+"""Nodes of a path to look ahead: about 4 m."""
 
 LEAST = 2
-"""Nodes ahead to which a body goes that stands where it has no room on its map."""
+"""Nodes ahead to which a body always goes, so that it leaves a place that its map shows as blocked."""
 
 FREE = 1.0
-"""Cells from the body, which it covers, before room is asked for."""
+"""Distance from the body's middle, in cells, that the body covers; room is checked beyond it."""
 
 
 @ti.data_oriented
@@ -20,12 +20,12 @@ class Course:
     """Straight parts of paths on a map."""
 
     def __init__(self, occupancy: Occupancy, half: float) -> None:
-        """To targets of half the side ``half``, cells."""
+        """Aim at targets of half the side ``half``, cells."""
         self.occupancy, self.half = occupancy, half
 
     @ti.func
     def room(self, memory: ti.template(), base, point):
-        """Whether a body has room about any place."""
+        """Return 1 if a body has room about any place."""
         x, y, free = ti.cast(ti.floor(point[0]), ti.i32), ti.cast(ti.floor(point[1]), ti.i32), 1
         for k in range(4):
             free &= 1 - self.occupancy.solid(memory, base, x + (k & 1), y + (k >> 1))
@@ -33,7 +33,7 @@ class Course:
 
     @ti.func
     def straight(self, memory: ti.template(), base, eye, point, short):
-        """Whether a body has room on the straight way to a place, but for the last ``short`` cells."""
+        """Return 1 if a body has room on the straight way to a place, except for the last ``short`` cells."""
         way, at, free = point - eye, FREE, 1
         length = way.norm()
         while (at < length - short) & free:
@@ -45,7 +45,7 @@ class Course:
 
     @ti.func
     def aim(self, memory: ti.template(), base, state, eye):
-        """The way (east and south, cells) to where the body is to drive; nowhere where no path is known."""
+        """Return the way (east and south, cells) to where the body should drive; zero without a path."""
         x, y, aim = state.x >> 1, state.y >> 1, ti.Vector([0.0, 0.0])
         left = ti.cast(memory.distance[base + self.occupancy.at(x, y)], ti.i32)
         side, k, going = -1, 0, ti.cast((left < FAR) & (state.kind != NONE), ti.i32)

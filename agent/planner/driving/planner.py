@@ -16,15 +16,16 @@ from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
 WIDEST, NARROWEST = 15.0, 90.0
-"""Degrees between rays at most, and from the first to the last one at least."""
+"""Largest angle between neighbouring rays, and smallest angle from the first to the last ray, degrees."""
 
 
 class DrivingPlanner(Planner):
-    """Planners of E environments whose bodies drive: see ``Planner``. They are told the bodies' poses; their
-    maps have the house's axes, and begin where the body was.
+    """Planners of E environments whose bodies drive: see ``Planner``.
 
-    ``course`` (E, 2) float32 is what they advise: the radians to turn to the left, and how many metres it is
-    until the body is to stand, negative where it is not. The same memory after every step.
+    The planners get the bodies' poses. Their maps have the house's axes and begin where the body was.
+
+    ``course`` (E, 2) float32 is their advice: the radians to turn to the left, and the distance in metres
+    after which the body should stand, negative if it should not stop. The same memory after every step.
     """
 
     def __init__(
@@ -32,7 +33,8 @@ class DrivingPlanner(Planner):
     ) -> None:
         """Make planners for E environments of the configuration ``world``. ``prior``: see ``Planner``.
 
-        Raises ``ValueError`` for rays that do not look ahead, that are few, late, or aside by an error.
+        Raises ``ValueError`` for rays that do not look ahead, are few or late, or have an error in their
+        direction.
         """
         require_time(world)
         require_rays(world)
@@ -74,15 +76,16 @@ class DrivingPlanner(Planner):
         self.course = self.arrays["course"].tensor(np.float32, (count, 2))
 
     def drive(self, observation: Tensor, blocked: Tensor, begun: Tensor, pose: Tensor) -> None:
-        """Take what the last actions led to: ``observation`` (E, R, C), whether they were ``blocked`` (E,)
-        bool, and the ``pose`` (E, 3): x, y in metres, heading in radians. Where ``begun`` (E,) bool, an
-        episode begins.
+        """Take the result of the last actions.
+
+        ``observation`` (E, R, C); ``blocked`` (E,) bool; ``pose`` (E, 3): x, y in metres, heading in radians.
+        Where ``begun`` (E,) bool is true, an episode begins.
         """
         self._take(observation, blocked, begun, pose)
 
 
 def require_rays(world: Config) -> None:
-    """Raise ``ValueError`` for rays by which a planner of a body that drives cannot keep its map."""
+    """Raise ``ValueError`` for rays from which a planner of a body that drives cannot keep its map."""
     first, spacing = world.first_ray, world.ray_spacing
     last = first - spacing * (world.rays - 1)
     half = NARROWEST / 2

@@ -1,4 +1,4 @@
-"""A step of the planners of bodies that drive: move, see, remember, choose, advise a course."""
+"""Step of the planners of bodies that drive: move, see, remember, choose, advise a course."""
 
 import math
 from functools import cache
@@ -18,45 +18,48 @@ from sim.backends.free.body import TURN, cosine_sine
 from sim.runtime import Bytes, Floats, Ints, kernel, ti
 
 ALONG = 0.1
-"""Radians by which a heading may be off an eighth of a turn for a look along that."""
+"""Largest angle, in radians, between the heading and an eighth of a turn at which a look counts as along
+it."""
 
 STUCK = 0.2
-"""Of the way of a step: a body that is blocked and comes no further does not slide along what it touches."""
+"""Fraction of a step: a blocked body that moves less is stuck and does not slide along an obstacle."""
 
 BEFORE = 1.2
-"""Cells from the middle of a body that is stuck to where it then has no room."""
+"""Cells from the middle of a stuck body to the place ahead that is then marked as blocked."""
 
 
 class DrivingTables(NamedTuple):
-    """What follows from the rays, the same for all environments."""
+    """Tables that follow from the rays, the same for all environments."""
 
     rays: Floats
-    """(R, 2) float32: their directions, forward and left."""
+    """(R, 2) float32: directions of the rays, forward and left."""
 
     views: Ints
     """See ``PlannerTables``."""
 
 
 class Driven(NamedTuple):
-    """Where bodies are, and where they are to go."""
+    """Poses of bodies, and the courses that the planners advise."""
 
     pose: Floats
     """(E, 3): x, y, metres, and heading, radians."""
 
     start: Floats
-    """(E, 2): where episodes began, metres."""
+    """(E, 2): start of each episode, metres."""
 
     place: Floats
-    """(E, 2): where bodies were before the last step, cells from there."""
+    """(E, 2): place of each body before the last step, cells from the start."""
 
     course: Floats
-    """(E, 2): radians to turn to the left, and metres to go until the body is to stand; negative: no end."""
+    """(E, 2): radians to turn to the left, and metres to go until the body should stand; negative: no
+    stop."""
 
 
 @ti.data_oriented
 class DrivingStep(Step):
-    """The parts of a step of a body that goes ``travel`` cells in one, whose cells have sides of ``cell``
-    metres, and whose rays are ``spacing`` radians apart.
+    """Parts of a step of a body that goes ``travel`` cells in each step.
+
+    Cells have sides of ``cell`` metres; rays are ``spacing`` radians apart.
     """
 
     def __init__(
@@ -69,7 +72,7 @@ class DrivingStep(Step):
 
     @ti.func
     def drive(self, memory: ti.template(), driven: ti.template(), state, base, e, fresh):
-        """The state at a pose, and where the eye is, cells from where the episode began."""
+        """Return the state at a pose, and the eye's place in cells from the start of the episode."""
         here = ti.Vector([driven.pose[3 * e], driven.pose[3 * e + 1]])
         if fresh:
             self.paths.forget(memory, base, state.queued)
@@ -79,7 +82,7 @@ class DrivingStep(Step):
             for k in ti.static(range(2)):
                 driven.start[2 * e + k], driven.place[2 * e + k] = here[k], 0.0
         eye = (here - ti.Vector([driven.start[2 * e], driven.start[2 * e + 1]])) / ti.static(self.cell)
-        # It counts as on the node that is nearest.
+        # The body counts as standing on the nearest node.
         state.x, state.y = (
             2 * ti.cast(ti.floor(eye[0] + 0.5), ti.i32),
             2 * ti.cast(ti.floor(eye[1] + 0.5), ti.i32),
@@ -94,7 +97,7 @@ class DrivingStep(Step):
     @ti.func
     def look(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
              eye, cosine, sine):  # fmt: skip
-        """Mark what the body covers and the rays show on the map; what else they show."""
+        """Mark what the body covers and the rays show on the map; return the state and the sighting."""
         time, known, offset = state.time, state.known, state.target - eye
         new, sight = self.occupancy.see_body(memory, base, state.x, state.y, time), Sighting(0)
         sight.due = self.visibility.due(time, state.new, known, 0)
@@ -130,7 +133,7 @@ class DrivingStep(Step):
     def note(
         self, memory: ti.template(), driven: ti.template(), state, sight, base, e, eye, cosine, sine, blocked
     ):
-        """That there is room where the body stands, and none where it is stuck."""
+        """Mark room where the body stands, and none ahead of a body that is stuck; return the sighting."""
         moved = (eye - ti.Vector([driven.place[2 * e], driven.place[2 * e + 1]])).norm()
         for k in ti.static(range(2)):
             driven.place[2 * e + k] = eye[k]
@@ -146,7 +149,7 @@ class DrivingStep(Step):
 
     @ti.func
     def steer(self, memory: ti.template(), driven: ti.template(), state, base, e, eye):
-        """Write the course to the goal, or the turn to look from there; around where there is none."""
+        """Write the course to the goal, or the turn to look from the goal; without a course, turn left."""
         way, heading = self.course.aim(memory, base, state, eye), driven.pose[3 * e + 2]
         off, room = ti.f32(math.pi / 2), ti.f32(0.0)
         if (state.kind == SEARCH) & (state.look >= 0) & (state.path <= NEXT):
@@ -162,7 +165,10 @@ class DrivingStep(Step):
 def driving_kernel(
     program: Any, config: PlannerConfig, body: BodyModel, cell: float, travel: float, spacing: float
 ) -> Any:
-    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernel for a running Taichi.
+
+    The kernel's arguments have the names of the planner's arrays.
+    """
     parts = DrivingStep(config, body, cell, travel, spacing)
 
     @kernel

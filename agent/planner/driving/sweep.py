@@ -1,7 +1,7 @@
-"""What rays show on a map from any place, at any heading: floor before their ends, walls at any angle.
+"""Sweep of rays from any place at any heading: floor before the rays' ends, walls at any angle.
 
-Floor is looked up point by point, along arcs about the eye. A point between two rays is seen if both reach
-beyond it, one that lies on a ray if that does.
+Floor is looked up point by point, along arcs about the eye. A point between two rays is seen if both rays
+reach beyond it. A point that lies on a ray is seen if that ray reaches beyond it.
 """
 
 import numpy as np
@@ -12,12 +12,12 @@ from agent.planner.mapping.visibility import FINE
 from sim.runtime import ti
 
 PITCH = 0.7
-"""Cells between points along a ray, and about so many along an arc: a cell's diagonal has two."""
+"""Cells between points along a ray, and approximately along an arc: a cell's diagonal has two points."""
 
 
 @ti.data_oriented
 class Sweep:
-    """Sweeps of ``rays`` rays, ``spacing`` radians apart, of a range in parts of a cell."""
+    """Sweeps of ``rays`` rays that are ``spacing`` radians apart."""
 
     def __init__(
         self, config: PlannerConfig, occupancy: Occupancy, rays: int, spacing: float, tolerance: float
@@ -29,8 +29,9 @@ class Sweep:
 
     @ti.func
     def floor(self, memory: ti.template(), tables: ti.template(), base, e, eye, cosine, sine, furthest, time):
-        """Mark the floor before the rays' ends, which lie in ``reached``, the furthest so many parts of a
-        cell away. How many cells were never seen.
+        """Mark the floor before the rays' ends; return the number of cells that were never seen.
+
+        The rays' ends lie in ``reached``, the furthest ``furthest`` fractions (``FINE``) of a cell away.
         """
         new, away = 0, PITCH
         most = ti.cast(furthest, ti.f32) / ti.static(float(FINE)) - self.beyond
@@ -63,9 +64,11 @@ class Sweep:
 
     @ti.func
     def wall(self, memory: ti.template(), base, eye, end, before, earlier, ends, time):
-        """Mark what a ray ends on, and the walls between it and what those before it ended on: of the last
-        ``ends`` rays, 2 at most, each did on something. Two ends that lie on a line along an axis are of one
-        wall, and three that lie on any line. How many cells were not known to be occupied.
+        """Mark a ray's end, and the walls from it to earlier ends.
+
+        ``ends`` is how many of the last rays in a row ended on something, 2 at most. Two ends on a line along
+        an axis belong to one wall, as do three ends on any line. Returns how many cells were not known to be
+        occupied.
         """
         hits, gap = self.occupancy.hit(memory, base, eye[0] + end[0], eye[1] + end[1], time), end - before
         if (ends > 0) & (ti.abs(gap).max() < self.occupancy.wall_gap):
@@ -82,7 +85,7 @@ class Sweep:
 
     @ti.func
     def join(self, memory: ti.template(), base, first, way, time):
-        """Mark a wall from a place on: how many cells were not known to be occupied."""
+        """Mark a wall from a place along ``way``; return how many cells were not known to be occupied."""
         hits, pieces = 0, ti.cast(ti.ceil(ti.abs(way).max()), ti.i32)
         for k in range(1, pieces):
             part = first + way * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
@@ -92,10 +95,10 @@ class Sweep:
 
 @ti.func
 def turned(way, cosine, sine):
-    """A direction from the heading, (forward, left), as cells east and south."""
+    """Return a direction from the heading, (forward, left), as cells east and south."""
     return ti.Vector([cosine * way[0] - sine * way[1], -(sine * way[0] + cosine * way[1])])
 
 
 def rays_of(angles: np.ndarray) -> np.ndarray:
-    """Directions (R, 2) float32, forward and left, of rays at ``angles`` (R,) radians."""
+    """Return the directions (R, 2) float32, forward and left, of rays at ``angles`` (R,) radians."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1).astype(np.float32)

@@ -1,1 +1,1 @@
-"""What the rays show: the occupancy map, and the target that was seen."""
+"""Map of what the rays show: the occupancy map, and the target that was seen."""

@@ -1,12 +1,14 @@
-"""The occupancy map: which cells rays have shown, when, and which of them are occupied.
+"""Occupancy map: the cells that rays have shown, the step of the last sight, and the occupied cells.
 
-A cell is half a body wide, so a body that stands on a node, a corner of cells, covers just the four about it.
-Cell and node (i, j) share a number: the step at which the cell was last seen, 0 for never; above it whether
-the cell is occupied; below it whether the node is near to what was seen, and whether it is solid (a body has
-no room there). So one comparison tells the cells that are occupied or were seen since a step from all others.
-Houses stand still, so by exact rays what is occupied stays so. Where rays or wheels err, a cell has a count
-in place of its log-odds of being occupied, which rays that end there raise and rays that pass lower. The map
-is a torus: it follows the body wherever an episode starts.
+A cell is half a body wide. So a body that stands on a node, a corner of cells, covers exactly the four cells
+about it. Cell and node (i, j) share a number. Its middle bits are the step at which the cell was last seen, 0
+for never. The bit above the step is set if the cell is occupied. The bits below it are set if the node is
+near to seen cells, and if it is solid (a body has no room there). So one comparison separates the cells that
+are occupied or were seen since a step from all others.
+
+Houses stand still, so with exact rays an occupied cell stays occupied. If rays or wheels err, a cell has a
+count in place of its log-odds of being occupied. Rays that end in the cell raise the count, rays that pass
+lower it. The map is a torus: it follows the body wherever an episode starts.
 """
 
 from typing import Any
@@ -16,31 +18,31 @@ from sim.actions import HEADINGS
 from sim.runtime import ti
 
 SOLID, NEAR, OCCUPIED = 1, 2, 1 << 15
-"""Bits of a cell."""
+"""Flags of a cell."""
 
 FLAGS = 2
-"""How many of them lie below the step."""
+"""Number of flags below the step."""
 
 LATEST = (1 << 15 - FLAGS) - 1
-"""The last step that a cell can tell."""
+"""Last step that a cell can store."""
 
 TILE = 4
-"""Tiles are of 2^4 by 2^4 cells. One is dirty where more is known of its cells or nodes than at the last
-choice of a viewpoint."""
+"""Exponent of a tile's side: tiles have 2^4 by 2^4 cells. A tile is dirty if its cells or nodes changed since
+the last choice of a viewpoint."""
 
 
 def number_type(config: PlannerConfig) -> Any:
-    """What keeps the number of a node."""
+    """Return the Taichi type that stores the number of a node."""
     return ti.u16 if config.map_bits == 8 else ti.i32
 
 
 @ti.data_oriented
 class Occupancy:
-    """A torus of 2^bits by 2^bits cells (``map_bits``) for each environment; ``base`` is where one's begins.
+    """Torus of 2^bits by 2^bits cells (``map_bits``) for each environment; ``base`` is its first cell.
 
-    Where bodies fill the cells of a house that lies on a grid (``grid``), its walls are lines between
-    them, that a body may touch: ``touching``. Cells on both sides of a line count as occupied, as ever, but
-    only nodes on the line are solid.
+    If bodies fill the cells of a house on a grid (backend ``grid``), its walls are lines between cells, which
+    a body may touch: ``touching``. Cells on both sides of a line count as occupied, as elsewhere, but only
+    nodes on the line are solid.
     """
 
     def __init__(
@@ -50,8 +52,9 @@ class Occupancy:
         touching: bool = False,
         noisy: bool = False,
     ) -> None:
-        """For bodies that go ``step`` half cells a step: four where they are ``touching``. ``noisy``: rays or
-        wheels err.
+        """Map for bodies that go ``step`` half cells a step: four if they are ``touching``.
+
+        ``noisy``: rays or wheels err.
         """
         self.noisy = noisy
         self.config, self.bits, self.side, self.step = config, config.map_bits, 1 << config.map_bits, step
@@ -61,28 +64,28 @@ class Occupancy:
 
     @ti.func
     def at(self, x, y):
-        """The place of a cell in its environment's map."""
+        """Return the index of a cell in its environment's map."""
         return ((y & ti.static(self.mask)) << ti.static(self.bits)) | (x & ti.static(self.mask))
 
     @ti.func
     def across(self, node):
-        """How far east a cell lies."""
+        """Return the east coordinate of a cell."""
         return node & ti.static(self.mask)
 
     @ti.func
     def down(self, node):
-        """How far south a cell lies."""
+        """Return the south coordinate of a cell."""
         return node >> ti.static(self.bits)
 
     @ti.func
     def apart(self, one, other):
-        """One coordinate less another, the short way about the torus."""
+        """Return the difference of two coordinates, the short way around the torus."""
         half = ti.static(self.side // 2)
         return ((one - other + half) & ti.static(self.mask)) - half
 
     @ti.func
     def beside(self, node, way):
-        """The place that lies a packed way, 8 bits south and 8 bits east, from another."""
+        """Return the index at a packed offset, 8 bits south and 8 bits east, from a node."""
         mask, there = ti.static(self.mask), 0
         if ti.static(self.bits == 8):
             there = (((node & ~mask) + (way & ~mask)) & ti.static(self.area - 1)) | ((node + way) & mask)
@@ -93,7 +96,7 @@ class Occupancy:
 
     @ti.func
     def ahead(self, heading):
-        """Steps east and south at a heading."""
+        """Return the unit step (east, south) at a heading."""
         x, y = 0, 0
         for h in ti.static(range(8)):
             if heading == h:
@@ -102,12 +105,12 @@ class Occupancy:
 
     @ti.func
     def tile(self, node):
-        """The tile that a cell is in."""
+        """Return the tile of a cell."""
         return ((self.down(node) >> TILE) << ti.static(self.bits - TILE)) | (self.across(node) >> TILE)
 
     @ti.func
     def forget(self, memory: ti.template(), base):
-        """Know nothing."""
+        """Clear the map of an environment."""
         for k in range(self.area):
             memory.cells[base + k] = ti.cast(0, ti.u16)
         if ti.static(self.noisy):
@@ -118,22 +121,22 @@ class Occupancy:
 
     @ti.func
     def change(self, memory: ti.template(), base, node):
-        """Mark the tile of a cell or a node of which something is known that was not."""
+        """Mark the tile of a cell or node as dirty."""
         memory.dirty[(base >> 2 * TILE) + self.tile(node)] = ti.cast(1, ti.u8)
 
     @ti.func
     def solid(self, memory: ti.template(), base, x, y):
-        """Whether the body has no room on a node."""
+        """Return 1 if the body has no room on a node."""
         return ti.cast(ti.cast(memory.cells[base + self.at(x, y)], ti.i32) & SOLID != 0, ti.i32)
 
     @ti.func
     def open(self, memory: ti.template(), base, node):
-        """Whether a path may lead through a node: it is near to what was seen, and not solid."""
+        """Return 1 if a path may lead through a node: the node is near to seen cells and not solid."""
         return ti.cast(ti.cast(memory.cells[base + node], ti.i32) & (SOLID | NEAR) == NEAR, ti.i32)
 
     @ti.func
     def close(self, memory: ti.template(), base, x, y):
-        """Make a node solid; whether it was not."""
+        """Make a node solid; return 1 if it was not."""
         node, had = self.at(x, y), 1 - self.solid(memory, base, x, y)
         if had:
             memory.cells[base + node] = memory.cells[base + node] | ti.cast(SOLID, ti.u16)
@@ -150,7 +153,7 @@ class Occupancy:
 
     @ti.func
     def room(self, memory: ti.template(), base, px, py):
-        """Whether the body has room at a pose, in half cells: on all nodes within half a cell of it."""
+        """Return 1 if the body has room at a pose in half cells: on all nodes within half a cell."""
         free = 1
         for k in range(4):
             free &= 1 - self.solid(memory, base, (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1)
@@ -158,7 +161,7 @@ class Occupancy:
 
     @ti.func
     def passes(self, memory: ti.template(), base, px, py, dx, dy, step: ti.template()):
-        """Whether the body has room all along ``step`` half cells from a pose."""
+        """Return 1 if the body has room all along ``step`` half cells from a pose."""
         free = self.room(memory, base, px + step * dx, py + step * dy)
         for k in ti.static(range(2, step, 2)):
             free &= self.room(memory, base, px + k * dx, py + k * dy)
@@ -166,7 +169,7 @@ class Occupancy:
 
     @ti.func
     def see(self, memory: ti.template(), base, node, bits, time):
-        """Mark a cell as seen, with some of its bits; what it was before."""
+        """Mark a cell as seen, with some of its bits; return its value before."""
         cell = ti.cast(memory.cells[base + node], ti.i32)
         if ti.static(self.noisy):
             cell, occupied = self.weigh(memory, base, node, bits, cell)
@@ -185,7 +188,10 @@ class Occupancy:
 
     @ti.func
     def weigh(self, memory: ti.template(), base, node, hit, cell):
-        """Weigh a ray that ends in a cell (``hit``) or passes it: the cell, and whether it is occupied."""
+        """Weigh a ray that ends in a cell (``hit``) or passes it.
+
+        Return the cell, and 1 if it is occupied.
+        """
         count = ti.cast(memory.evidence[base + node], ti.i32)
         if hit:
             count = ti.min(count + self.config.evidence_hit, ti.static(self.config.evidence_most))
@@ -202,7 +208,7 @@ class Occupancy:
 
     @ti.func
     def reopen(self, memory: ti.template(), base, x, y):
-        """Make a node not solid, if none of the four cells about it is occupied."""
+        """Make a node not solid if none of the four cells about it is occupied."""
         taken = 0
         for k in range(4):
             taken |= ti.cast(memory.cells[base + self.at(x - (k & 1), y - (k >> 1))], ti.i32)
@@ -211,12 +217,15 @@ class Occupancy:
 
     @ti.func
     def unseen(self, cell):
-        """Whether a cell that was so had never been seen."""
+        """Return 1 if a cell with this value was never seen."""
         return ti.cast(cell < 1 << FLAGS, ti.i32)
 
     @ti.func
     def see_body(self, memory: ti.template(), base, px, py, time):
-        """Mark the cells that the body covers wholly, or half of them between two nodes; how many are new."""
+        """Mark the cells that the body covers wholly, or half of them between two nodes.
+
+        Returns the number of cells that were never seen.
+        """
         new = 0
         for k in range(4):
             node = self.at(((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1))
@@ -225,8 +234,10 @@ class Occupancy:
 
     @ti.func
     def hit(self, memory: ti.template(), base, x, y, time):
-        """Mark what stands at a place: the cells within ``hit_margin``. How many were not known to be
-        occupied, or where bodies touch, how many nodes to be solid.
+        """Mark an obstacle at a place, in the cells within ``hit_margin``.
+
+        Returns how many cells were not known to be occupied or, for bodies that touch walls, how many nodes
+        were not known to be solid.
         """
         margin = ti.static(self.config.hit_margin)
         i0, i1 = ti.cast(ti.floor(x - margin), ti.i32), ti.cast(ti.floor(x + margin), ti.i32)
@@ -248,8 +259,9 @@ class Occupancy:
 
     @ti.func
     def line(self, memory: ti.template(), base, x, y):
-        """Make nodes solid about a hit on the line of a wall: bodies stand on even nodes, so lines run along
-        odd ones. How many were not.
+        """Make nodes solid about a hit on the line of a wall; return how many were not.
+
+        Bodies stand on even nodes, so lines run along odd ones.
         """
         new = 0
         across, down = 2.0 * ti.floor(0.5 * x) + 1.0, 2.0 * ti.floor(0.5 * y) + 1.0
@@ -257,7 +269,7 @@ class Occupancy:
         line, along = ti.select(upright, across, down), ti.select(upright, y, x)
         for k in range(2):
             node = ti.floor(along) + ti.cast(k, ti.f32)
-            # Not the next one to a wall's end: there a door may begin.
+            # The node next to a wall's end stays free: a door may begin there.
             if ti.abs(along - node) < ti.static(1.0 - self.config.hit_margin):
                 i = ti.cast(ti.select(upright, line, node), ti.i32)
                 j = ti.cast(ti.select(upright, node, line), ti.i32)
@@ -266,8 +278,10 @@ class Occupancy:
 
     @ti.func
     def hides(self, memory: ti.template(), base, x, y, since):
-        """Whether a target may lie about a node, unseen since a step: it covers some 4 by 4 cells, the inner
-        four wholly. None of these may have been seen, and of the others ``outer_cells`` may not.
+        """Return 1 if a target about a node may have been unseen since a step.
+
+        A target covers some of 4 by 4 cells, the inner four wholly. None of the inner four may have been seen
+        since, and at least ``outer_cells`` of the others must be unseen.
         """
         rows, columns = ti.Vector([0, 0, 0, 0]), ti.Vector([0, 0, 0, 0])
         for k in ti.static(range(4)):

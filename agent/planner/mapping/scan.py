@@ -1,9 +1,9 @@
-"""What rays of a noisy sensor say: their ends on walls and faces of pieces, with the noise averaged out.
+"""Readings of a noisy sensor: ray ends on walls and furniture faces, with the noise averaged out.
 
-All that rays end on lies along one of two axes. So neighbouring rays that end within the noise of one line
-across an axis end on one face, and each ends where it meets the mean of their lines: the error of n rays'
-mean is 1 / sqrt(n) of one ray's. A ray that returned nothing beside one that did not is a drop-out: it
-shows no more floor than the ray beside it, and no end. Exact rays are taken as they are.
+All obstacles have faces along one of two axes. So neighbouring rays that end within the noise of one line
+across an axis end on one face. Each of them ends where it meets the mean of their lines: the error of the
+mean of n rays is 1 / sqrt(n) of one ray's. A ray that returned nothing next to one that returned a hit is a
+drop-out. It shows no more floor than the ray next to it, and no end. Exact rays are used as they are.
 """
 
 import math
@@ -14,24 +14,24 @@ from agent.planner.mapping.visibility import FINE
 from sim.runtime import ti
 
 NOTHING, WALL, TARGET, DOOR = range(4)
-"""What a ray ends on: its range, a wall or a piece, the target, a closed door."""
+"""Kinds of ray ends: the range, a wall or a piece of furniture, the target, a closed door."""
 
 LEAST = 3
-"""Rays that must agree on a line."""
+"""Least number of rays that must agree on a line."""
 
 ASIDE = 6
-"""Rays to each side of one that are asked."""
+"""Number of neighbours to each side of a ray that are read."""
 
 GRAZING = 0.1
-"""The sine of the angle to a face below which a ray says nothing of where it is."""
+"""Sine of the angle to a face below which a ray is not used to locate the face."""
 
 SLIPS = 0.01
-"""How likely it is that an action was not done, before a look says more."""
+"""Prior probability that an action was not carried out, before a look gives evidence."""
 
 
 @ti.data_oriented
 class Scan:
-    """Looks of a body's rays."""
+    """Readings of a body's rays."""
 
     def __init__(self, body: BodyModel) -> None:
         self.rays, self.columns = body.rays, body.columns
@@ -45,18 +45,18 @@ class Scan:
 
     @ti.func
     def said(self, observation: ti.template(), e, ray, column: ti.template()):
-        """What the sensor says of a ray in a column."""
+        """Return the sensor's value of a ray in a column."""
         at = ti.static(self.columns.index(column))
         return observation[(e * self.rays + ray) * ti.static(len(self.columns)) + at]
 
     @ti.func
     def raw(self, observation: ti.template(), e, ray):
-        """How far a ray reaches, as a part of its range, by the sensor."""
+        """Return the sensor's distance of a ray, as a fraction of its range."""
         return self.said(observation, e, ray, "distance")
 
     @ti.func
     def kind(self, observation: ti.template(), e, ray):
-        """What a ray ends on, by the sensor."""
+        """Return the kind of a ray's end, by the sensor."""
         kind = ti.select(self.raw(observation, e, ray) < self.most, WALL, NOTHING)
         if self.said(observation, e, ray, "is target") > 0:
             kind = TARGET
@@ -67,8 +67,10 @@ class Scan:
 
     @ti.func
     def diagonal(self, tables: ti.template(), observation: ti.template(), e):
-        """Whether the heading lies at 45 degrees to the walls, -1 where no wall shows it. Where two rays end
-        on one wall, the line through both ends runs along an axis in one of the two cases: the pairs vote.
+        """Return 1 if the heading lies at 45 degrees to the walls, 0 if along them, -1 if no wall shows it.
+
+        If two rays end on one wall, the line through both ends runs along an axis in one of the two cases:
+        the pairs vote.
         """
         votes = ti.Vector([0, 0])
         for r in range(self.rays - self.apart):
@@ -84,7 +86,10 @@ class Scan:
 
     @ti.func
     def reach(self, observation: ti.template(), e, ray):
-        """How far a ray reaches, as a part of its range, and what it ends on, by itself."""
+        """Return a ray's distance, as a fraction of its range, and its kind of end, by itself.
+
+        If rays may drop out, a ray that met nothing reaches no further than those next to it.
+        """
         d, kind = self.raw(observation, e, ray), self.kind(observation, e, ray)
         if kind == NOTHING:
             d = 1.0
@@ -96,7 +101,7 @@ class Scan:
 
     @ti.func
     def end(self, tables: ti.template(), observation: ti.template(), e, heading, ray):
-        """How far a ray reaches, as a part of its range, and what it ends on, by those beside it too."""
+        """Return a ray's distance, as a fraction of its range, and its kind of end, averaged over a face."""
         d, kind = self.reach(observation, e, ray)
         if ti.static(self.noise > 0):  # noqa: SIM102 - decided as it is compiled
             if kind != NOTHING:
@@ -105,7 +110,7 @@ class Scan:
 
     @ti.func
     def averaged(self, tables: ti.template(), observation: ti.template(), e, heading, ray, d, kind):
-        """Where a ray meets the mean line of those beside it that end on the same face."""
+        """Return where a ray meets the mean line of the neighbours that end on the same face."""
         most, mean_end = LEAST - 1, d
         for axis in ti.static(range(2)):
             j = 2 * heading * self.rays + axis
@@ -137,9 +142,11 @@ class Scan:
     def done(
         self, memory: ti.template(), tables: ti.template(), observation: ti.template(), e, heading, turn, way
     ):
-        """Whether an action was done, or the wheels slipped: a ``turn`` of -1, 0 or 1 eighths, or a step of
-        ``way`` cells. By what the last look lets expect of this one in either case; where that is alike, it
-        was done.
+        """Return 1 if an action was carried out, 0 if the wheels slipped.
+
+        The action is a ``turn`` of -1, 0 or 1 eighths, or a step of ``way`` cells. A log-likelihood ratio
+        compares this look with what the last look predicts in either case. If both predictions are equally
+        good, the action counts as carried out.
         """
         odds = ti.cast(ti.static(2 * math.log(1 / SLIPS)), ti.f32)
         for ray in range(self.rays):
@@ -161,13 +168,14 @@ class Scan:
 
     @ti.func
     def surprise(self, error):
-        """Of an error of a distance, in squares of standard deviations, 9 at most."""
+        """Return the squared error of a distance, in squared standard deviations, at most 9."""
         return ti.min(9.0, (error / self.error) ** 2)
 
     @ti.func
     def nearer(self, memory: ti.template(), tables: ti.template(), e, heading, ray, way):
-        """How much nearer a step brings what a ray ended on in the last look, as a part of the range: a face
-        across the axis along which neighbouring rays ended nearest to each other.
+        """Return how much nearer a step brings the end of a ray in the last look, as a fraction of the range.
+
+        The end lies on a face across the axis along which neighbouring rays ended nearest to each other.
         """
         at, low, high = e * self.rays, ti.max(ray - 2, 0), ti.min(ray + 2, self.rays - 1)
         nearer, least = 0.0, self.tolerance

@@ -1,4 +1,4 @@
-"""Where the target is, by what the rays showed of it: a square whose sides lie along the walls.
+"""Estimate of the target's place from the rays that met it: a square whose sides lie along the walls.
 
 Places are in cells, east and south of the eye.
 """
@@ -9,17 +9,19 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class TargetEstimate:
-    """What follows from sightings of a square of half the side ``half``, in cells."""
+    """Estimates from sightings of a square of half the side ``half``, in cells."""
 
     def __init__(self, config: PlannerConfig, half: float, disc: bool = False) -> None:
-        """``disc``: the body is one, of a cell's radius; else a square of two cells."""
+        """Estimate for a body that is a ``disc`` of a cell's radius, or else a square of two cells."""
         self.config, self.half, self.disc = config, half, disc
 
     @ti.func
     def centre(self, rays, low, high, way, known, before):
-        """The centre of a square that ``rays`` rays met between two corners, looking ``way`` on the whole;
-        it was known to lie at ``before``, or not known. It is exact along an axis where a face is seen, and
-        else one of those places, if it was before, from which the square covers all that is seen of it.
+        """Return the centre of a square that ``rays`` rays met between the corners ``low`` and ``high``.
+
+        ``way`` is the sum of the rays' directions. ``before`` is the centre so far, if it is ``known``. The
+        centre is exact along an axis if a face is seen. Otherwise it is the place nearest to ``before``, if
+        that is known, from which the square covers every seen part.
         """
         flat = high - low < ti.static(self.config.target_flat)
         least, most = high - self.half, low + self.half
@@ -37,22 +39,22 @@ class TargetEstimate:
 
     @ti.func
     def other(self, one, before):
-        """Whether a target at one place is another than the one that was known to lie at another place."""
+        """Return 1 if a target at one place cannot be the known one, which lies at ``before``."""
         return ti.cast(ti.abs(one - before).max() > ti.static(self.config.target_apart), ti.i32)
 
     @ti.func
     def misses(self, at, ray, length):
-        """Whether a ray of some length along the vector ``ray`` misses a target at ``at`` that it should
-        meet.
-        """
+        """Return 1 if a ray of some length along ``ray`` misses a target at ``at`` that it should meet."""
         along, aside = at.dot(ray) / ray.norm(), ti.abs(at.cross(ray)) / ray.norm()
         past = length > along + ti.static(self.config.target_behind)
         return ti.cast((along > 0) & (aside < ti.static(self.config.target_core)) & past, ti.i32)
 
     @ti.func
     def gone(self, at, missed):
-        """Whether a target that no ray meets is not there any more: the body touches its place, or from near
-        rays have ``missed`` it, that should have met it.
+        """Return 1 if a target that no ray meets has gone.
+
+        It has gone if the body touches its place, or if from near rays have ``missed`` it that should have
+        met it.
         """
         away = ti.abs(at).max()
         touched = away < ti.static(1.0 + self.half + self.config.target_contact)

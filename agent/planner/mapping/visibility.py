@@ -1,9 +1,9 @@
-"""What the rays show: the cells behind each ray, the sweep that marks them, and the walls that rays end on.
+"""Visibility: the cells behind each ray, the sweep that marks them, and the walls that rays end on.
 
-Rays cross near cells in numbers and miss far ones between them. So each cell belongs to the ray that crosses
-it nearest to its centre by angle, and is seen if that one reaches beyond it; or it lies between two rays, and
-is seen if both do. Headings are eight, and the eye stands on a cell's corner or half a cell from it: all
-cases fit in a table.
+Many rays cross near cells, and far cells lie between rays. So each cell belongs to the ray that crosses it
+nearest to its centre by angle, and is seen if that ray reaches beyond it. A cell between two rays is seen if
+both reach beyond it. There are eight headings, and the eye stands on a cell's corner or half a cell from it,
+so all cases fit in a table.
 """
 
 import numpy as np
@@ -14,28 +14,30 @@ from sim.actions import HEADINGS
 from sim.runtime import ti
 
 FINE = 512
-"""Parts of a cell in which distances are counted."""
+"""Units of distance in a cell."""
 
 BAND = 4
-"""Cells of a ray that are skipped at a time, where they were marked before."""
+"""Number of cells of a ray that are skipped at a time if they were already marked."""
 
 
 def bands(ray_range: float) -> int:
-    """How many distances of 0, 1, 2 ... times ``BAND`` cells there are within a ray's range, in cells."""
+    """Return the number of multiples 0, 1, 2 ... of ``BAND`` cells within a ray's range, in cells."""
     return int(ray_range / BAND) + 1
 
 
 def fan(
     config: PlannerConfig, angles: np.ndarray, ray_range: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cells behind rays at ``angles`` (R,), radians counter-clockwise from the heading, falling, that reach
-    ``ray_range`` cells.
+    """Return the cells behind rays at ``angles`` (R,), radians, that reach ``ray_range`` cells.
 
-    Returns where each list begins (32, 2 R) int32, by heading and by whether the eye's place in half cells
-    is odd (east + 2 south): a ray's own cells, then those between it and the next one. Then how many of its
-    own cells a ray passes before it has gone 0, 1, 2 ... times ``BAND`` cells (32, R, bands) int32. And all
-    the lists, one after the other, int32: how far a ray must go, in parts of a cell, times 2^16, and the
-    way there from the eye's own cell, south times 2^8 and east, both modulo 2^8 (``Occupancy.beside``).
+    ``angles`` are counter-clockwise from the heading and decrease. The first array is the start of each list,
+    (32, 2 R) int32, by heading and by whether the eye's place in half cells is odd (east + 2 south). The
+    lists are a ray's own cells, then those between it and the next ray.
+
+    The second array (32, R, bands) int32 is the number of its own cells that a ray passes before it has gone
+    0, 1, 2 ... times ``BAND`` cells. The third array has all the lists, one after the other, int32. A value
+    is the distance that a ray must go, in units of ``FINE``, times 2^16, plus the offset from the eye's own
+    cell. An offset is south times 2^8 plus east, both modulo 2^8 (``Occupancy.beside``).
     """
     wide = int(np.ceil(ray_range)) + 1
     south, east = np.mgrid[-wide:wide, -wide:wide].reshape(2, -1)
@@ -49,7 +51,7 @@ def fan(
             nearest = np.searchsorted(-middles, -angle)
             off, away = angle - angles[nearest], np.hypot(x, y)
             on = (np.abs(np.sin(off)) * away <= config.ray_width) & (np.cos(off) > 0)
-            # Rays fall: what is counter-clockwise of one lies between the one before and it.
+            # Angles decrease: a cell counter-clockwise of a ray lies between the ray before it and this ray.
             list_ = np.where(on, 2 * nearest, np.where(off > 0, 2 * nearest - 1, 2 * nearest + 1))
             far = away * np.cos(off) + config.ray_beyond
             kept = (list_ >= 0) & (list_ < 2 * len(angles) - 1) & (far <= ray_range)
@@ -67,10 +69,10 @@ def fan(
 
 @ti.data_oriented
 class Visibility:
-    """Sweeps on a map by ``rays`` rays of some range, in parts of a cell.
+    """Sweeps on a map by ``rays`` rays of a range in fractions (``FINE``) of a cell.
 
-    A sweep is made where it may show something (``due``). Where the body has only gone straight on since the
-    last one, a ray skips the cells that the last sweep marked or skipped.
+    The planner sweeps if a sweep may show something (``due``). If the body has only gone straight on since
+    the last sweep, a ray skips the cells that the last sweep marked or skipped.
     """
 
     def __init__(
@@ -82,8 +84,10 @@ class Visibility:
 
     @ti.func
     def due(self, time, new, known, straight):
-        """Whether a step is one of a sweep, where ``new`` cells were seen in the last step, a target is
-        ``known`` or not, and the body went ``straight`` on since the last sweep, or not (-1).
+        """Return 1 if this step includes a sweep.
+
+        ``new`` cells were seen in the last step; ``known`` is 1 if a target is known. ``straight`` is at
+        least 0 if the body has only gone straight on since the last sweep, otherwise -1.
         """
         every = ti.select(
             known, ti.static(self.config.sweep_interval_known), ti.static(self.config.sweep_interval)
@@ -95,10 +99,12 @@ class Visibility:
         self, memory: ti.template(), tables: ti.template(), base, place, corner, pose, ray, far, last_far,
         last_reached, straight, time,
     ):  # fmt: skip
-        """Mark the floor along a ray that reaches ``far``, and between the last ray and this one, from the
-        eye's ``corner`` and one of the fan's poses; ``place`` is the ray's in ``reached``. How many cells
-        were never seen, and how far this ray reached in the last sweep, which is ``last_reached`` of the last
-        ray."""
+        """Mark the floor along a ray that reaches ``far``, and between the last ray and this one.
+
+        ``corner`` is the eye's corner, ``pose`` one of the fan's poses, ``place`` the ray's index in
+        ``reached``. ``last_reached`` is how far the last ray reached in the last sweep. Returns the number of
+        cells that were never seen, and how far this ray reached in the last sweep.
+        """
         row = pose * self.rays + ray
         first, middle = tables.starts[2 * row - (ray > 0)], tables.starts[2 * row]
         last = tables.starts[2 * row + 1]
@@ -118,8 +124,10 @@ class Visibility:
 
     @ti.func
     def skips(self, straight, pose):
-        """Whether rays may skip floor. Not after a long step along a diagonal, as bodies make that fill
-        cells: behind a wall's end that they go by, rays come to be as long as others were before it.
+        """Return 1 if rays may skip floor.
+
+        They may not after a long step along a diagonal, as bodies that fill cells make. Behind the end of a
+        wall, rays can then be as long as others were before the step.
         """
         over = ti.cast(straight >= 0, ti.i32)
         if ti.static(self.occupancy.touching):
@@ -128,7 +136,7 @@ class Visibility:
 
     @ti.func
     def mark(self, memory: ti.template(), tables: ti.template(), base, corner, first, last, far, time):
-        """Mark the cells of a part of one of the fan's lists that rays reach; how many were never seen."""
+        """Mark the cells of one of the fan's lists that rays reach; return how many were never seen."""
         new = 0
         for k in range(first, last):
             if tables.fan[k] >> 16 > far:
@@ -139,8 +147,10 @@ class Visibility:
 
     @ti.func
     def wall(self, memory: ti.template(), base, eye, end, before, both, time):
-        """Mark what a ray ends on; and where the last ray ended on something too (``both``) and the two ends
-        lie on one line, the wall between them. How many cells were not known to be occupied.
+        """Mark a ray's end, and a wall from the last end to this one.
+
+        There is a wall if the last ray ended on something, too (``both``), and the two ends lie on one line.
+        Returns how many cells were not known to be occupied.
         """
         hits = self.occupancy.hit(memory, base, eye[0] + end[0], eye[1] + end[1], time)
         gap = ti.abs(end - before)

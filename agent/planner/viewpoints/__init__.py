@@ -1,1 +1,1 @@
-"""The next best view: where targets may lie, what can be reached, what a view would show."""
+"""Next best view: the places where targets may lie, those within reach, and what a view would show."""

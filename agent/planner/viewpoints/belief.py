@@ -1,8 +1,8 @@
-"""Where targets are likely to lie: how much each candidate place counts, before it was looked at.
+"""Belief about targets: the weight of each candidate place before it is looked at.
 
-Two things are estimated while an episode goes on. Ground that was never seen may be no floor at all: the
-inside of furniture, of a wall, or of the garden. And targets may lie in the room that the episode began in,
-or outside it: each pick-up is evidence for one of the two, by Bayes's rule.
+A planner estimates two things during an episode. First, ground that was never seen may not be floor: it may
+be inside furniture, a wall or the garden. Second, targets may lie in the room where the episode began, or
+outside it. Each pick-up is evidence for one of the two, by Bayes' rule.
 """
 
 from agent.planner.config import CERTAIN, PlannerConfig
@@ -11,27 +11,28 @@ from sim.actions import HEADINGS
 from sim.runtime import ti
 
 COUNT = 127
-"""Bits of ``prior``: what a block counts, 0 to ``CERTAIN``."""
+"""Bits of ``prior`` with a block's weight, 0 to ``CERTAIN``."""
 
 PATH = 128
-"""Bit of ``prior``: a body is believed to be able to stand there, so that it may be a viewpoint."""
+"""Bit of ``prior``, set if a body is believed to be able to stand in the block, so that it may be a
+viewpoint."""
 
 WALL, BLOCKED = 8, 255
-"""Of ``prior``: from this bit on, the probability that sight which reaches a block ends there, from 0 to
-``BLOCKED``, which is 1."""
+"""First bit of ``prior`` with the probability that sight which reaches a block ends there, and its value for
+probability 1."""
 
 
 @ti.data_oriented
 class Belief:
-    """What is believed of places on a map."""
+    """Beliefs about places on a map."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, prior: bool = False) -> None:
-        """``prior``: what places count is given, by a network or by a study that knows the house."""
+        """Use the array ``prior`` for weights, if true: a network or a study fills it."""
         self.config, self.occupancy, self.prior = config, occupancy, prior
 
     @ti.func
     def odds(self, memory: ti.template(), base, x, y):
-        """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
+        """Return the weight of a node as a candidate, if it is one: 0 to ``CERTAIN``."""
         odds = CERTAIN
         if ti.static(self.prior):
             odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & COUNT
@@ -44,22 +45,20 @@ class Belief:
 
     @ti.func
     def block(self, base, node):
-        """The place in ``prior`` of the block that a node is in."""
+        """Return the index in ``prior`` of the block of a node."""
         x, y = self.occupancy.across(node) >> 1, self.occupancy.down(node) >> 1
         return (base >> 2) + ((y << ti.static(self.occupancy.bits - 1)) | x)
 
     @ti.func
     def sight(self, memory: ti.template(), base, node):
-        """The probability that sight which reaches a node passes it, where the node was never seen: 0 to 1
-        (f32).
-        """
+        """Return the probability (f32) that sight which reaches a node passes it: 1 if the node was seen."""
         wall = ti.cast(memory.prior[self.block(base, node)], ti.i32) >> WALL
         unseen = ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS
         return 1.0 - ti.select(unseen, ti.cast(wall, ti.f32), 0.0) / BLOCKED
 
     @ti.func
     def stands(self, memory: ti.template(), base, node):
-        """Whether a body is known, or believed, to be able to stand at a node (i32)."""
+        """Return 1 (i32) if a body is known, or believed, to be able to stand at a node."""
         stands = ti.cast(ti.cast(memory.cells[base + node], ti.i32) >= 1 << FLAGS, ti.i32)
         if ti.static(self.prior):
             stands |= ti.cast(memory.prior[self.block(base, node)] & ti.u16(PATH) != 0, ti.i32)
@@ -67,13 +66,11 @@ class Belief:
 
     @ti.func
     def floor(self, memory: ti.template(), base, x, y):
-        """In how many of the eight directions the first known cell is floor, less those in which it is
-        occupied.
-        """
+        """Return how many directions first meet known floor, minus how many first meet an occupied cell."""
         floor = 0
         for k in ti.static(range(8)):
             dx, dy = HEADINGS[k][0], HEADINGS[k][1]
-            # A node is the corner of four cells: the first one in a direction begins there.
+            # A node is the corner of four cells; the first cell in a direction begins there.
             i, j, known, t = x - (dx < 0), y - (dy < 0), 0, 1
             while (known >> FLAGS == 0) & (t <= self.config.odds_range):
                 known = ti.cast(memory.cells[base + self.occupancy.at(i + t * dx, j + t * dy)], ti.i32)
@@ -86,8 +83,10 @@ class Belief:
 
     @ti.func
     def start_room(self, memory: ti.template(), base):
-        """The room that the episode began in, as far as it was seen: the rectangle about the start that
-        grows to all sides until a cell is occupied or all are unknown. West, east, north, south, inclusive.
+        """Return the box of the room in which the episode began, as far as it was seen.
+
+        The box grows from the start to all sides until a cell is occupied or all are unknown. Returns its
+        cells west, east, north and south, inclusive.
         """
         box, grows = ti.Vector([-1, 0, -1, 0]), ti.Vector([1, 1, 1, 1])
         while grows.max() > 0:
@@ -112,17 +111,19 @@ class Belief:
 
     @ti.func
     def within(self, box, x, y):
-        """Whether a node lies in a box of cells (i32)."""
+        """Return 1 (i32) if a node lies in a box of cells."""
         i, j = self.occupancy.apart(x, 0), self.occupancy.apart(y, 0)
         return ti.cast((i > box[0]) & (i <= box[1]) & (j > box[2]) & (j <= box[3]), ti.i32)
 
     @ti.func
     def shares(self, here, found):
-        """What is left of the odds of places in the start room, and of those elsewhere, after ``here`` of
-        ``found`` pick-ups were in it: the greater is 1. Targets lie here, elsewhere, or in both, each as
-        likely at first, and then in all places there alike.
+        """Return the factors on the weights of places in the start room and elsewhere.
+
+        ``here`` of ``found`` pick-ups were in the start room. A priori, targets lie in the start room,
+        elsewhere or in both with equal probability, and uniformly over the places there. The larger factor is
+        1.
         """
-        if ti.static(self.prior):  # what places count says so
+        if ti.static(self.prior):  # the prior's weights include this
             here, found = 0, 0
         there = found - here
         slip = ti.static(self.config.pick_up_error)

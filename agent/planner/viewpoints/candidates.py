@@ -1,5 +1,7 @@
-"""Candidates: the places where a target may lie, and the viewpoints from which they may be seen, each with
-its distance from the body, as far as the body can reach."""
+"""Candidates and viewpoints: places where a target may lie, and places from which to see them.
+
+Each has its distance from the body, as far as the body can reach.
+"""
 
 from agent.planner.config import PlannerConfig
 from agent.planner.mapping.occupancy import Occupancy
@@ -8,13 +10,15 @@ from agent.planner.viewpoints.reachability import OPEN, UNKNOWN, DistanceField
 from sim.runtime import ti
 
 NOT_COMPUTED = (1 << 16) - 1
-"""The gain of a viewpoint from which none was computed since ``Viewpoints.forget``."""
+"""Value of a gain that was not computed since ``Viewpoints.forget``."""
 
 
 @ti.data_oriented
 class Candidates:
-    """Lists of what can be reached on a map. Of ``queue`` the first part has the viewpoints and their
-    distances; from ``listed`` on there are candidates, from ``front`` on the distance field's tiles.
+    """Lists of the places within reach on a map.
+
+    The first part of ``queue`` has the viewpoints and their distances. From ``listed`` on it has candidates,
+    from ``front`` on the distance field's tiles.
     """
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, belief: Belief) -> None:
@@ -25,36 +29,37 @@ class Candidates:
 
     @ti.func
     def at(self, node):
-        """The place in its environment's part of ``candidates`` of the block that a node is in."""
+        """Return the index of a node's block in its environment's part of ``candidates``."""
         x, y = self.occupancy.across(node) >> 1, self.occupancy.down(node) >> 1
         return (y << ti.static(self.occupancy.bits - 1)) | x
 
     @ti.func
     def steps(self, distance):
-        """The cost in steps of a path of ``distance`` nodes, but for the turns."""
+        """Return the cost in steps of a path of ``distance`` nodes, without the turns."""
         return ti.static(2.0 / self.occupancy.step) * ti.cast(distance, ti.f32) + self.config.viewpoint_cost
 
     @ti.func
     def place(self, x, y):
-        """The place in its environment's part of ``gains`` of a viewpoint's node."""
+        """Return the index of a viewpoint's node in its environment's part of ``gains``."""
         return (y // self.pitch) * ti.static(self.occupancy.side // self.pitch) + x // self.pitch
 
     @ti.func
     def first(self, base):
-        """Where an environment's part of ``candidates`` begins."""
+        """Return the first index of an environment's part of ``candidates``."""
         return base >> 2
 
     @ti.func
     def part(self, base):
-        """Where an environment's part of ``gains`` begins."""
+        """Return the first index of an environment's part of ``gains``."""
         return base >> ti.static(2 * (self.pitch.bit_length() - 1))
 
     @ti.func
     def collect(self, memory: ti.template(), state, base):
-        """Compute the distances of all blocks from the body, and list what can be reached: candidates and
-        viewpoints. Returns the nearest candidate, -1 for none, and its distance; what the candidates count
-        that were not tried; the viewpoint whose gain for its cost was the greatest when it was computed last,
-        -1 for none; how many viewpoints there are; and how many candidates.
+        """Compute the distances of all blocks from the body; list the candidates and viewpoints within reach.
+
+        Returns the nearest candidate, -1 for none, and its distance; the sum of the weights of candidates
+        that were not tried; the viewpoint with the greatest last gain for its cost, -1 for none; the number
+        of viewpoints; and the number of candidates.
         """
         first, part, px, py = self.first(base), self.part(base), state.x, state.y
         nearest, within, total, likely, hoped, listed_count = -1, 0, 0, -1, 0.0, 0
@@ -119,8 +124,10 @@ class Candidates:
 
     @ti.func
     def odds(self, memory: ti.template(), base, tile, block, since):
-        """What a block's first node counts as a candidate, -1 if it is none. Where next to nothing of it was
-        ever seen that is kept, as it stays so while its tile is not dirty.
+        """Return the weight of a block's first node as a candidate, -1 if it is none.
+
+        The weight of a block that is almost wholly unseen is kept: it stays the same while its tile is not
+        dirty.
         """
         k = self.field.of_tile(base, tile) + block
         odds = ti.cast(memory.odds[k], ti.i32)

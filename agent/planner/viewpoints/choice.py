@@ -1,6 +1,6 @@
-"""The next best view: the viewpoint, a place and a heading, with most information gain for its cost.
+"""Next best view: the viewpoint, a place and a heading, with most information gain for its cost.
 
-The gain is how many candidates the view would show. The searcher (``searcher``) goes by the same rule,
+The gain is the number of candidates that the view would show. The searcher (``searcher``) uses the same rule,
 but knows the house; a planner knows its own map.
 """
 
@@ -12,12 +12,13 @@ from agent.planner.viewpoints.candidates import NOT_COMPUTED, Candidates
 from sim.runtime import ti
 
 TRIED = 128
-"""Bit of a candidate that a view should have shown by the map's cells, but did not: it counts for none."""
+"""Bit of a candidate that, by the map, a view should have shown but did not: it no longer counts."""
 
 
 def views(config: PlannerConfig) -> np.ndarray:
-    """The places on a view's rays, octant by octant: ways (n,) int32 from a node to each, as
-    ``Occupancy.beside`` takes them.
+    """Return the places on a view's rays, octant by octant.
+
+    The places are offsets (n,) int32 from a node, in the form that ``Occupancy.beside`` takes.
     """
     rays = config.viewpoint_rays
     aside = (np.arange(rays) - rays // 2) / rays
@@ -29,34 +30,38 @@ def views(config: PlannerConfig) -> np.ndarray:
 
 @ti.data_oriented
 class Viewpoints:
-    """The choice of a viewpoint. ``candidates`` has what each candidate counts while a choice is made,
-    nothing otherwise, and whether it was tried; ``gains`` what the best view from each viewpoint showed when
-    that was computed last.
+    """Choice of a viewpoint.
 
-    Between two pick-ups a gain mostly falls. So a choice computes only those that may still be greater for
-    their cost than the best, as in Minoux's "Accelerated greedy algorithms for maximizing submodular set
-    functions" (1978). There gains only fall; here new ground can raise one, and what opens in sight of a view
-    of little worth may be missed until the next pick-up. And a choice computes the gain of every other
-    viewpoint along both axes first, of those between them only where these tell that it may be the best.
+    ``candidates`` holds the weight of each candidate during a choice, and the bit of those tried; ``gains``
+    holds the gain of the best view from each viewpoint when it was last computed.
+
+    Between two pick-ups a gain mostly falls. So a choice computes only the gains that may still exceed the
+    best for their cost, as in Minoux's "Accelerated greedy algorithms for maximizing submodular set
+    functions" (1978). In Minoux's setting gains only fall. Here new ground can raise a gain, so a choice may
+    miss, until the next pick-up, what opens up in a view that was worth little. A choice first computes the
+    gain of every other viewpoint along both axes. It computes those between only if their neighbours show
+    that they may be the best.
     """
 
     def __init__(
         self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates, drives: bool = False
     ) -> None:
-        """Choose on this map. ``drives``: the body looks along no eighth of a turn but where it is
-        ``aligned``.
+        """Choose on this map.
+
+        ``drives``: the body looks along an eighth of a turn only if it is ``aligned``.
         """
         self.drives = drives
         self.config, self.occupancy = config, occupancy
         self.candidates, self.pitch = candidates, candidates.pitch
         self.places = config.view_range // config.view_stride
-        # A place on a ray stands for stride by stride cells, as wide as rays are apart there.
+        # Each place on a ray stands for stride by stride cells, and is as wide as the gap between rays there.
         self.weight = config.view_stride**2 * np.pi / 4 / config.viewpoint_rays / 4
 
     @ti.func
     def forget(self, memory: ti.template(), base):
-        """Forget which candidates were tried, and all gains: in a new episode, after a pick-up, or where no
-        candidate is left.
+        """Forget all gains and which candidates were tried.
+
+        This happens in a new episode, after a pick-up, or if no candidate is left.
         """
         for k in range(ti.static(self.candidates.area)):
             memory.candidates[self.candidates.first(base) + k] = ti.cast(0, ti.u8)
@@ -65,9 +70,11 @@ class Viewpoints:
 
     @ti.func
     def choose(self, memory: ti.template(), tables: ti.template(), state, base):
-        """The viewpoint to go to, a node and a heading: of those on nodes that were seen the one with most
-        information gain for its cost, as far as the kept gains are right. Where none shows enough, the
-        nearest candidate and -1; where there is none, -1 for both. Then how long paths there may be.
+        """Return the viewpoint to go to, a node and a heading, and a bound on the length of the path.
+
+        The viewpoint is the node that was seen with most information gain for its cost, as far as the kept
+        gains are right. If no viewpoint shows enough, the result is the nearest candidate and -1; without a
+        candidate, -1 for both.
         """
         first, part = self.candidates.first(base), self.candidates.part(base)
         px, py, heading = state.x, state.y, state.heading
@@ -82,7 +89,7 @@ class Viewpoints:
         least = ti.static(CERTAIN * self.config.gain_least)
         goal, look, best = nearest, -1, 0.0
         for finer in range(2):
-            # First (-1) from where it is most likely to be best, so that there is less to look at.
+            # The likeliest best viewpoint comes first (-1), so that fewer must be computed.
             head, going = ti.select((likely >= 0) & (finer == 0), -1, 0), 1
             while (head < number) & going:
                 k = ti.select(head < 0, likely, head)
@@ -93,8 +100,8 @@ class Viewpoints:
                 )
                 x, y = self.occupancy.across(node), self.occupancy.down(node)
                 way = self.candidates.steps(distance)
-                # Viewpoints come in the order of their distance, to a step or two: from here on none can be
-                # better than the best one.
+                # Viewpoints come in order of their distance, to a step or two: none from here on can be
+                # better than the best.
                 if most <= ti.max(best * way, least):
                     going = 0
                 elif self.bound(memory, base, x, y, most, finer) > best * way:
@@ -126,8 +133,10 @@ class Viewpoints:
 
     @ti.func
     def bound(self, memory: ti.template(), base, x, y, most, finer):
-        """What the best view from a node may show, of ``most`` in all; 0 where none is to be computed in this
-        turn. Viewpoints between others, of which no gain is kept, are left for the ``finer`` turn.
+        """Return a bound on what the best view from a node may show, of ``most`` in all.
+
+        The bound is 0 if no gain is to be computed in this pass. Viewpoints between others, without a kept
+        gain, are left for the ``finer`` pass.
         """
         part = self.candidates.part(base)
         last, bound = ti.cast(memory.gains[part + self.candidates.place(x, y)], ti.f32), most
@@ -151,11 +160,12 @@ class Viewpoints:
 
     @ti.func
     def gain(self, memory: ti.template(), tables: ti.template(), base, node, octant, try_: ti.template()):
-        """The information gain of an octant from a node: what the candidates count that its rays meet, each
-        for the ground about it, as far as the next. With ``try_`` these are tried now: what they counted.
+        """Return the information gain of an octant from a node.
 
-        With a prior, sight may end wherever there may be a wall: a candidate counts by the probability that
-        the ray reaches it.
+        The gain is the weight of the candidates that the octant's rays meet, each multiplied by the ground
+        about it, as far as the next ray. ``try_`` marks these candidates as tried. The second value is the
+        weight of those newly tried. With a prior, sight may end wherever there may be a wall: a candidate
+        counts by the probability that the ray reaches it.
         """
         prior = ti.static(self.candidates.belief.prior)
         gain, count = ti.static(0.0 if prior else 0), 0
@@ -188,7 +198,7 @@ class Viewpoints:
 
     @ti.func
     def bearing(self, dx, dy):
-        """The heading that is nearest to a way east and south."""
+        """Return the heading nearest to a direction east and south."""
         across, down = ti.abs(dx), ti.abs(dy)
         heading = 0
         # The tangent of 22.5 degrees is 0.4142.
@@ -202,6 +212,6 @@ class Viewpoints:
 
     @ti.func
     def turns(self, one, other):
-        """Turns from one heading to another."""
+        """Return the number of turns from one heading to another."""
         away = (one - other) & 7
         return ti.min(away, 8 - away)

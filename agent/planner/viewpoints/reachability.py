@@ -1,10 +1,10 @@
-"""Which places the body can reach, and how far away they are: a distance field over blocks of 2 by 2 nodes.
+"""Reachable places and their distances: a distance field over blocks of 2 by 2 nodes.
 
-A choice of a viewpoint needs the lengths of the paths to all places, but not the paths: so blocks are exact
-enough, and the 64 blocks of a tile are the bits of one word. Two blocks are connected where two nodes that
-lie side by side, one of each, are both open. In a step the front moves to the east and the west, and then
-from all that to the north and the south, so diagonally too. What it reaches, but for where it begins, paths
-of nodes reach as well. The connections of a tile are kept until it or a tile beside it is dirty.
+A choice of a viewpoint needs the lengths of the paths to all places, but not the paths. So blocks are exact
+enough, and the 64 blocks of a tile are the bits of one word. Two blocks are connected if two adjacent nodes,
+one of each, are both open. In a step the front moves to the east and the west, and from there to the north
+and the south, so diagonally, too. Except at its start, the front reaches only what paths of nodes reach as
+well. The connections of a tile are kept until the tile or one next to it is dirty.
 """
 
 from agent.planner.mapping.occupancy import TILE, Occupancy
@@ -14,17 +14,17 @@ NODES, SIDE = 1 << TILE, 1 << TILE - 1
 """Nodes and blocks along each side of a tile, whose 64 blocks are the bits of one word, row by row."""
 
 EAST, SOUTH, OPEN, KNOWN, REACHED, LATEST, NEXT = range(7)
-"""A tile's words: which blocks are connected with the next one to the east, and to the south; of which the
-first node is open; whether these are known; and which the front has reached, reached in the last step, and
-reaches in this one."""
+"""Words of a tile. ``EAST``, ``SOUTH``: blocks connected with the next block to the east or south. ``OPEN``:
+blocks whose first node is open. ``KNOWN``: 1 if these are computed. ``REACHED``, ``LATEST``, ``NEXT``: blocks
+that the front has reached, reached in the last step, and reaches in this step."""
 
 WORDS = NEXT + 1
-"""How many words a tile has."""
+"""Number of words in a tile."""
 
 UNKNOWN = (1 << 8) - 1
-"""What a block counts as a candidate, where that is to be computed."""
+"""Weight of a block as a candidate that is not computed yet."""
 
-# The bits of a tile's first and last blocks in each column and in each row.
+# Bits of a tile's first and last blocks in each column and in each row.
 ALL = (1 << SIDE * SIDE) - 1
 FIRST_ROW = (1 << SIDE) - 1
 FIRST_COLUMN = sum(1 << SIDE * row for row in range(SIDE))
@@ -33,14 +33,16 @@ LAST_ROW, LAST_COLUMN = FIRST_ROW << SIDE * (SIDE - 1), FIRST_COLUMN << SIDE - 1
 
 @ti.func
 def masked(word, mask: ti.template()):
-    """The bits of a word that are in a mask."""
+    """Return the bits of a word that are in a mask."""
     return word & ti.u64(mask)
 
 
 @ti.data_oriented
 class DistanceField:
-    """Distance fields on a map. A front moves from the body outwards, in steps of a block: the tiles that it
-    reaches are a list in ``queue``, and those that it reaches next another one.
+    """Distance fields on a map.
+
+    A front moves from the body outwards, in steps of a block. The tiles that it has reached are a list in
+    ``queue``, and those that it reaches next another list.
     """
 
     def __init__(self, occupancy: Occupancy) -> None:
@@ -49,30 +51,30 @@ class DistanceField:
 
     @ti.func
     def bit(self, node):
-        """The bit of the block that a node is in."""
+        """Return the bit of a node's block."""
         x, y = self.occupancy.across(node) >> 1, self.occupancy.down(node) >> 1
         return ti.u64(1) << ti.cast(y % SIDE * SIDE + x % SIDE, ti.u64)
 
     @ti.func
     def node(self, tile, k):
-        """The first node of a tile's k-th block."""
+        """Return the first node of a tile's k-th block."""
         x = tile % ti.static(self.across) * SIDE + k % SIDE
         y = tile // ti.static(self.across) * SIDE + k // SIDE
         return self.occupancy.at(2 * x, 2 * y)
 
     @ti.func
     def at(self, base, word: ti.template(), tile):
-        """Where one of a tile's words is: words of a kind lie together."""
+        """Return the index of one of a tile's words: words of a kind lie together."""
         return (base >> 2 * TILE) * WORDS + ti.static(word * self.number) + tile
 
     @ti.func
     def of_tile(self, base, tile):
-        """Where ``odds`` of a tile's blocks begin."""
+        """Return the first index in ``odds`` of a tile's blocks."""
         return (base >> 2) + tile * SIDE * SIDE
 
     @ti.func
     def begin(self, memory: ti.template(), base):
-        """Nothing is reached. Forget what was computed of dirty tiles, and of those beside them."""
+        """Clear the front, and forget what was computed for dirty tiles and those next to them."""
         for tile in range(ti.static(self.number)):
             memory.tiles[self.at(base, REACHED, tile)] = ti.u64(0)
             if memory.dirty[(base >> 2 * TILE) + tile]:
@@ -86,14 +88,14 @@ class DistanceField:
 
     @ti.func
     def beside(self, tile, east, south):
-        """The tile that lies some tiles to the east and to the south."""
+        """Return the tile at an offset of some tiles to the east and to the south."""
         last = ti.static(self.across - 1)
         x, y = tile % ti.static(self.across), tile // ti.static(self.across)
         return ((y + south) & last) * ti.static(self.across) + ((x + east) & last)
 
     @ti.func
     def reach(self, memory: ti.template(), base, to, tile, bits, tail):
-        """Reach blocks of a tile, which joins the list that begins at ``to``; its new end."""
+        """Reach blocks of a tile, which joins the list that begins at ``to``; return the list's new end."""
         if bits != 0:
             if memory.tiles[self.at(base, NEXT, tile)] == 0:
                 memory.queue[to + tail] = ti.cast(tile, self.occupancy.number)
@@ -103,8 +105,9 @@ class DistanceField:
 
     @ti.func
     def source(self, memory: ti.template(), base, to, px, py):
-        """Begin at the body: on the nodes within half a cell and those beside them, as far as they are open.
-        The list's end, and one of the body's nodes.
+        """Begin at the body: on the nodes within half a cell, and on the open nodes next to them.
+
+        Returns the list's end, and one of the body's nodes.
         """
         tail, here = 0, self.occupancy.at(px >> 1, py >> 1)
         for k in range(4):
@@ -122,7 +125,7 @@ class DistanceField:
 
     @ti.func
     def settle(self, memory: ti.template(), base, tile):
-        """The blocks of a tile that the front has just reached for the first time."""
+        """Return the blocks of a tile that the front has just reached for the first time."""
         latest = memory.tiles[self.at(base, NEXT, tile)] & ~memory.tiles[self.at(base, REACHED, tile)]
         memory.tiles[self.at(base, NEXT, tile)] = ti.u64(0)
         memory.tiles[self.at(base, LATEST, tile)] = latest
@@ -131,7 +134,7 @@ class DistanceField:
 
     @ti.func
     def spread_vertically(self, memory: ti.template(), base, to, tile, bits, tail):
-        """Reach blocks of a tile, and those north and south of them; the list's new end."""
+        """Reach blocks of a tile, and those north and south of them; return the list's new end."""
         north, south = self.beside(tile, 0, -1), self.beside(tile, 0, 1)
         joined, above = memory.tiles[self.at(base, SOUTH, tile)], memory.tiles[self.at(base, SOUTH, north)]
         down = bits & joined
@@ -144,7 +147,7 @@ class DistanceField:
 
     @ti.func
     def spread(self, memory: ti.template(), base, to, tile, tail):
-        """Move the front on from the blocks of a tile that it reached last; the list's new end."""
+        """Move the front on from the blocks of a tile that it reached last; return the list's new end."""
         west, east = self.beside(tile, -1, 0), self.beside(tile, 1, 0)
         for k in range(6):
             self.connect(memory, base, self.beside(tile, k % 3 - 1, k // 3 - 1))
@@ -164,8 +167,9 @@ class DistanceField:
 
     @ti.func
     def connect(self, memory: ti.template(), base, tile):
-        """Compute which blocks of a tile are connected with the next ones, if that is not known. Of a block
-        whose open nodes touch at a corner alone, none counts.
+        """Compute which blocks of a tile are connected with the next ones, if that is not known.
+
+        A block whose open nodes touch only at a corner is connected with none.
         """
         if memory.tiles[self.at(base, KNOWN, tile)] == 0:
             memory.tiles[self.at(base, KNOWN, tile)] = ti.u64(1)
@@ -191,8 +195,9 @@ class DistanceField:
 
     @ti.func
     def row(self, memory: ti.template(), base, x, y):
-        """Which nodes are open in a row of a tile's blocks and the next one's, on even bits: the first one of
-        each block, and the second.
+        """Return the open nodes in a row of a tile's blocks and the next tile's, on even bits.
+
+        The first word has the first node of each block, the second word the second.
         """
         bits = ti.u32(0)
         for k in range(NODES + 2):
@@ -203,7 +208,7 @@ class DistanceField:
 
     @ti.func
     def packed(self, bits):
-        """The even ones of 16 bits, as 8 of 64."""
+        """Return the even bits of a 16-bit word as 8 bits of a 64-bit word."""
         bits &= ti.u32(0x5555)
         bits = (bits | (bits >> 1)) & ti.u32(0x3333)
         bits = (bits | (bits >> 2)) & ti.u32(0x0F0F)
