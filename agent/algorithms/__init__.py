@@ -1,1 +1,1 @@
-"""The algorithms, a folder each, and the presets that run by name."""
+"""Algorithms, one folder each, and the presets that run by name."""

@@ -1,4 +1,4 @@
-"""What a config names: its algorithm's learner and network, and the policy that plays by it."""
+"""Factories of what a config names: its algorithm's learner and network, and the policy that plays by it."""
 
 from importlib import import_module
 from typing import Any
@@ -11,21 +11,21 @@ from sim import HouseVectorEnv
 
 
 def algorithm_of(config: TrainConfig) -> Any:
-    """The class of its algorithm, a ``Learner``."""
+    """Return the class of a config's algorithm, a ``Learner``."""
     module, _, name = ALGORITHMS[config.algorithm].learner.partition(":")
     return getattr(import_module(module), name)
 
 
 def learner_of(config: TrainConfig, envs: HouseVectorEnv) -> Learner:
-    """A run that begins; ``envs`` has this rank's share of the config's environments."""
+    """Return a new run; ``envs`` has this rank's share of the config's environments."""
     return algorithm_of(config)(config, envs)
 
 
 def network_of(config: TrainConfig) -> Any:
-    """See ``Learner.network_of``."""
+    """Return a new network: see ``Learner.network_of``."""
     return algorithm_of(config).network_of(config)
 
 
 def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy | Explorer:
-    """See ``Learner.policy_of``."""
+    """Return the policy that plays by a network: see ``Learner.policy_of``."""
     return algorithm_of(config).policy_of(network, config, envs, seed)

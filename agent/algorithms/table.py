@@ -1,6 +1,7 @@
-"""The algorithms and presets, by name. A new algorithm is a folder with a config and a learner, and a line.
+"""Table of the algorithms and presets, by name.
 
-Cheap to import: learners, which need torch, are named by strings; ``build`` imports them.
+A new algorithm needs a folder with a config and a learner, and a line here. The table is cheap to import: it
+names learners, which need torch, by strings; ``build`` imports them.
 """
 
 from typing import NamedTuple
@@ -14,11 +15,11 @@ from agent.learning.config import TrainConfig
 
 
 class Algorithm(NamedTuple):
-    """What learns."""
+    """Algorithm: its config and its learner."""
 
     config: type[TrainConfig]
     learner: str
-    """``module:Class`` of a ``Learner``."""
+    """Learner, as ``module:Class``."""
 
 
 TABLE = (
@@ -30,7 +31,7 @@ TABLE = (
 )
 
 ALGORITHMS = {each.config.algorithm: each for each in TABLE}
-"""By name."""
+"""Algorithms by name."""
 
 PRESETS = {name: config for each in TABLE for name, config in each.config.presets().items()}
 """Configs that run by name."""

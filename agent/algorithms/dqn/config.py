@@ -1,4 +1,4 @@
-"""What a run of deep Q-learning from a replay buffer is, and the presets."""
+"""Configuration and presets of deep Q-learning from a replay buffer."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,14 +9,15 @@ from logic.errors import RequestError
 
 @dataclass(frozen=True)
 class DQNConfig(QLearningConfig):
-    """Deep Q-learning from a replay buffer (Mnih et al. 2015, doi:10.1038/nature14236), with double
-    Q-learning and n-step returns.
+    """Deep Q-learning from a replay buffer, with double Q-learning and n-step returns.
+
+    Source: Mnih et al. 2015, doi:10.1038/nature14236.
     """
 
     groups: ClassVar = {"buffer_size": "Deep Q-learning from a replay buffer (DQN)"}
 
     buffer_size: int = 200_000
-    """Steps that the replay buffer holds, of all environments together."""
+    """Capacity of the replay buffer in steps, of all environments together."""
 
     learning_starts: int = 20_000
     """Steps in the buffer before the first update."""
@@ -25,10 +26,10 @@ class DQNConfig(QLearningConfig):
     """Steps of every environment between two updates."""
 
     batch_size: int = 1024
-    """Steps that an update learns from."""
+    """Number of steps that an update learns from."""
 
     n_step: int = 5
-    """Rewards that a return adds up before it trusts the network (n)."""
+    """Number of rewards (n) that a return adds up before it uses the network's value."""
 
     target_network_frequency: int = 200
     """Updates between two copies of the network to the target network."""
@@ -50,7 +51,7 @@ class DQNConfig(QLearningConfig):
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
-        """Configs that run by name."""
+        """Return the configs that run by name."""
         return {
             "dqn": cls(
                 num_envs=64, learning_rate=5e-4, final_lr_fraction=0.1, epsilon=1.0, exploration_fraction=0.1

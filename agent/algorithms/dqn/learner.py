@@ -1,13 +1,13 @@
-"""Deep Q-learning from a replay buffer (DQN), to be read beside its papers.
+"""Deep Q-learning from a replay buffer (DQN), to be read next to its papers.
 
-| part | of |
+| part | source |
 |---|---|
 | replay buffer, target network | Mnih et al. 2015, doi:10.1038/nature14236 |
 | double Q-learning | van Hasselt et al. 2016, arXiv:1509.06461 |
 | n-step returns | Hessel et al. 2018 (Rainbow), arXiv:1710.02298: not corrected for exploring actions |
 
-First the rule, as pure functions of tensors; then the learner: step all environments, keep what happened,
-learn from a sample of it, again.
+The rule comes first, as pure functions of tensors. Then follows the learner, which repeats three phases: it
+steps all environments, stores the steps, and learns from a sample of them.
 
 Axes: E environments, n steps of a return, B samples, R rays, C channels, M half-lives, A actions; ``s_tm1,
 a_tm1`` lead to ``s_t``.
@@ -32,11 +32,12 @@ from sim import HouseVectorEnv
 def n_step_returns(
     r: Tensor, terminated: Tensor, truncated: Tensor, *, gamma: float
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """Returns of n steps, from the step each sample begins with: ``g, ahead, discount``, each (B,).
+    """Return n-step returns from the first step of each sample: ``g, ahead, discount``, each (B,).
 
-    ``r`` (n, B) are rewards, ``terminated`` and ``truncated`` (n, B) bool how a step ended. ``g`` is the sum
-    of the discounted rewards up to the first end; the value of the state ``ahead`` steps on is multiplied by
-    ``discount``: 0 if it is terminal, but not if the time ran out there. Steps after an end are left out.
+    ``r`` (n, B) are rewards; ``terminated`` and ``truncated`` (n, B) bool state how a step ended. ``g`` is
+    the sum of the discounted rewards up to the first end. The value of the state ``ahead`` steps on is
+    multiplied by ``discount``, which is 0 if that state is terminal, but not after a time-out. Steps after an
+    end are left out.
     """
     alive = torch.ones_like(terminated[0])
     died, ahead, g = ~alive, torch.zeros(len(alive), dtype=torch.int64), torch.zeros_like(r[0])
@@ -51,20 +52,21 @@ def n_step_returns(
 def double_q_targets(
     g: Tensor, discount_t: Tensor, q_t_target: Tensor, q_t_online: Tensor, allowed_t: Tensor
 ) -> Tensor:
-    """Targets (B,) for the values of the taken actions: the return and the value of the state it leads to.
+    """Return targets (B,) for the values of the taken actions: the return plus the next state's value.
 
-    The network chooses the action there by its values ``q_t_online`` (B, A), among those that are
-    ``allowed_t`` (B, A) bool; the target network's values ``q_t_target`` (B, A) are its values.
+    The network chooses the action in the next state by its values ``q_t_online`` (B, A), among the actions
+    that are ``allowed_t`` (B, A) bool. The action's value comes from the target network, ``q_t_target`` (B,
+    A).
     """
     best = subsume(q_t_online, allowed_t)
     return g + discount_t * q_t_target.gather(1, best[:, None]).squeeze(1)
 
 
 def huber_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor, valid: Tensor) -> Tensor:
-    """Huber's loss of the taken actions' values (B, A) to their targets (B,): squared up to an error of 1 and
-    linear from there; a scalar.
+    """Return the Huber loss, a scalar, of the taken actions' values (B, A) to their targets (B,).
 
-    ``valid`` (B,) bool leaves out the steps after an end, whose action the environment ignored.
+    The loss is squared up to an error of 1 and linear from there. ``valid`` (B,) bool leaves out the steps
+    after an end, whose action the environment ignored.
     """
     q = q_tm1.gather(1, a_tm1[:, None]).squeeze(1)
     loss = nn.functional.huber_loss(q, target, reduction="none")
@@ -72,7 +74,7 @@ def huber_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor, valid: Tensor) -> T
 
 
 class ReplayBatch(NamedTuple):
-    """Steps to learn from. ``m`` is the memory (B, M, 6) beside an observation ``s`` (B, R, C)."""
+    """Steps to learn from. ``m`` is the memory (B, M, 6) of an observation ``s`` (B, R, C)."""
 
     s_tm1: Tensor
     m_tm1: Tensor
@@ -86,7 +88,7 @@ class ReplayBatch(NamedTuple):
 
 
 def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, gamma: float) -> ReplayBatch:
-    """The steps in these rows (B,) of these environments (B,), with their returns over n steps."""
+    """Return the steps in these rows (B,) of these environments (B,), with their n-step returns."""
     window, along = rows + torch.arange(n)[:, None], envs.expand(n, -1)
     ends = (replay.read(name, window, along) for name in ("r", "terminated", "truncated"))
     g, ahead, discount_t = n_step_returns(*ends, gamma=gamma)
@@ -104,14 +106,14 @@ def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, ga
 
 
 class DQN(ReplayLearner):
-    """A run of deep Q-learning: two networks and a replay buffer."""
+    """Run of deep Q-learning: two networks and a replay buffer."""
 
     config: DQNConfig
     last = ("s", "m", "blocked", "ended", "updates")
 
     @staticmethod
     def network_of(config: DQNConfig) -> QNetwork | OwnNetwork:
-        """See ``Learner``."""
+        """Return a new network: see ``Learner``."""
         return q_network(config)
 
     def __init__(self, config: DQNConfig, envs: HouseVectorEnv) -> None:
@@ -123,7 +125,8 @@ class DQN(ReplayLearner):
         count = config.num_envs
         self.m = self.network.memory.empty(count)
         flags = self.blocked
-        # Half precision is 2 mm at the end of the range, takes no longer to read and half the room.
+        # Half precision is exact to 2 mm at the end of the range. It is as fast to read and takes half the
+        # memory.
         self.replay = ReplayBuffer(
             config.buffer_size // count,
             s=self.s.half(),
@@ -138,18 +141,18 @@ class DQN(ReplayLearner):
 
     @property
     def epsilon(self) -> float:
-        """Share of random actions now."""
+        """Current fraction of random actions."""
         return self.config.epsilon_at(self.fraction)
 
     def step(self) -> list[Tensor]:
-        """Step all environments once, and learn at every ``train_frequency``-th step; the losses."""
+        """Step all environments once, learn at every ``train_frequency``-th step, and return the losses."""
         self.act()
         due = self.ready and self.replay.written % self.config.train_frequency == 0
         return [self.train_step(self.sample())] if due else []
 
     @torch.no_grad()
     def act(self) -> None:
-        """Step all environments once, and keep the actions that were executed."""
+        """Step all environments once, and store the executed actions."""
         s, blocked, begun = self.s, self.blocked, self.ended
         allowed, q = self.avoidance(s, blocked), self.network(s, self.m)
         noise = exploration(q.shape[:1], self.generator, self.epsilon, self.config.forward, 1, q.shape[1])
@@ -171,13 +174,13 @@ class DQN(ReplayLearner):
         self.m = self.network.memory(self.m, s, blocked, a, begun)
 
     def sample(self) -> ReplayBatch:
-        """Random steps from the replay buffer."""
+        """Return random steps from the replay buffer."""
         config = self.config
         rows, envs = self.replay.sample(config.batch_size, config.n_step, self.generator)
         return n_step_batch(self.replay, rows, envs, n=config.n_step, gamma=config.gamma)
 
     def train_step(self, batch: ReplayBatch) -> Tensor:
-        """Learn from a batch; the loss."""
+        """Learn from a batch; return the loss."""
         config = self.config
         with torch.no_grad():
             q_t_target = self.target(batch.s_t, batch.m_t)
@@ -192,10 +195,10 @@ class DQN(ReplayLearner):
         return loss
 
     def own_state(self) -> dict[str, Any]:
-        """The target network too."""
+        """Return the learner's state, with the target network."""
         return super().own_state() | {"target": self.target.state_dict()}
 
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""
         super().restore_own(state)
         self.target.load_state_dict(state["target"])

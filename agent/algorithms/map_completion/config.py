@@ -1,4 +1,4 @@
-"""What a run of map completion is."""
+"""Configuration of a run of map completion."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,39 +7,39 @@ from agent.learning.config import TrainConfig
 from logic.errors import RequestError
 
 MOST_GROUND = 250
-"""Types of rooms and kinds of pieces that map completion tells apart: they are kept in 8 bits."""
+"""Largest number of room types and furniture kinds that map completion distinguishes, as they are stored in 8
+bits."""
 
 
 @dataclass(frozen=True)
 class CompletionConfig(TrainConfig):
-    """Map completion: a network learns what lies where a map shows nothing."""
+    """Map completion: a network learns to predict the unseen part of a map."""
 
     groups: ClassVar = {"kinds": "Map completion"}
 
     kinds: tuple[str, ...] = ()
-    """Types of rooms and kinds of pieces that are told apart; by default those of the houses that it learns
-    in."""
+    """Types of rooms and kinds of furniture to distinguish; by default those of the training houses."""
 
     channels: tuple[int, ...] = (16, 32, 64, 96)
-    """Of the network's levels, each at half the resolution of the one before."""
+    """Channels of the network's levels, each at half the resolution of the level before."""
 
     num_steps: int = 32
     """Steps of every explorer from one window of its map to the next."""
 
     restarts: float = 0.04
-    """Share of the environments that begin another episode each time."""
+    """Fraction of the environments that begin another episode after each window."""
 
     update_epochs: int = 2
-    """Passes over these windows, each time turned and mirrored otherwise."""
+    """Passes over these windows, each with another rotation and reflection."""
 
     batch_size: int = 32
-    """Windows that an update learns from."""
+    """Number of windows that an update learns from."""
 
     final_lr_fraction: float = 0.02
-    """The learning rate falls on a line to this fraction of it."""
+    """Final learning rate as a fraction of the first; the rate falls linearly."""
 
     max_grad_norm: float = 5.0
-    """Longer gradients are clipped to this norm."""
+    """Norm to which longer gradients are clipped."""
 
     algorithm: ClassVar[str] = "map-completion"
     reads_maps: ClassVar[bool] = True
@@ -59,7 +59,7 @@ class CompletionConfig(TrainConfig):
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
-        """Configs that run by name."""
+        """Return the configs that run by name."""
         return {
             "map-completion": cls(
                 targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3

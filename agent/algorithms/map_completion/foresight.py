@@ -1,4 +1,4 @@
-"""Planners that foresee: what a network predicts of unseen ground is written into their ``prior``."""
+"""Planners with map prediction: a network's predictions of unseen ground are written into their ``prior``."""
 
 import numpy as np
 import torch
@@ -14,45 +14,45 @@ from agent.policies.policies import Tracker
 from sim.config import Config
 
 EVERY, NEWS = 48, 64
-"""Steps of an environment between two predictions, at least; cells that must be new. After a pick-up it
-predicts in any case."""
+"""Steps of an environment between two predictions, and cells that must be new, at least. A pick-up always
+leads to a prediction."""
 
 ANYWAY = 384
-"""Steps after which it predicts though nothing is new: more was looked at."""
+"""Steps after which the network predicts again even if nothing is new, as the planner has looked at more."""
 
 EARLY = (1, 5, 9)
-"""Steps of an episode at which it predicts anyway."""
+"""Steps of an episode at which the network predicts although fewer than ``EVERY`` steps have passed."""
 
 TOGETHER = 4
-"""It predicts at every fourth step of an episode alone: environments that began together then make larger
-batches, which take less time each."""
+"""Interval, in steps of an episode, of the predictions: environments that began together then make larger
+batches, which take less time per window."""
 
 LEAST = 0.05
-"""How likely a block must be floor for paths to lead over it unseen, and for targets to be sought there."""
+"""Least probability of floor at which paths may lead over an unseen block and targets are sought there."""
 
 DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
-"""What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
-right, also where each is less than one (Bayer 1973)."""
+"""Ordered dither, added by the block's place before weights become integers. Their mean over some blocks is
+then right, even if each weight is less than one (Bayer 1973)."""
 
 AT_ONCE = 32
-"""Windows in a batch: what fits a processor's cache."""
+"""Number of windows in a batch: as many as fit a processor's cache."""
 
 
 class Foresight(Tracker):
-    """Keeps planners in step, and their ``prior`` up to date by a network."""
+    """Tracker that steps planners and updates their ``prior`` with a network."""
 
     def __init__(self, world: Config, network: CompletionNetwork, config: PlannerConfig = TUNED) -> None:
         self.network = network
         super().__init__(world, config, prior=True)
 
     def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of that many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         super().begin(environments)
         self.windows, self.marks = Windows(self.planner), Marks(self.world, self.planner)
         self.seen, self.found, self.age = np.zeros((3, environments), int)
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """The planners, with what the last actions led to; predictions are of the maps as they are then."""
+        """Step the planners with what the last actions led to, then predict; return the planners."""
         planner = super().look(observation, blocked)
         self.marks.note(observation)
         time = planner.read("time").numpy()
@@ -78,26 +78,30 @@ class Foresight(Tracker):
 
     @torch.inference_mode()
     def predict(self, windows: np.ndarray, marks: np.ndarray, starts: np.ndarray) -> Prediction:
-        """What is predicted of windows (n, W, W) uint8 with ``marks`` (n, 2, W, W) uint8, of maps that began
-        at ``starts`` (n, 2).
+        """Return the predictions for windows (n, W, W) uint8 with ``marks`` (n, 2, W, W) uint8.
+
+        The maps of the windows began at ``starts`` (n, 2).
         """
         given = torch.from_numpy(windows), torch.from_numpy(marks), torch.from_numpy(starts).float()
         parts = [self.network(*each) for each in zip(*(field.split(AT_ONCE) for field in given), strict=True)]
         return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
-        """What is believed by a prediction, as the planner's ``prior`` has it (n, W, W) uint16: what blocks
-        count, ``PATH`` where paths may lead, and the probability that sight ends there.
+        """Return what a prediction says as the planner's ``prior`` stores it, (n, W, W) uint16.
+
+        A value holds the block's weight, ``PATH`` if paths may lead there, and the probability that sight
+        ends there.
         """
         floor, sight = (logits.sigmoid().numpy() for logits in (prediction.floor, prediction.sight))
         target, known = prediction.target.exp().numpy(), seen(windows)
-        # The mean density of targets, as far as they are expected where it has not looked: from there on a
-        # block is certain.
+        # Mean density of the targets that are expected where the planner has not looked; a block of this
+        # density counts as certain.
         left = np.where(windows & LOOKED, 0, target)
         dense = np.square(left).sum((1, 2)) / left.sum((1, 2)).clip(1e-12)
         count = CERTAIN * target / dense.clip(1e-12)[:, None, None]
         count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint16)
-        # No floor is impossible: where all that is likely was seen, the unlikely is looked at.
+        # Every block that may be floor counts at least 1: once all likely places are seen, the unlikely
+        # follow.
         path = known | (floor >= LEAST)
         count = np.where(path, count.clip(1), 0)
         wall = np.rint(BLOCKED * (1 - np.where(known, 1.0, sight))).astype(np.uint16)

@@ -1,4 +1,4 @@
-"""Learning map completion, supervised: explorers make the maps, the houses tell what was to be predicted."""
+"""Supervised training of map completion: explorers make the maps, the houses give the labels."""
 
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -23,32 +23,32 @@ from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
 
 NEAR = 12
-"""Blocks from seen ground within which unseen ground counts fully."""
+"""Distance from seen ground, in blocks, within which unseen ground has full weight."""
 
 COARSE = 4
-"""Blocks along a side of the squares by which that is judged."""
+"""Side, in blocks, of the squares by which this distance is measured."""
 
 FAR = 0.05
-"""What ground counts that lies farther, or that was seen."""
+"""Weight of ground that lies farther away or was seen."""
 
 SIGHT, TARGETS, KINDS = 1.0, 0.2, 0.1
-"""What sight, the place of the target, and the kinds of ground count in the loss beside floor."""
+"""Weights of sight, the place of the target and the kinds of ground in the loss, relative to floor."""
 
 
 class WindowBatch(NamedTuple):
-    """What the network learns from: of n windows, what it reads and what is so."""
+    """Inputs and labels of n windows, from which the network learns."""
 
     windows: Tensor
-    """(n, W, W) uint8, as ``Windows.read`` gives them."""
+    """(n, W, W) uint8, as ``Windows.read`` returns them."""
 
     marks: Tensor
-    """(n, 2, W, W) uint8, as ``Marks.read`` does."""
+    """(n, 2, W, W) uint8, as ``Marks.read`` returns them."""
 
     starts: Tensor
-    """(n, 2) float32: where the episodes began, blocks south and east of the first."""
+    """(n, 2) float32: starts of the episodes, blocks south and east of the first block."""
 
     floor: Tensor
-    """(n, W, W) uint8; this, target and kinds as ``truth.Blocks``."""
+    """(n, W, W) uint8; ``floor``, ``target`` and ``kinds`` as in ``truth.Blocks``."""
 
     target: Tensor
     """(n, W, W) float32."""
@@ -57,15 +57,16 @@ class WindowBatch(NamedTuple):
     """(n, W, W) uint8."""
 
     rays: Tensor
-    """(n, W, W) float32; this and ``passed`` as ``sight.Sight``."""
+    """(n, W, W) float32; ``rays`` and ``passed`` as in ``sight.SightLines``."""
 
     passed: Tensor
     """(n, W, W) float32."""
 
 
 class MapCompletion(MapLearner):
-    """A run of map completion. In each turn explorers go on for some steps; then the network learns from a
-    window of each one's map.
+    """Run of map completion.
+
+    In each turn the explorers advance by some steps; then the network learns from a window of each one's map.
     """
 
     config: CompletionConfig
@@ -73,7 +74,7 @@ class MapCompletion(MapLearner):
 
     @staticmethod
     def network_of(config: CompletionConfig) -> CompletionNetwork:
-        """See ``Learner``."""
+        """Return a new network: see ``Learner``."""
         kinds = simulator(config).kinds
         with seeded(config.seed):
             return CompletionNetwork(len(GROUND) + len(config.kinds), len(kinds), config.channels)
@@ -82,13 +83,14 @@ class MapCompletion(MapLearner):
     def policy_of(
         network: CompletionNetwork, config: CompletionConfig, envs: HouseVectorEnv, seed: int = 0
     ) -> Explorer:
-        """The explorer, by planners that foresee."""
+        """Return an explorer whose planners use the network's predictions."""
         require_own_maps(config, envs)
         return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
 
     def __init__(self, config: CompletionConfig, envs: HouseVectorEnv) -> None:
-        """Begin a run; ``envs`` has NEXT_STEP autoreset. The kinds of ground are those of its houses, where
-        the config names none.
+        """Begin a run; ``envs`` has NEXT_STEP autoreset.
+
+        If the config names no kinds of ground, the kinds are those of the environments' houses.
         """
         rooms = [room for house in envs.houses for room in house.rooms]
         found = {room.type for room in rooms} | {piece.type for room in rooms for piece in room.pieces}
@@ -100,14 +102,17 @@ class MapCompletion(MapLearner):
         self.reset_envs()
 
     def act(self) -> Tensor:
-        """See ``MapLearner``; what is so in the house is noted where an episode has begun."""
+        """Return the explorer's actions: see ``MapLearner``.
+
+        Note the true house where an episode has begun.
+        """
         actions = self.explorer(self.s, self.blocked)
         self.marks.note(self.s)
         self.truth.begin(np.flatnonzero(self.tracker.planner.read("time").numpy() == 1))
         return actions
 
     def learn(self) -> float:
-        """Learn from a window of each map, in the config's epochs; the mean loss."""
+        """Learn from a window of each map, in the config's epochs; return the mean loss."""
         config = self.config
         self.anneal(config.final_lr_fraction)
         batch, losses = self.batch(), []
@@ -118,7 +123,7 @@ class MapCompletion(MapLearner):
         return float(torch.stack(losses).mean())
 
     def batch(self) -> WindowBatch:
-        """A window of each map."""
+        """Return a window of each map, with its labels."""
         everyone = np.arange(self.envs.num_envs)
         windows, corners = self.windows.read(everyone)
         given = windows, self.marks.read(everyone, corners), -corners.astype(np.float32)
@@ -127,19 +132,22 @@ class MapCompletion(MapLearner):
         return WindowBatch(*map(torch.from_numpy, (*given, truth.floor, truth.target, truth.kinds, *sight)))
 
     def update(self, batch: WindowBatch) -> Tensor:
-        """Learn from a batch; the loss."""
+        """Learn from a batch; return the loss."""
         loss = completion_loss(self.network(batch.windows, batch.marks, batch.starts), batch)
         return self.descend(loss, self.config.max_grad_norm)
 
     def own_state(self) -> dict[str, Any]:
-        """See ``MapLearner``; with what was noted."""
+        """Return the learner's state: see ``MapLearner``.
+
+        It includes the marks, and the houses and poses noted.
+        """
         return super().own_state() | {
             "marks": {name: torch.from_numpy(getattr(self.marks, name)) for name in ("blocks", "found")},
             "truth": {name: torch.from_numpy(getattr(self.truth, name)) for name in ("pose", "house")},
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""
         super().restore_own(state)
         for owner, values in ((self.truth, state["truth"]), (self.marks, state["marks"])):
             for name, value in values.items():
@@ -147,12 +155,13 @@ class MapCompletion(MapLearner):
 
 
 def completion_loss(prediction: Prediction, batch: WindowBatch) -> Tensor:
-    """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
-    was not seen but is near to what was; of the next target's block; and of whether a ray that reaches a
-    block passes it.
+    """Return the cross-entropy of a prediction for a batch.
+
+    It sums four terms: floor; the kind of ground; the next target's block; and whether a ray that reaches a
+    block passes it. Floor and kinds weigh most where ground is unseen but near to seen ground.
     """
     known = seen(batch.windows)
-    # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
+    # Squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
     squares = F.max_pool2d(known[:, None].float(), COARSE)
     near = F.max_pool2d(squares, 2 * NEAR // COARSE + 1, 1, NEAR // COARSE)
     about = F.interpolate(near, scale_factor=float(COARSE))[:, 0]
@@ -169,12 +178,12 @@ def completion_loss(prediction: Prediction, batch: WindowBatch) -> Tensor:
 
 
 def mean(values: Tensor, weight: Tensor) -> Tensor:
-    """The weighted mean, 0 where nothing counts."""
+    """Return the weighted mean, 0 without any weight."""
     return (values * weight).sum() / weight.sum().clamp(min=1e-6)
 
 
 def turned(batch: WindowBatch, random: np.random.Generator) -> WindowBatch:
-    """The same houses, turned by quarters and mirrored at random."""
+    """Return the same houses, rotated by random quarter turns and mirrored at random."""
     quarters, mirrored = int(random.integers(4)), random.random() < 0.5
     last = batch.windows.shape[-1] - 1
     south, east = batch.starts.unbind(1)

@@ -1,5 +1,7 @@
-"""Marks on planners' maps that the planners do not keep: where targets were picked up in an episode, and
-where rays met pieces of the kinds that observations tell apart. They say where the next target is likely.
+"""Marks on planners' maps that the planners do not keep.
+
+Marks are the places where targets were picked up in an episode, and those where rays met furniture of the
+kinds that observations distinguish. Marks help to predict the next target.
 """
 
 import numpy as np
@@ -10,31 +12,30 @@ from agent.planner import Planner
 from sim.config import Config
 
 INSIDE = 0.3
-"""Cells beyond a ray's end that are taken to be the piece's."""
+"""Distance beyond a ray's end, in cells, of the point that is taken to lie in the furniture."""
 
 
 class Marks:
-    """The marks of E environments' maps."""
+    """Marks of E environments' maps."""
 
     def __init__(self, world: Config, planner: Planner) -> None:
         self.world, self.planner = world, planner
         side = 1 << planner.config.map_bits - 1
         self.blocks = np.zeros((len(planner.advice), 2, side, side), np.uint8)
-        """How many targets were picked up in a block; and 1 + the number in ``Config.kinds`` of the piece
-        that was met there last, 0 for none. South by east on the planner's torus.
-        """
+        """Number of targets picked up in a block; and 1 + the index in ``Config.kinds`` of the furniture that
+        rays met there last, 0 for none. South by east on the planner's torus."""
         self.found = np.zeros(len(planner.advice), np.int32)
         self.directions = planner.arrays["directions"].numpy().reshape(8, world.rays, 2)
 
     def note(self, observation: Tensor) -> None:
-        """Mark what the planners' last step, with this observation (E, R, C), shows."""
+        """Mark what the planners' last step shows; ``observation`` (E, R, C) is that of the step."""
         x, y, heading, time, found = (
             self.planner.read(name).numpy() for name in ("x", "y", "heading", "time", "found")
         )
         begun, last = np.flatnonzero(time == 1), self.blocks.shape[-1] - 1
         self.blocks[begun], self.found[begun] = 0, 0
         picked = np.flatnonzero(found > self.found)
-        # Where the body is: the target was within its reach. Its place is in half cells, four to a block.
+        # The body's place, as the target was within its reach, in half cells: four to a block.
         at = picked, FINDS, (y[picked] + 2 >> 2) & last, (x[picked] + 2 >> 2) & last
         self.blocks[at] = np.minimum(self.blocks[at], 254) + 1
         self.found[:] = found
@@ -52,7 +53,7 @@ class Marks:
         self.blocks[environment, PIECES, south, east] = kind + 1
 
     def read(self, environments: np.ndarray, corners: np.ndarray) -> np.ndarray:
-        """The marks (n, 2, W, W) uint8 in the windows of these environments, with such corners (n, 2)."""
+        """Return the marks (n, 2, W, W) uint8 in windows of these environments with these corners (n, 2)."""
         side, axis = self.blocks.shape[-1], np.arange(WINDOW)
         south, east = ((corners[:, k, None] + axis) % side for k in range(2))
         rows = self.blocks[environments[:, None], :, south]  # (n, W, 2, side)

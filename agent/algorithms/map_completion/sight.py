@@ -1,4 +1,4 @@
-"""How far sight goes over unseen ground: rays over the true house, from ground that was seen."""
+"""Length of sight over unseen ground: rays over the true house, from seen ground."""
 
 from typing import NamedTuple
 
@@ -8,35 +8,37 @@ from agent.algorithms.map_completion.windows import OCCUPIED_CELLS, seen
 from agent.planner import TUNED
 
 RAYS = 256
-"""Rays in each window."""
+"""Number of rays in each window."""
 
 RANGE = TUNED.view_range // 2
-"""Blocks that a ray passes at most, as many as in the planner's views. A block is two cells wide."""
+"""Largest number of blocks that a ray passes, as in the planner's views. A block is two cells wide."""
 
 
 class SightLines(NamedTuple):
-    """How far rays went over the unseen ground of n windows."""
+    """Rays over the unseen ground of n windows."""
 
     rays: np.ndarray
-    """(n, W, W) float32: how many rays reached a block."""
+    """(n, W, W) float32: number of rays that reached a block."""
 
     passed: np.ndarray
-    """(n, W, W) float32: the share of these that passed it; 0 where no ray came."""
+    """(n, W, W) float32: fraction of these rays that passed the block; 0 if no ray came."""
 
 
 def cast_rays(windows: np.ndarray, solid: np.ndarray, random: np.random.Generator) -> SightLines:
-    """Cast rays in windows (n, W, W) uint8, as ``Windows.read`` gives them: from random blocks that were seen
-    to be free, in random directions, to the first block that is ``solid`` (n, W, W) uint8.
+    """Cast rays in windows (n, W, W) uint8, as ``Windows.read`` returns them.
 
-    1 minus the share that passes is the hazard rate of survival analysis (Kaplan and Meier 1958): rays that
-    ended before do not count. So the product of the shares along a ray is about the probability that the ray
-    gets that far, even where a wall is certain but its place is not.
+    Rays start at random blocks that were seen to be free, in random directions, and end at the first block
+    that is ``solid`` (n, W, W) uint8.
+
+    1 minus the fraction that passes is the hazard rate of survival analysis (Kaplan and Meier 1958): rays
+    that ended before do not count. So the product of the fractions along a ray approximates the probability
+    that the ray gets that far, even if a wall is certain but its place is not.
     """
     count, high, wide = windows.shape
     known, open_ = seen(windows).ravel(), solid.ravel() == 0
     free = np.flatnonzero(known & open_ & (windows.ravel() & OCCUPIED_CELLS == 0))
     ends = np.searchsorted(free, high * wide * np.arange(count + 1))
-    # Each window gets RAYS, unless nothing in it was seen to be free.
+    # Each window gets RAYS rays, unless none of its blocks was seen to be free.
     some = np.diff(ends)
     drawn = (ends[:-1, None] + random.random((count, RAYS)) * some[:, None]).astype(int)[some > 0]
     window, place = np.divmod(free[drawn.ravel()], high * wide)

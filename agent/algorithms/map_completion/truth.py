@@ -1,4 +1,4 @@
-"""What there is to predict: of each block of a map, as the house has it."""
+"""Labels of map completion: properties of each block of a map in the true house."""
 
 from typing import NamedTuple
 
@@ -15,37 +15,39 @@ from sim.geometry import Geometry
 from sim.tasks.places import Places
 
 GROUND = "outside", "wall", "door"
-"""Kinds of ground that every house has; after these come the types of rooms, and the kinds of pieces."""
+"""Kinds of ground in every house; the types of rooms and the kinds of furniture follow them."""
 
 UNKNOWN = 255
-"""Ground of a kind that is none of those that are predicted."""
+"""Kind of ground that is not predicted."""
 
 
 class Blocks(NamedTuple):
-    """Of n windows, or of a house's lattice."""
+    """Labels of n windows, or of a house's lattice."""
 
     floor: np.ndarray
-    """(n, W, W) uint8, 1 where a target may lie in some task."""
+    """(n, W, W) uint8: 1 if a target may lie in the block in some task."""
 
     solid: np.ndarray
-    """(n, W, W) uint8, 1 where a wall runs through a block, or furniture stands on its middle."""
+    """(n, W, W) uint8: 1 if a wall runs through the block or furniture stands on its middle."""
 
     target: np.ndarray
-    """(n, W, W) float32: the probability that the next target lies in a block, the last one left aside."""
+    """(n, W, W) float32: probability that the next target lies in the block, without regard to the last
+    target."""
 
     kinds: np.ndarray
-    """(n, W, W) uint8: the kind of ground."""
+    """(n, W, W) uint8: kind of ground."""
 
 
 class Truth:
-    """The floor, the targets' places and the rooms of the houses that E environments are in, on their maps.
+    """Floor, target places and rooms of the true houses of E environments, on the environments' maps.
 
-    What lies beyond half a torus from the start is not told apart from its other side.
+    Places farther than half a torus from the start coincide with places on its other side.
     """
 
     def __init__(self, envs: HouseVectorEnv, kinds: tuple[str, ...], cell: float) -> None:
-        """Of these environments' houses, with rooms and pieces of these ``kinds``; ``cell`` is that of the
-        maps, metres.
+        """Read the houses of these environments, with rooms and furniture of these ``kinds``.
+
+        ``cell`` is the side of the maps' cells, metres.
         """
         self.world, self.cell = envs.unwrapped.world, cell
         anywhere = make_envs(envs.unwrapped.houses, 1, "all", preset=envs.config)
@@ -72,10 +74,11 @@ class Truth:
         here: Places,
         kinds: tuple[str, ...],
     ) -> tuple[np.ndarray, Blocks]:
-        """The blocks about the places of a house's lattice and of what lies around it (X, Y): the first
-        place, metres, and what is so.
+        """Return the first place of a house's lattice, metres, and the blocks about its places (X, Y).
+
+        The lattice includes a margin around the house.
         """
-        # A block reaches a cell to each side of its node: the outer walls are in blocks about places outside.
+        # A block reaches a cell to each side of its node, so outer walls lie in blocks about places outside.
         about = round(self.cell / lattice.pitch)
         north_west = np.array(lattice.origin, float) - about * lattice.pitch
         wide, high = (along + 2 * about for along in lattice.shape)
@@ -84,7 +87,7 @@ class Truth:
         floor[tuple(np.rint(anywhere.targets).astype(int).T + about)] = 1
         listed = np.rint(here.listed).astype(int) + about
         np.add.at(target, tuple(listed.T), 1 / len(listed))
-        # Places on a block's edge are half in it.
+        # Places on a block's edge count half.
         weights = np.array([0.5, *[1.0] * (2 * about - 1), 0.5])
         for axis in range(2):
             target = convolve1d(target, weights, axis=axis, mode="constant")
@@ -92,18 +95,18 @@ class Truth:
         return north_west, Blocks(floor, _solid(shape, lattice, about), target, ground)
 
     def begin(self, begun: np.ndarray) -> None:
-        """Maps begin where the bodies are now, in these environments (n,) int."""
+        """Let maps begin where the bodies are now, in these environments (n,) int."""
         poses, _, houses = self.world.describe()
         self.pose[begun], self.house[begun] = poses[begun], houses[begun]
 
     def read(self, environments: np.ndarray, corners: np.ndarray) -> Blocks:
-        """The blocks of these environments' windows with such corners."""
+        """Return the blocks of these environments' windows with these corners."""
         shape = len(environments), WINDOW, WINDOW
         found = Blocks(*(np.zeros(shape, each) for each in (np.uint8, np.uint8, np.float32, np.uint8)))
         along = np.arange(WINDOW)[:, None] * np.eye(2)[:, None]
         for n, (e, corner) in enumerate(zip(environments, corners, strict=True)):
             origin, house = self.houses[self.house[e]]
-            # A map's axes are the house's: all blocks of a column have one x or one y, and those of a row.
+            # A map's axes are the house's: the blocks of a column share one x or one y, as do those of a row.
             places = metres(self.pose[e], along + corner[::-1], 2 * self.cell) - origin
             turned = quarters(self.pose[e, 2]) % 2
             lines = np.stack([places[turned, :, 0], places[1 - turned, :, 1]])
@@ -116,8 +119,10 @@ class Truth:
 
 
 def _solid(shape: Geometry, lattice: Lattice, about: int) -> np.ndarray:
-    """Where a wall runs through a block about a lattice's place (X, Y) uint8, which reaches so many steps to
-    each side, or furniture stands on the place.
+    """Return a mask (X, Y) uint8 of the places whose block has a wall or furniture.
+
+    A wall counts if it runs through the block, which reaches ``about`` steps to each side of the place.
+    Furniture counts if it stands on the place.
     """
     solid, half = np.zeros(lattice.shape, np.uint8), about * lattice.pitch
     east, south = (lattice.origin[axis] + lattice.pitch * np.arange(lattice.shape[axis]) for axis in range(2))
@@ -127,8 +132,10 @@ def _solid(shape: Geometry, lattice: Lattice, about: int) -> np.ndarray:
 
 
 def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], about: int) -> np.ndarray:
-    """The kinds of ground about a lattice's places (X, Y) uint8: numbers in ``GROUND``, then ``kinds``.
-    Walls, which have no thickness, are the places up to ``about`` steps from them, and doors too.
+    """Return the kinds of ground about a lattice's places (X, Y) uint8.
+
+    A kind is an index in ``GROUND``, then ``kinds``. Walls, which have no thickness, are the places up to
+    ``about`` steps from them, and doors are, too.
     """
     ground, names = np.zeros(lattice.shape, np.uint8), (*GROUND, *kinds)
 

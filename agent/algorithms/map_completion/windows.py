@@ -1,7 +1,7 @@
 """Windows of planners' maps: read for the network, and written back as the planner's ``prior``.
 
-A block is the four cells about every other node. Window block (i, j) of an environment, south by east, is
-``WINDOW / 2`` blocks north-west of the body's at (0, 0).
+A block is the four cells about every other node. Window block (0, 0) of an environment lies ``WINDOW / 2``
+blocks north and west of the body's block; block (i, j) is i south and j east of it.
 """
 
 from functools import cache
@@ -17,22 +17,22 @@ from agent.planner.viewpoints.candidates import NOT_COMPUTED
 from sim.runtime import Array, Bytes, Ints, Launch, Shorts, start, ti
 
 OCCUPIED_CELLS = 7
-"""Bits of a window's block: how many of its four cells are occupied."""
+"""Bits of a window's block with the number of its four cells that are occupied."""
 
 SEEN = 3
-"""Cells of a block from which on it counts as seen."""
+"""Least number of seen cells for a block to count as seen."""
 
 LOOKED = 1 << 6
-"""Bit of a window's block: so many of its cells were seen since the last pick-up."""
+"""Bit of a window's block, set if at least ``SEEN`` of its cells were seen since the last pick-up."""
 
 
 def seen(windows: Any) -> Any:
-    """Which blocks of windows (n, W, W) uint8, an array or a tensor, count as seen: bool."""
+    """Return a mask of the blocks of windows (n, W, W) uint8, array or tensor, that count as seen."""
     return (windows >> 3 & 7) >= SEEN
 
 
 class Windows:
-    """The windows of E environments' maps."""
+    """Windows of E environments' maps."""
 
     def __init__(self, planner: Planner) -> None:
         self.planner, count = planner, len(planner.advice)
@@ -48,21 +48,24 @@ class Windows:
         self._read, self._write = (Launch(kernel, self.arrays) for kernel in kernels)
 
     def ask(self, environments: np.ndarray) -> np.ndarray:
-        """Look at the windows of these environments (n,) int; their north-west corners (n, 2) int32: blocks
-        south and east of where the episodes began.
+        """Select the windows of these environments (n,) int; return their north-west corners (n, 2) int32.
+
+        Corners are in blocks south and east of where the episodes began.
         """
         asked, corners = self.arrays["asked"].view(), self.arrays["corners"].view().reshape(-1, 2)
         asked[:] = -1
         asked[: len(environments)] = environments
         for k, name in enumerate(("y", "x")):
-            # The body's place is in half cells, of which a block has four.
+            # The body's place is in half cells; a block is four half cells wide.
             block = (self.planner.read(name).numpy()[environments] + 2) // 4
             corners[: len(environments), k] = block - WINDOW // 2
         return corners[: len(environments)].copy()
 
     def read(self, environments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Windows (n, W, W) uint8 of these environments: how many of a block's cells are occupied, eight
-        times how many were seen, and ``LOOKED``; and their corners, see ``ask``.
+        """Return the windows (n, W, W) uint8 of these environments, and their corners, see ``ask``.
+
+        A block's value is the number of its occupied cells, plus eight times the number of those seen, plus
+        ``LOOKED``.
         """
         corners = self.ask(environments)
         self.arrays["since"].view()[:] = self.planner.read("since").numpy()
@@ -70,8 +73,9 @@ class Windows:
         return self.arrays["windows"].view().reshape(-1, WINDOW, WINDOW)[: len(environments)].copy(), corners
 
     def write(self, environments: np.ndarray, given: np.ndarray) -> None:
-        """Give the planners what is believed of blocks (n, W, W) uint16 in these environments: see
-        ``Foresight.given``.
+        """Write the beliefs about blocks (n, W, W) uint16 into the planners of these environments.
+
+        See ``Foresight.given`` for the values.
         """
         self.ask(environments)
         self.arrays["given"].view()[: given.size] = given.ravel()
@@ -80,12 +84,12 @@ class Windows:
 
 @cache
 def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
-    """The kernels for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernels for a running Taichi. Their arguments have the names of the planner's arrays."""
     mask, area = (1 << bits) - 1, 1 << 2 * bits
 
     @ti.func
     def node(corner_y, corner_x, k):
-        """The node in the middle of a window's k-th block."""
+        """Return the node in the middle of a window's k-th block."""
         y, x = 2 * (corner_y + k // WINDOW) & mask, 2 * (corner_x + k % WINDOW) & mask
         return y, x
 

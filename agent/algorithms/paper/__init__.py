@@ -1,1 +1,1 @@
-"""The original paper's agent."""
+"""Agent of the original paper."""

@@ -1,4 +1,4 @@
-"""What a run of the paper's agent is, and the presets."""
+"""Configuration and presets of the paper's agent."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -10,51 +10,56 @@ from logic.errors import RequestError
 
 @dataclass(frozen=True)
 class PaperConfig(TrainConfig):
-    """The original agent; preset ``paper`` is it, in the original's simulator. See ``paper.learner``."""
+    """Original agent of the paper; preset ``paper`` trains it in the original's simulator.
+
+    See ``paper.learner``.
+    """
 
     groups: ClassVar = {"episodes": "The paper's agent"}
 
     episodes: int | None = 817
-    """Episodes of the whole run, if it has not ended by its steps before; None: as many as come."""
+    """Largest number of episodes of the run, which may end earlier by its steps; None: no limit."""
 
     initialisation: Literal["glorot", "torch"] = "glorot"
-    """First weights: Glorot's uniform ones and no biases, as Keras has them, or torch's own."""
+    """First weights: Glorot's uniform weights without biases, as in Keras, or torch's defaults."""
 
     lr_decay: float = 1e-2
-    """The learning rate is divided by 1 + this x the updates so far."""
+    """Decay of the learning rate, which is divided by 1 + lr_decay x the number of updates so far."""
 
     adam_epsilon: float = 1e-7
-    """What Adam adds to the root of the mean squared gradient: Keras's."""
+    """Constant that Adam adds to the root of the mean squared gradient, as in Keras."""
 
     @property
     def knows(self) -> tuple[str, ...]:
-        """Its rays have directions of the compass, so it knows its heading; and no more."""
+        """Signals that the agent knows: rays and heading, as its rays have compass directions."""
         return "rays", "heading"
 
     homing: bool = True
-    """Whether a random action goes forward where a middle ray sees the target."""
+    """True if a random action goes forward when a middle ray sees the target."""
 
     epsilon_decay: float = 0.996
-    """Epsilon is multiplied by this after each episode."""
+    """Factor on epsilon after each episode."""
 
     buffer_size: int = 100_000
-    """Steps that the replay buffer holds, of all environments together."""
+    """Capacity of the replay buffer in steps, of all environments together."""
 
     learning_starts: int = 1
     """Steps in the buffer before the first update."""
 
     batch_size: int = 500
-    """Steps that are replayed when an episode ends; some repeatedly while the buffer has fewer."""
+    """Number of steps that are replayed when an episode ends; some repeat while the buffer has fewer."""
 
     num_minibatches: int = 500
-    """Updates that these steps are shared out among."""
+    """Number of updates among which these steps are divided."""
 
     angles: Literal["own", "next"] = "next"
-    """Whose angle the network reads at a ray: its own, or the next ray's, as the original's did by a slip."""
+    """Angle that the network reads at a ray: the ray's own, or the next ray's, as in the original by
+    mistake."""
 
     plays_as_original: bool = True
-    """Whether the trained agent is measured as the original was: a share ``final_epsilon`` of random actions,
-    forward where a middle ray sees the target. Otherwise it is measured as all other agents are."""
+    """True if the trained agent is evaluated as the original was: with a fraction ``final_epsilon`` of random
+    actions, which go forward when a middle ray sees the target. Otherwise it is evaluated as all other agents
+    are."""
 
     algorithm: ClassVar[str] = "paper"
     learnt_in: ClassVar[str | None] = PAPER_HOUSE
@@ -77,7 +82,7 @@ class PaperConfig(TrainConfig):
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
-        """Configs that run by name."""
+        """Return the configs that run by name."""
         return {
             "paper": cls(
                 targets="paper-main",

@@ -1,17 +1,17 @@
-"""The paper's agent: a Q-network with a softmax, learning at the end of each episode from what it replays.
+"""Paper's agent: a Q-network with a softmax that learns at the end of each episode from replayed steps.
 
-Deep Q-learning without a target network and without a discount, as the original program's code has it:
+Deep Q-learning without a target network and without a discount, as in the original program's code:
 
-- an episode ends by a collision or after 1500 steps, both terminal, and 500 steps are replayed then: all of
-  the episode's rewarded ones first, the others at random;
-- the network is fitted to each of them alone, 500 updates of Adam (epsilon 1e-7), its rate divided by
-  1 + 0.01 x the updates so far;
-- the executed action is stored, also where avoidance overruled another; a state's value ignores avoidance;
-- the first weights are Glorot's uniform ones, the first biases 0, as Keras has them;
-- a random action goes forward where a middle ray sees the target;
-- it learns in one environment, for 817 episodes: the released weights' file counts 408,500 updates.
+- an episode ends by a collision or after 1500 steps, both terminal. Then 500 steps are replayed: first all
+rewarded steps of the episode, then random ones;
+- the network is fitted to each of these steps alone, by 500 updates of Adam (epsilon 1e-7), whose rate is
+divided by 1 + 0.01 x the updates so far;
+- the executed action is stored, even if avoidance overruled another; a state's value ignores avoidance;
+- the first weights are Glorot's uniform ones, the first biases 0, as in Keras;
+- a random action goes forward when a middle ray sees the target;
+- the agent learns in one environment, for 817 episodes: the released weights' file counts 408,500 updates.
 
-Different: states are kept in half precision, and Adam's epsilon is added as torch does.
+Differences: states are stored in half precision, and Adam's epsilon is added as in torch.
 
 Axes: E environments, B samples, R rays, C channels, A actions; ``s_tm1, a_tm1`` lead to ``r_t`` and ``s_t``.
 """
@@ -43,22 +43,25 @@ class EpisodeBatch(NamedTuple):
 
 
 def q_targets(r_t: Tensor, ended_t: Tensor, q_t: Tensor) -> Tensor:
-    """Targets (B,) for the values of the taken actions: the reward, and the greatest value (B, A) of the
-    state that it leads to, unless the episode ``ended_t`` (B,) bool there, by a collision or a time-out.
+    """Return targets (B,) for the values of the taken actions.
+
+    A target is the reward plus the greatest value (B, A) of the next state. It is the reward alone if the
+    episode ``ended_t`` (B,) bool there, by a collision or a time-out.
     """
     return r_t + ~ended_t * q_t.amax(-1)
 
 
 def squared_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor) -> Tensor:
-    """The mean squared error of the values (B, A), a scalar: the taken actions have targets (B,), the others
-    are as they should be.
+    """Return the mean squared error of the values (B, A), a scalar.
+
+    Taken actions have targets (B,); the other actions count as correct.
     """
     error = q_tm1.gather(-1, a_tm1[:, None]).squeeze(-1) - target
     return error.square().mean() / ACTIONS
 
 
 class Paper(ReplayLearner):
-    """A run of the paper's agent."""
+    """Run of the paper's agent."""
 
     config: PaperConfig
     last = ("s", "blocked", "ended", "began", "updates", "episodes")
@@ -66,12 +69,15 @@ class Paper(ReplayLearner):
 
     @staticmethod
     def network_of(config: PaperConfig) -> PaperNetwork:
-        """See ``Learner``."""
+        """Return a new network: see ``Learner``."""
         return PaperNetwork.of(config)
 
     @staticmethod
     def policy_of(network: Any, config: PaperConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy:
-        """See ``Learner``; or as the original was measured."""
+        """Return the policy: see ``Learner``.
+
+        With ``plays_as_original`` it acts as the original was evaluated.
+        """
         generator = torch.Generator().manual_seed(seed)
         layer = layer_of(config, envs, generator)
         if config.plays_as_original:
@@ -88,7 +94,7 @@ class Paper(ReplayLearner):
         self.began = torch.zeros(count, dtype=torch.int64)
         self.replay = ReplayBuffer(
             config.buffer_size // count,
-            s=self.s.half(),  # 2 mm at the end of the range, in half the room
+            s=self.s.half(),  # 2 mm at the end of the range, in half the memory
             a=torch.zeros(count, dtype=torch.int64),
             r=torch.zeros(count),
             ended=self.ended,
@@ -97,20 +103,20 @@ class Paper(ReplayLearner):
 
     @property
     def epsilon(self) -> float:
-        """Share of random actions now."""
+        """Current fraction of random actions."""
         c = self.config
         return max(c.final_epsilon, c.epsilon * c.epsilon_decay**self.episodes)
 
     @property
     def fraction(self) -> float:
-        """How much of the run is done, 0 to 1."""
+        """Fraction of the run that is done, 0 to 1."""
         limit = self.config.episodes
         return min(1.0, max(super().fraction, self.episodes / limit if limit else 0.0))
 
     def step(self) -> list[Tensor]:
-        """Step all environments once, and replay for each episode that ended before; the losses."""
+        """Step all environments once, and replay for each episode that ended before; return the losses."""
         ended, losses = self.ended, []
-        self.act()  # first, so that the states that the episodes ended in are in the buffer
+        self.act()  # first, so that the buffer has the states in which the episodes ended
         for env in ended.nonzero().flatten().tolist():
             self.episodes += 1
             began, self.began[env] = int(self.began[env]), self.replay.written
@@ -122,7 +128,7 @@ class Paper(ReplayLearner):
 
     @torch.no_grad()
     def act(self) -> None:
-        """Step all environments once, and keep the actions that were executed."""
+        """Step all environments once, and store the executed actions."""
         s, valid, allowed = self.s, ~self.ended, self.avoidance(self.s, self.blocked)
         preference = self.preference(self.network(s), s)
         a = subsume(preference, allowed)
@@ -131,15 +137,19 @@ class Paper(ReplayLearner):
         self.tally.add(r, valid=valid, overruled=a != preference.argmax(-1))
 
     def preference(self, q: Tensor, s: Tensor) -> Tensor:
-        """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the environments a random action's,
-        which with homing is forward where a middle ray of the observations (E, R, C) sees the target.
+        """Return preferences (E, A): the Q-values, or a random action in some environments.
+
+        The fraction of random actions is ``epsilon``. With homing, a random action is forward if a middle ray
+        of the observations (E, R, C) sees the target.
         """
         chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.config.forward)
         return epsilon_greedy(q, chosen, home(random, s) if self.config.homing else random)
 
     def sample(self, env: int, began: int) -> tuple[Tensor, Tensor]:
-        """Rows and environments, (B,) int64 each: the rewarded steps of this environment's episode, which
-        ``began`` in that row, then random ones.
+        """Return rows and environments, (B,) int64 each, of the steps to replay.
+
+        First come the rewarded steps of this environment's episode, which ``began`` in that row, then random
+        steps.
         """
         size, replay = self.config.batch_size, self.replay
         rows, envs = replay.sample_valid(size, 1, self.generator)
@@ -149,7 +159,7 @@ class Paper(ReplayLearner):
         return rows, envs
 
     def batch(self, rows: Tensor, envs: Tensor) -> EpisodeBatch:
-        """The steps in these rows (B,) of these environments (B,)."""
+        """Return the steps in these rows (B,) of these environments (B,)."""
         replay = self.replay
         return EpisodeBatch(
             s_tm1=replay.read("s", rows, envs).float(),
@@ -160,8 +170,8 @@ class Paper(ReplayLearner):
         )
 
     def train_step(self, batch: EpisodeBatch) -> Tensor:
-        """Learn from a batch; the loss."""
-        q_tm1, q_t = self.network(torch.cat([batch.s_tm1, batch.s_t])).chunk(2)  # both at once: it is faster
+        """Learn from a batch; return the loss."""
+        q_tm1, q_t = self.network(torch.cat([batch.s_tm1, batch.s_t])).chunk(2)  # in one call: faster
         target = q_targets(batch.r_t, batch.ended_t, q_t.detach())
         loss = squared_loss(q_tm1, batch.a_tm1, target)
         self.set_learning_rate(self.config.learning_rate / (1 + self.config.lr_decay * self.updates))

@@ -1,1 +1,1 @@
-"""Parallel Q-learning: a rollout, its returns, a network with a memory that is fixed or learnt."""
+"""Parallel Q-learning: a rollout, its returns, and a network with a fixed or learned memory."""

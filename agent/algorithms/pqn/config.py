@@ -1,4 +1,4 @@
-"""What a run of parallel Q-learning is, and the presets."""
+"""Configuration and presets of parallel Q-learning."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -11,27 +11,27 @@ from logic.errors import RequestError
 class PQNConfig(QLearningConfig):
     """Parallel Q-learning, "PQN" (Gallici et al. 2024, arXiv:2407.04811).
 
-    Preset ``pqn`` reaches the oracle's neighbourhood in the main room after about a minute on a core.
+    Preset ``pqn`` comes close to the oracle in the main room after about a minute on one core.
     """
 
     groups: ClassVar = {"network": "Parallel Q-learning (PQN)"}
 
     network: Literal["feedforward", "recurrent"] = "feedforward"
-    """feedforward: remembers by exponential moving averages of the past; recurrent: by a layer (GRU) that
-    learns what to remember."""
+    """Memory of the network. feedforward: exponential moving averages of the past; recurrent: a layer (GRU)
+    that learns what to remember."""
 
     num_steps: int = 32
     """Steps of every environment in a rollout; the network learns after each."""
 
     q_lambda: float = 0.75
-    """Lambda of Q(lambda), how far returns follow the path taken before they trust the network: 0 one step,
-    1 all of them."""
+    """Lambda of Q(lambda): how far returns follow the path taken before they use the network's values: 0 one
+    step, 1 all steps."""
 
     update_epochs: int = 2
     """Passes over each rollout."""
 
     num_minibatches: int = 4
-    """Updates in an epoch; each learns from its share of the rollout."""
+    """Number of updates in an epoch, each with an equal part of the rollout."""
 
     algorithm: ClassVar[str] = "pqn"
     parallel: ClassVar[bool] = True
@@ -53,17 +53,17 @@ class PQNConfig(QLearningConfig):
 
     @property
     def remembers(self) -> bool:
-        """Whether its network reads what it did before."""
+        """True if the network reads what it did before."""
         return super().remembers or self.network == "recurrent"
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
-        """Configs that run by name."""
+        """Return the configs that run by name."""
         return {
-            # More environments, and one pass over each rollout: half the time a step.
+            # More environments, and one pass over each rollout: half the time per step.
             "pqn": cls(num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
-            # The same of a body that drives, with as many random actions of each kind. From a command to what
-            # it brings it takes more steps.
+            # Same for a body that drives, with as many random actions of each kind. A command takes more
+            # steps to have an effect.
             "pqn-free": cls(
                 world="drive",
                 avoidance="none",

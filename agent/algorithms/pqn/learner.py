@@ -1,8 +1,9 @@
-"""Parallel Q-learning with Q(lambda), "PQN" (Gallici et al. 2024, arXiv:2407.04811), to be read beside it.
+"""Parallel Q-learning with Q(lambda), "PQN" (Gallici et al. 2024, arXiv:2407.04811): read them together.
 
-Many environments are stepped at once, and the network learns on-policy from all of them: no replay buffer
-and no target network, as LayerNorm keeps the values from growing without bound. First the rule, as pure
-functions of tensors; then the learner: act for a rollout, compute its returns, train the network, again.
+Many environments are stepped together, and the network learns on-policy from all of them. There is no replay
+buffer and no target network, as LayerNorm keeps the values from growing without bound. The rule comes first,
+as pure functions of tensors. Then follows the learner, which repeats three phases: it acts for a rollout,
+computes the rollout's returns, and trains the network.
 
 Axes: T steps of a rollout, E environments, B samples of a batch, R rays, C channels, A actions. The names
 follow the transition: ``s_tm1, a_tm1`` lead to ``r_t`` and ``s_t``.
@@ -29,17 +30,20 @@ from sim import HouseVectorEnv
 def lambda_returns(
     r_t: Tensor, terminated_t: Tensor, truncated_t: Tensor, v_t: Tensor, *, gamma: float, q_lambda: float
 ) -> Tensor:
-    """Peng's Q(lambda) targets (T, E) for the actions taken.
+    """Return Peng's Q(lambda) targets (T, E) for the actions taken.
 
     ``r_t`` (T, E) are rewards. ``v_t`` (T, E) is the value of the state that each step led to: the greatest
     Q-value of an allowed action.
-    ``terminated_t`` and ``truncated_t`` (T, E) bool say how a step ended. The value of a terminal state is 0;
-    that of a state at a time-out is ``v_t``, as the episode could have gone on; no return flows from an
-    episode to the one before.
-    Not cut at exploring actions: Peng's form, whose bias is small where these are few.
+
+    ``terminated_t`` and ``truncated_t`` (T, E) bool state how a step ended. The value of a terminal state is
+    0. The value of a state at a time-out is ``v_t``, as the episode could have gone on. No return flows from
+    an episode to the one before.
+
+    Returns are not cut at exploring actions: this is Peng's form, whose bias is small if exploring actions
+    are few.
     """
     bootstrap = r_t + gamma * v_t.masked_fill(terminated_t, 0.0)
-    # How much of the next return flows back into this one: none across an end.
+    # Fraction of the next return that flows back into this one: none across an end.
     flow = gamma * q_lambda * (~(terminated_t | truncated_t)).to(r_t.dtype)
     returns = bootstrap - flow * v_t
     returns[-1] = bootstrap[-1]
@@ -49,10 +53,10 @@ def lambda_returns(
 
 
 def q_loss(q_tm1: Tensor, a_tm1: Tensor, g_tm1: Tensor, valid: Tensor, count: Tensor | None = None) -> Tensor:
-    """Half the mean squared error of the taken actions' values (B, A) to their returns (B,), a scalar.
+    """Return half the mean squared error of the taken actions' values (B, A) to their returns (B,), a scalar.
 
     ``valid`` (B,) bool leaves out the steps after an end, whose action the environment ignored. ``count`` is
-    how many are valid, where the batch is one of several that count as one.
+    the number of valid steps if several batches count as one.
     """
     error = q_tm1.gather(1, a_tm1[:, None]).squeeze(1) - g_tm1
     return 0.5 * (error.square() * valid).sum() / (valid.sum() if count is None else count).clamp(min=1)
@@ -69,13 +73,13 @@ class RolloutBatch(NamedTuple):
 
 
 class PQN(Learner):
-    """A run of parallel Q-learning."""
+    """Run of parallel Q-learning."""
 
     config: PQNConfig
 
     @staticmethod
     def network_of(config: PQNConfig) -> QNetwork | OwnNetwork | RecurrentQNetwork:
-        """See ``Learner``."""
+        """Return a new network: see ``Learner``."""
         if config.network == "feedforward":
             return q_network(config)
         world = simulator(config)
@@ -91,7 +95,7 @@ class PQN(Learner):
 
     @property
     def epsilon(self) -> float:
-        """Share of random actions now."""
+        """Current fraction of random actions."""
         return self.config.epsilon_at(self.fraction)
 
     def iterate(self) -> Progress:
@@ -104,7 +108,7 @@ class PQN(Learner):
         return self.report(tally, loss=loss, epsilon=epsilon)
 
     def act(self, epsilon: float) -> None:
-        """Fill the rollout: act in all environments, a share ``epsilon`` of the actions at random."""
+        """Fill the rollout: act in all environments, with a fraction ``epsilon`` of random actions."""
         self.rollout.fill(
             self.envs,
             self.network,
@@ -116,7 +120,7 @@ class PQN(Learner):
         )
 
     def returns(self) -> Tensor:
-        """Return of each action of the rollout (T, E)."""
+        """Return the return of each action of the rollout (T, E)."""
         config, rollout = self.config, self.rollout
         return lambda_returns(
             *(rollout.r, rollout.terminated, rollout.truncated, rollout.v[1:]),
@@ -125,7 +129,7 @@ class PQN(Learner):
         )
 
     def train_epochs(self, g: Tensor) -> float:
-        """Train the network towards the rollout's returns (T, E); the mean loss."""
+        """Train the network towards the rollout's returns (T, E); return the mean loss."""
         config = self.config
         self.anneal(config.final_lr_fraction)
         losses = []
@@ -134,7 +138,7 @@ class PQN(Learner):
         return float(torch.stack(losses).mean())
 
     def minibatches(self, g: Tensor) -> Iterator[RolloutBatch]:
-        """The rollout's steps in a random order, shared out among minibatches."""
+        """Yield the rollout's steps in a random order, divided among minibatches."""
         if self.config.network == "recurrent":
             yield from self.sequences(g)
             return
@@ -145,12 +149,13 @@ class PQN(Learner):
             yield RolloutBatch(*(field.index_select(0, part) for field in steps))
 
     def permutation(self, count: int) -> Tensor:
-        """The numbers below ``count`` in a random order."""
+        """Return the numbers below ``count`` in a random order."""
         return torch.randperm(count, generator=self.generator, device=self.generator.device)
 
     def sequences(self, g: Tensor) -> Iterator[RolloutBatch]:
-        """The same for a recurrent network: each part has whole rollouts of some environments. Their memories
-        are computed again from the first ones, so that gradients reach back through all steps.
+        """Yield minibatches for a recurrent network: each has whole rollouts of some environments.
+
+        The memories are computed again from the first ones, so that gradients reach back through all steps.
         """
         rollout = self.rollout
         ended = ~rollout.valid  # the step after an end begins another episode
@@ -163,7 +168,7 @@ class PQN(Learner):
             yield RolloutBatch(*(field.flatten(0, 1) for field in fields))
 
     def train_step(self, batch: RolloutBatch) -> Tensor:
-        """Learn from a batch; the loss. The batches of all ranks count as one."""
+        """Learn from a batch; return the loss. The batches of all ranks count as one."""
         count = batch.valid.sum()
         ranks.all_reduce(count)
         q = self.network(batch.s_tm1, batch.m_tm1)
@@ -171,7 +176,7 @@ class PQN(Learner):
         return self.descend(loss, self.config.max_grad_norm) * ranks.size()
 
     def own_state(self) -> dict[str, Any]:
-        """The optimiser, and the state that the last rollout ended in."""
+        """Return the optimiser's state, and the last state of the last rollout."""
         rollout = self.rollout
         return {
             "optimizer": self.optimizer.state_dict(),
@@ -179,11 +184,11 @@ class PQN(Learner):
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""
         self.optimizer.load_state_dict(state["optimizer"])
         for name in LAST:
             getattr(self.rollout, name)[-1] = state["last"][name]
 
 
 LAST = ("s", "blocked", "memory", "terminated", "truncated")
-"""What the next rollout starts from."""
+"""Tensors of a rollout from which the next one starts."""

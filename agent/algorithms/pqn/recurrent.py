@@ -1,8 +1,10 @@
-"""A Q-network that learns what to remember: a gated recurrent unit (Cho et al. 2014, arXiv:1406.1078).
+"""Q-network that learns what to remember: a gated recurrent unit (Cho et al. 2014, arXiv:1406.1078).
 
-It takes the place of the exponential moving averages (``memory``), and is called as they are; but what
-it keeps is learnt, by gradients through the steps of a rollout, as in the recurrent PQN of Gallici et al.
-2024 (arXiv:2407.04811, section 5). Axes: T steps, E environments, H numbers of the hidden state.
+The unit replaces the exponential moving averages (``memory``) and has the same interface. Its memory is
+learned, by gradients through the steps of a rollout, as in the recurrent PQN of Gallici et al. 2024
+(arXiv:2407.04811, section 5).
+
+Axes: T steps, E environments, H numbers of the hidden state.
 """
 
 import torch
@@ -11,11 +13,11 @@ from torch import Tensor, nn
 from sim.actions import ACTIONS
 
 CODE, HIDDEN = 64, 64
-"""Numbers that encode an observation, and that the hidden state has."""
+"""Sizes of an observation's code and of the hidden state."""
 
 
 class Recurrence(nn.Module):
-    """The hidden state after an action: a function of the one before, the observation, action and bump."""
+    """Hidden state after an action: a function of the state before, the observation, action and collision."""
 
     def __init__(self, rays: int, channels: int, actions: int = ACTIONS) -> None:
         """Draw first weights from torch's generator."""
@@ -27,18 +29,21 @@ class Recurrence(nn.Module):
         self.cell = nn.GRUCell(CODE + actions + 1, HIDDEN)
 
     def empty(self, environments: int) -> Tensor:
-        """Empty memories (E, H) float32: zeros."""
+        """Return empty memories (E, H) float32: zeros."""
         return self.cell.weight_hh.new_zeros(environments, HIDDEN)
 
     def forward(
         self, memory: Tensor, observation: Tensor, blocked: Tensor, actions: Tensor, ended: Tensor
     ) -> Tensor:
-        """Memories (E, H) after a step, from those before it: as ``agent.policies.memory.Memory.forward``."""
+        """Return memories (E, H) after a step, as ``agent.policies.memory.Memory.forward`` does."""
         signals = self.signals(observation, blocked, actions)
         return self.cell(signals, memory).masked_fill(ended[:, None], 0.0)
 
     def signals(self, observation: Tensor, blocked: Tensor, actions: Tensor) -> Tensor:
-        """What the unit reads (..., CODE + A + 1) of observations (..., R, C), bumps and actions (...)."""
+        """Return the unit's inputs (..., CODE + A + 1).
+
+        ``observation`` is (..., R, C); ``blocked`` and ``actions`` are (...).
+        """
         codes = self.code(observation.flatten(0, -3)).unflatten(0, observation.shape[:-2])
         acts = nn.functional.one_hot(actions, self.actions)
         return torch.cat([codes, acts, blocked[..., None]], dim=-1)
@@ -46,10 +51,10 @@ class Recurrence(nn.Module):
     def unrolled(
         self, memory: Tensor, observation: Tensor, blocked: Tensor, actions: Tensor, ended: Tensor
     ) -> Tensor:
-        """Memories (T, E, H) at each of T states, from the first one's (E, H), so that gradients flow.
+        """Return memories (T, E, H) at each of T states, from the first (E, H), so that gradients flow.
 
-        ``observation`` (T, E, R, C), ``blocked`` (T, E) and ``actions`` (T, E) of these states; where
-        ``ended`` (T, E) the step from a state began another episode.
+        ``observation`` (T, E, R, C), ``blocked`` (T, E) and ``actions`` (T, E) belong to these states. Where
+        ``ended`` (T, E) is true, the step from a state began another episode.
         """
         signals = self.signals(observation, blocked, actions)
         memories = [memory]
@@ -59,8 +64,9 @@ class Recurrence(nn.Module):
 
 
 class RecurrentQNetwork(nn.Module):
-    """A convolution over neighbouring rays as in ``policies.network``, then two layers that read it and the
-    hidden state: about 94,000 parameters.
+    """Convolution over neighbouring rays, then two layers that read it and the hidden state.
+
+    The convolution is that of ``policies.network``. The network has about 94,000 parameters.
     """
 
     def __init__(self, rays: int = 40, channels: int = 2, width: int = 128, actions: int = ACTIONS) -> None:
@@ -80,6 +86,6 @@ class RecurrentQNetwork(nn.Module):
         )
 
     def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
-        """Q-values (B, A) of observations (B, R, C) and memories (B, H)."""
+        """Return Q-values (B, A) of observations (B, R, C) and memories (B, H)."""
         seen = torch.relu(self.look(observation.transpose(1, 2))).flatten(1)
         return self.judge(torch.cat([seen, memory], dim=1))

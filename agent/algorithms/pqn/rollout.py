@@ -1,4 +1,4 @@
-"""A rollout: some steps of many environments, kept in place for the learner."""
+"""Rollout: some steps of many environments, stored in place for the learner."""
 
 from dataclasses import dataclass
 
@@ -14,13 +14,16 @@ from sim import HouseVectorEnv
 
 @dataclass
 class Rollout:
-    """T steps of E environments, overwritten by the next ones. States at index t are those before step t."""
+    """Storage of T steps of E environments, overwritten by the next rollout.
+
+    States at index t are those before step t.
+    """
 
     s: Tensor
     """Observations (T + 1, E, R, C) float32."""
 
     blocked: Tensor
-    """Whether the step to each state was blocked (T + 1, E) bool."""
+    """True if the step to a state was blocked, (T + 1, E) bool."""
 
     memory: Tensor
     """Memories at each state (T + 1, E, M, S) float32."""
@@ -29,26 +32,27 @@ class Rollout:
     """Q-value (T + 1, E) float32 of the action that the network, under avoidance, prefers in each state."""
 
     a: Tensor
-    """Executed actions (T, E) int64: what the avoidance layer let through."""
+    """Executed actions (T, E) int64, after the avoidance layer."""
 
     r: Tensor
     """Rewards (T, E) float32."""
 
     terminated: Tensor
-    """Whether a step ended the episode in a terminal state (T, E) bool."""
+    """True if a step ended the episode in a terminal state, (T, E) bool."""
 
     truncated: Tensor
-    """Whether the time ran out at a step (T, E) bool."""
+    """True if the time ran out at a step, (T, E) bool."""
 
     valid: Tensor
-    """Which steps count (T, E) bool: all but those after an end, whose action the environment ignored."""
+    """True for steps that count, (T, E) bool: all but those after an end, whose action the environment
+    ignored."""
 
     overruled: int = 0
-    """How many actions the avoidance layer changed."""
+    """Number of actions that the avoidance layer changed."""
 
     @classmethod
     def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
-        """Make room for that many steps from the first observations (E, R, C) and memories (E, M, S)."""
+        """Allocate ``steps`` steps from the first observations (E, R, C) and memories (E, M, S)."""
         size = (steps, len(observation))
         ended = observation.new_zeros(size, dtype=torch.bool)
         rollout = cls(
@@ -77,8 +81,9 @@ class Rollout:
         generator: torch.Generator,
         simulating: Stopwatch,
     ) -> None:
-        """Act from where the last rollout ended: the network's actions under avoidance, a share ``epsilon``
-        at random. ``simulating`` counts the simulator's seconds.
+        """Act from the end of the last rollout: the network's actions under avoidance, some at random.
+
+        A fraction ``epsilon`` of the actions is random. ``simulating`` counts the simulator's seconds.
         """
         first = ended = self.terminated[-1] | self.truncated[-1]
         for states in (self.s, self.blocked, self.memory):
@@ -92,7 +97,7 @@ class Rollout:
             self.a[t] = subsume(explored[t], allowed)
             with simulating.running():
                 observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
-            # Copied: the simulator writes over its tensors at the next step.
+            # Copied, because the simulator overwrites its tensors at the next step.
             self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
             self.terminated[t], self.truncated[t] = terminated, truncated
             # The step after an end begins the next episode: its memory is empty.
@@ -108,10 +113,10 @@ class Rollout:
         self.valid[1:] = ~(self.terminated | self.truncated)[:-1]
 
     def _values(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor]:
-        """Of the actions in state t (E, A): Q-values, and whether avoidance allows them."""
+        """Return Q-values of the actions in state t (E, A), and the mask of those that avoidance allows."""
         return network(self.s[t], self.memory[t]), avoidance(self.s[t], self.blocked[t])
 
 
 def _of(values: Tensor, actions: Tensor) -> Tensor:
-    """Values (...) of the given actions (...), out of those of all actions (..., A)."""
+    """Return the values (...) of the given actions (...), out of those of all actions (..., A)."""
     return values.gather(-1, actions[..., None]).squeeze(-1)

@@ -1,11 +1,10 @@
-"""A Q-network that searches: it values every place and heading that the body can come to, and goes to the
-best.
+"""Q-network that searches: it values every place and heading that the body can reach, and goes to the best.
 
-The body keeps the map, follows paths, and walks to a target in sight (``agent.planner``). Where it has no
-goal the network reads a window of that map (``maps.py``) and gives each view a value (``network.py``), the
-targets a step that it brings; the best one is the next goal (``chooser.py``). No view is chosen by a rule.
+The body keeps the map, follows paths, and goes to a target in sight (``agent.planner``). When the body has no
+goal, the network reads a window of the map (``maps.py``). It gives each view a value (``network.py``): the
+expected targets per step. The best view is the next goal (``chooser.py``). No rule chooses a view.
 
-It learns in states that it came to itself, as in DAgger (Ross et al. 2011, arXiv:1011.0686), and its labels
-are not sampled: in training the house is known, so the expected value of each view can be computed
-(``values.py``), as of the searcher that knows the house (``sim.baselines.views``).
+The network learns in states that it reached itself, as in DAgger (Ross et al. 2011, arXiv:1011.0686). Its
+labels are not sampled: training knows the house, so the expected value of each view can be computed
+(``values.py``), as for the searcher that knows the house (``sim.baselines.views``).
 """

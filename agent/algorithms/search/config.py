@@ -1,4 +1,4 @@
-"""What a run of a network that searches is."""
+"""Configuration of a run of a network that searches."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -9,53 +9,52 @@ from logic.errors import RequestError
 
 @dataclass(frozen=True)
 class SearchConfig(TrainConfig):
-    """Search: a network learns what each view is worth."""
+    """Search: a network learns the value of each view."""
 
     groups: ClassVar = {"channels": "Search"}
 
     channels: tuple[int, ...] = (16, 32, 64, 96)
-    """Of the network's levels, each at half the resolution of the one before."""
+    """Channels of the network's levels, each at half the resolution of the level before."""
 
     foresight: bool = True
-    """Whether what the released network of map completion predicts is an input."""
+    """True if the predictions of the released network of map completion are an input."""
 
     looks: bool = True
-    """Whether what each view would show, by rays over the map and over what is foreseen, is an input."""
+    """True if what each view would show is an input, by rays over the map and over the predictions."""
 
     num_steps: int = 32
     """Steps of every environment from one report to the next."""
 
     restarts: float = 0.015
-    """Share of the environments that begin another episode each time."""
+    """Fraction of the environments that begin another episode after each report."""
 
     guided: float = 0.0
-    """Share of the run over which the true best view is taken in place of the network's, less and less
-    often."""
+    """Fraction of the run over which the true best view replaces the network's, less and less often."""
 
     buffer_size: int = 2048
-    """Choices that are kept to learn from."""
+    """Number of choices that are stored to learn from."""
 
     passes: float = 4.0
-    """How often a choice is learnt from, on average."""
+    """Average number of updates that learn from a choice."""
 
     batch_size: int = 32
-    """Choices that an update learns from."""
+    """Number of choices that an update learns from."""
 
     loss: Literal["choice", "value"] = "choice"
-    """What is learnt: choices, by what a view is worth that is drawn by the values, of the best one's; or the
-    values themselves, by Poisson regression."""
+    """Loss. choice: the relative worth of a view drawn by the network's values, compared with the best view;
+    value: the values themselves, by Poisson regression."""
 
     heat: float = 0.2
-    """Temperature at which the loss of choices draws a view, at first."""
+    """First temperature at which the loss of choices draws a view."""
 
     final_heat: float = 0.05
-    """The same in the end; between both its logarithm falls on a line."""
+    """Final temperature; in between its logarithm falls linearly."""
 
     final_lr_fraction: float = 0.02
-    """The learning rate falls on a line to this fraction of it."""
+    """Final learning rate as a fraction of the first; the rate falls linearly."""
 
     max_grad_norm: float = 1.0
-    """Longer gradients are clipped to this norm."""
+    """Norm to which longer gradients are clipped."""
 
     algorithm: ClassVar[str] = "search"
     reads_maps: ClassVar[bool] = True
@@ -74,5 +73,5 @@ class SearchConfig(TrainConfig):
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
-        """Configs that run by name."""
+        """Return the configs that run by name."""
         return {"search": cls(targets="secondary", num_envs=64, steps=6_000_000, learning_rate=1e-3)}

@@ -1,4 +1,4 @@
-"""The part of a window that a network must read: what was seen, and some ground about it."""
+"""Part of a window that a network must read: the seen ground and a margin about it."""
 
 from types import EllipsisType
 from typing import NamedTuple
@@ -9,33 +9,33 @@ from torch import Tensor
 from agent.algorithms.search.windows import LEVELS, PLACES, ViewMaps
 
 MARGIN = 4
-"""Places about what was seen that are read too: 2.3 m at the default body."""
+"""Margin about seen ground that is read, too, in places: 2.3 m at the default body."""
 
 UNIT = 8
-"""A part is a multiple of this many places high and wide: a network halves it three times."""
+"""Unit of a part's height and width, in places: a network halves them three times."""
 
 
 class Box(NamedTuple):
-    """A part of each of n windows, all of one size."""
+    """Part of each of n windows, all of one size."""
 
     south: list[int]
-    """Places from each window's edges to its part's, to the south..."""
+    """Places from each window's north edge to its part."""
 
     east: list[int]
-    """... and to the east."""
+    """Places from each window's west edge to its part."""
 
     high: int
     wide: int
 
     def slices(self, scale: int) -> list[tuple[EllipsisType, slice, slice]]:
-        """Of each window, with so many rows and columns for each place."""
+        """Return the index of each window's part, with ``scale`` rows and columns for each place."""
         return [
             (..., slice(scale * i, scale * (i + self.high)), slice(scale * j, scale * (j + self.wide)))
             for i, j in zip(self.south, self.east, strict=True)
         ]
 
     def cut(self, field: Tensor) -> Tensor:
-        """The parts (n, ..., high, wide) of a field (n, ..., G, G); or of 2G, twice that."""
+        """Return the parts (n, ..., high, wide) of a field (n, ..., G, G); of 2G, parts of twice the size."""
         scale = field.shape[-1] // PLACES
         made = field.new_empty((*field.shape[:-2], scale * self.high, scale * self.wide))
         for n, part in enumerate(self.slices(scale)):
@@ -43,7 +43,10 @@ class Box(NamedTuple):
         return made
 
     def whole(self, field: Tensor, nothing: float) -> Tensor:
-        """Windows (n, ..., G, G) of their parts (n, ..., high, wide), ``nothing`` about; or of twice that."""
+        """Return windows (n, ..., G, G) from their parts (n, ..., high, wide), with ``nothing`` around.
+
+        Parts of twice the size become windows of 2G.
+        """
         scale = field.shape[-2] // self.high
         made = field.new_full((*field.shape[:-2], scale * PLACES, scale * PLACES), nothing)
         for n, part in enumerate(self.slices(scale)):
@@ -52,9 +55,7 @@ class Box(NamedTuple):
 
 
 def spans(maps: ViewMaps) -> Tensor:
-    """The places (n, 2, 2) int64 that windows must have, south and east: the first, and the one after the
-    last.
-    """
+    """Return the places (n, 2, 2) int64 that parts must include, south and east: first, and last plus one."""
     seen, found = maps.blocks >= LEVELS, []
     for axis in (2, 1):
         some = seen.any(axis).view(len(seen), PLACES, 2).any(2).byte()
@@ -64,7 +65,7 @@ def spans(maps: ViewMaps) -> Tensor:
 
 
 def box(maps: ViewMaps) -> Box:
-    """The smallest parts of these windows that have all that was seen, and ``MARGIN`` about it."""
+    """Return the smallest parts of these windows that have all seen ground, and ``MARGIN`` about it."""
     first, last = spans(maps).unbind(2)
     high, wide = (UNIT * -(-int(size) // UNIT) for size in (last - first).amax(0))
     south, east = torch.minimum(first, torch.tensor([PLACES - high, PLACES - wide])).T.tolist()
@@ -72,13 +73,13 @@ def box(maps: ViewMaps) -> Box:
 
 
 def by_size(maps: ViewMaps) -> Tensor:
-    """An order (n,) int64 in which windows with large parts are together."""
+    """Return an order (n,) int64 in which windows with large parts are together."""
     first, last = spans(maps).unbind(2)
     return (last - first).prod(1).argsort(stable=True)
 
 
 def cropped(maps: ViewMaps, part: Box) -> ViewMaps:
-    """The parts of maps, as maps, without what their views are worth."""
+    """Return the parts of maps as maps, without the worth of their views."""
     fields = {
         name: part.cut(field)
         for name, field in maps._asdict().items()

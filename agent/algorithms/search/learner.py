@@ -1,4 +1,4 @@
-"""Learning to search: a network plays, and learns what each view was worth where it chose one."""
+"""Training of search: a network plays, and learns the worth of each view where it chose one."""
 
 from typing import Any
 
@@ -21,21 +21,23 @@ from sim import HouseVectorEnv
 from sim.config import DEFAULT
 
 TOGETHER = 4
-"""Updates whose choices are drawn together."""
+"""Number of updates whose choices are drawn together."""
 
 HELD = 4
-"""Batches of choices that are held before it learns."""
+"""Number of batches of choices that must be stored before training starts."""
 
 LEAST = 0.02
-"""What views count at least in the loss."""
+"""Least weight of a view in the loss."""
 
 MOST = 4.0
-"""Logarithms of values beyond which the loss goes on along a line."""
+"""Logarithm of values above which the loss is linear."""
 
 
 class LearnedSearch(MapLearner):
-    """A run of a network that searches. In each turn it leads explorers, and its choices go into a buffer;
-    then it learns from random ones of these.
+    """Run of a network that searches.
+
+    In each turn the network leads explorers, and its choices go into a buffer. Then the network learns from
+    random choices of the buffer.
     """
 
     config: SearchConfig
@@ -43,7 +45,7 @@ class LearnedSearch(MapLearner):
 
     @staticmethod
     def network_of(config: SearchConfig) -> ViewNetwork:
-        """See ``Learner``."""
+        """Return a new network: see ``Learner``."""
         with seeded(config.seed):
             return ViewNetwork(config.channels, config.foresight, config.looks)
 
@@ -51,14 +53,14 @@ class LearnedSearch(MapLearner):
     def policy_of(
         network: ViewNetwork, config: SearchConfig, envs: HouseVectorEnv, seed: int = 0
     ) -> Explorer:
-        """The body, led by the network."""
+        """Return an explorer that is led by the network."""
         require_own_maps(config, envs)
         return Explorer(shield(envs), envs.config, chooser=ViewChooser(network, envs.config))
 
     def __init__(self, config: SearchConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has NEXT_STEP autoreset.
 
-        Raises ``RequestError`` behind closed doors, and for another body than the default one.
+        Raises ``RequestError`` for closed doors, and for a body other than the default one.
         """
         if envs.config.closed_doors:
             raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
@@ -70,29 +72,32 @@ class LearnedSearch(MapLearner):
         super().__init__(config, envs)
         self.reader = self.chooser.reader_of(self.tracker.planner)
         self.truth = TrueValues(envs, self.tracker.planner)
-        # At its full size from the start: a state that grew would not be read again.
+        # Full size from the start: a state whose size grew could not be read again.
         self.buffer = empty(config.buffer_size)
         self.made, self.due = 0, 0.0
         self.rows = torch.zeros(0, config.batch_size, dtype=torch.int64)
         self.reset_envs()
 
     def explorer_of(self) -> Explorer:
-        """The body, led by choices that are noted."""
+        """Return an explorer that is led by choices that are noted."""
         self.chooser = ViewChooser(self.network, self.envs.config, self.choose)
         return Explorer(self.avoidance, self.envs.config, chooser=self.chooser)
 
     @property
     def epsilon(self) -> float:
-        """Share of the choices that are the true best views, not the network's."""
+        """Fraction of the choices that are the true best views, not the network's."""
         return max(0.0, 1 - self.fraction / max(self.config.guided, 1e-9))
 
     def act(self) -> Tensor:
-        """See ``MapLearner``; posteriors over the true places of targets follow what is seen."""
+        """Return the explorer's actions: see ``MapLearner``.
+
+        Update the posteriors over the true target places.
+        """
         self.truth.watch(np.flatnonzero(self.tracker.fresh.numpy()), self.reader)
         return self.explorer(self.s, self.blocked)
 
     def choose(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
-        """The views to go to, the network's or the true best; and note what all are worth."""
+        """Return the views to go to, the network's or the true best; note the worth of all views."""
         worth = self.truth.read(environments, self.reader.corners(environments)) * views(maps)
         picks = self.chooser.greedy(environments, maps)
         self.note(maps._replace(worth=worth.half()), ~torch.from_numpy(self.truth.known(environments)))
@@ -100,21 +105,20 @@ class LearnedSearch(MapLearner):
         return torch.where(told & (worth.flatten(1).amax(1) > 0), best(worth, maps), picks)
 
     def note(self, maps: ViewMaps, valid: Tensor) -> None:
-        """Keep choices that are ``valid`` (n,) bool, over the oldest ones, where any view is worth
-        something."""
+        """Store ``valid`` (n,) bool choices over the oldest ones, if any of their views has a worth."""
         valid &= maps.worth.float().flatten(1).amax(1) > 0
         number, size = int(valid.sum()), self.config.buffer_size
         at = (self.made + torch.arange(number)) % size
         for kept, field in zip(self.buffer, maps, strict=True):
-            if field.shape[1:] == kept.shape[1:]:  # what the network does not read is not there
+            if field.shape[1:] == kept.shape[1:]:  # an input that the network does not read is absent
                 kept[at] = field[valid]
         self.made += number
         self.due += self.config.passes * number / self.config.batch_size
 
     def learn(self) -> float:
-        """Learn from random choices, as often as is due; the mean loss."""
+        """Learn from random choices as often as is due; return the mean loss."""
         config, losses = self.config, []
-        self.rows = self.rows[:0]  # what was drawn before a state was kept is not drawn again
+        self.rows = self.rows[:0]  # rows drawn before a state was kept are not drawn again
         self.anneal(config.final_lr_fraction)
         held = min(self.made, config.buffer_size)
         while self.due >= 1 and held >= HELD * config.batch_size:
@@ -132,7 +136,7 @@ class LearnedSearch(MapLearner):
         return float(torch.stack(losses).mean()) if losses else 0.0
 
     def loss(self, values: Tensor, choices: ViewMaps) -> Tensor:
-        """Of logarithms of values (n, 8, G, G) that the network gives to the views of choices."""
+        """Return the loss of log-values (n, 8, G, G) that the network gives to the views of choices."""
         config = self.config
         if config.loss == "value":
             return value_loss(values, choices.worth.float())
@@ -140,8 +144,10 @@ class LearnedSearch(MapLearner):
         return choice_loss(values, choices, heat)
 
     def drawn(self, held: int) -> Tensor:
-        """Random choices of the first ``held`` ones for an update. Some updates' choices are drawn together,
-        and each takes those of about one size: a batch takes as long as the largest.
+        """Return random choices of the first ``held`` for an update.
+
+        The choices of some updates are drawn together. Each update then takes choices of similar size, as a
+        batch takes as long as its largest.
         """
         if not len(self.rows):
             rows = torch.from_numpy(self.random.integers(0, held, TOGETHER * self.config.batch_size))
@@ -152,7 +158,7 @@ class LearnedSearch(MapLearner):
         return first
 
     def own_state(self) -> dict[str, Any]:
-        """See ``MapLearner``; with the posteriors and the choices."""
+        """Return the learner's state: see ``MapLearner``. It includes the posteriors and the choices."""
         return super().own_state() | {
             "reader": self.reader.state,
             "truth": self.truth.state,
@@ -161,7 +167,7 @@ class LearnedSearch(MapLearner):
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""
         super().restore_own(state)
         self.reader.state, self.truth.state = state["reader"], state["truth"]
         self.buffer = ViewMaps(**state["buffer"])
@@ -169,10 +175,10 @@ class LearnedSearch(MapLearner):
 
 
 def choice_loss(values: Tensor, choices: ViewMaps, heat: float) -> Tensor:
-    """How much less a view is worth than the best one, as a share of it: in expectation over views drawn in
-    proportion to their values to the power 1 / ``heat``, of those that were not the goal before.
+    """Return how much less a view is worth than the best one, as a fraction of the best.
 
-    ``values`` (n, 8, G, G) are logarithms, minus infinity for no view.
+    This is an expectation over views that were not the goal before, drawn in proportion to their values to
+    the power 1 / ``heat``. ``values`` (n, 8, G, G) are logarithms, minus infinity for no view.
     """
     legal = torch.isfinite(values)
     free = legal & ~gone_to(choices)
@@ -183,11 +189,12 @@ def choice_loss(values: Tensor, choices: ViewMaps, heat: float) -> Tensor:
 
 
 def value_loss(values: Tensor, worth: Tensor) -> Tensor:
-    """The deviance of logarithms of ``values`` (n, 8, G, G), minus infinity for no view, from what the views
-    are worth (n, 8, G, G), as if that were counts (Poisson regression): it is least at the mean of the worth,
-    so what cannot be known is averaged over.
+    """Return the deviance of log-``values`` (n, 8, G, G), minus infinity for no view, from ``worth``.
 
-    Views count by the network's own opinion of them, their value for that of the best: weights that do not
+    ``worth`` (n, 8, G, G) is treated as counts (Poisson regression). The deviance is least at the mean of the
+    worth, so it averages over what cannot be known.
+
+    Views weigh by the network's own opinion of them: their value relative to the best. Weights that do not
     depend on the label leave the mean where it is.
     """
     legal = torch.isfinite(values)

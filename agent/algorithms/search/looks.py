@@ -1,6 +1,6 @@
-"""What each view of a window would show, as far as the map and what is foreseen tell: rays cast over both.
+"""Visible targets of each view of a window, by rays cast over the map and over the predictions.
 
-It is geometry alone, as are the lengths of paths: what that is worth the network learns.
+This is geometry alone, as are the lengths of paths: the network learns what it is worth.
 """
 
 from functools import cache
@@ -21,17 +21,17 @@ from sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
 BLOCKS = 2 * PLACES
 
 UNREACHED = (1 << 16) - 1
-"""The distance of places to which no path is known."""
+"""Distance of places to which no path is known."""
 
 LEAST = 0.02
-"""The probability of getting so far below which a ray is not followed."""
+"""Probability of getting so far below which a ray is not followed."""
 
 
 class ViewLooks:
-    """Casts rays over the maps of E planners."""
+    """Caster of rays over the maps of E planners."""
 
     def __init__(self, arrays: dict[str, Array], config: PlannerConfig, body: BodyModel, count: int) -> None:
-        """``arrays`` are a planner's, and those of a reader of its maps."""
+        """Cast rays with ``arrays``: a planner's, and those of a reader of its maps."""
         self.arrays = arrays | {
             "dense": Array(ti.f32, count * BLOCKS**2),
             "passes": Array(ti.f32, count * BLOCKS**2),
@@ -40,8 +40,10 @@ class ViewLooks:
         self._look = Launch(_kernel(start(), config, body), self.arrays)
 
     def __call__(self, maps: ViewMaps) -> Tensor:
-        """What is in sight of the places (n, 8, G, G) float16 in each octant, as a share of all targets that
-        are expected in the window; of those windows that the reader read last.
+        """Return what each octant shows from the places, (n, 8, G, G) float16.
+
+        Values are fractions of all targets that are expected in the window. The windows are those that the
+        reader read last.
         """
         dense, passes = expected(maps)
         count = len(dense)
@@ -56,16 +58,19 @@ class ViewLooks:
 
 @cache
 def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
-    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernel for a running Taichi.
+
+    The kernel's arguments have the names of the planner's arrays.
+    """
     occupancy = Occupancy(config, body.step, body.touching, body.errs)
     rays, ends, pitch = config.viewpoint_rays, config.view_range // config.view_stride, config.viewpoint_pitch
-    # What a place on a ray stands for, in blocks: as wide as rays are apart there.
+    # Blocks that a place on a ray stands for: it is as wide as the gap between rays there.
     weight = config.view_stride**2 * np.pi / 4 / rays / 4
 
     @ti.func
     def sight(memory: ti.template(), tables: ti.template(), dense: ti.template(), passes: ti.template(), base,
               first, node, cy, cx, octant):  # fmt: skip
-        """What is expected in an octant of a view."""
+        """Return the density of targets that is expected in an octant of a view."""
         gain = 0.0
         for ray in range(rays):
             j, k, reaches = ends * (rays * octant + ray), 0, 1.0
@@ -73,7 +78,7 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
                 there = occupancy.beside(node, tables.views[j + k])
                 k += 1
                 cell = ti.cast(memory.cells[base + there], ti.i32)
-                # On the torus what lies before the window lies far behind it.
+                # On the torus, places before the window lie far behind it.
                 south = ((occupancy.down(there) - cy + 2) & ti.static(occupancy.mask)) >> 1
                 east = ((occupancy.across(there) - cx + 2) & ti.static(occupancy.mask)) >> 1
                 if (cell & (OCCUPIED | SOLID) != 0) | (ti.max(south, east) >= ti.static(BLOCKS)):

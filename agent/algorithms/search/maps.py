@@ -1,10 +1,9 @@
-"""Windows of planners' maps about the body, for the network, and the memory of where it went and what it
-found.
+"""Windows of planners' maps about the body, for the network, and the memory of goals taken and finds.
 
-A place is every fourth node along both axes, from the episode's start on unless a trainer says otherwise; a
-block is two by two cells, so that a place has the four about it. Window place (i, j), south by east, is
-``PLACES / 2`` places north-west of the body's at (0, 0), and the one in the middle stands for the body's own
-node.
+A place is every fourth node along both axes, counted from the episode's start unless a trainer sets another
+origin. A block is two by two cells, so a place has four blocks about it. Window place (0, 0) lies ``PLACES /
+2`` places north and west of the body's place; place (i, j) is i south and j east of it. The place in the
+middle stands for the body's own node.
 """
 
 from functools import cache
@@ -30,7 +29,10 @@ BLOCKS = 2 * PLACES
 
 
 class MapReader:
-    """Reads the maps of E planners that are led, and keeps what these do not: finds, and goals taken."""
+    """Reader of the maps of E planners that are led.
+
+    It also keeps finds and goals taken, which they do not.
+    """
 
     def __init__(self, world: Config, planner: Planner) -> None:
         self.world, self.planner, count = world, planner, len(planner.advice)
@@ -65,9 +67,10 @@ class MapReader:
         self._forget(begun)
 
     def read(self, environments: np.ndarray) -> ViewMaps:
-        """The windows of planners without a goal, in these environments (n,) int. Where such a planner has
-        seen all that it can reach since the last pick-up, it will look again, first where it has not for
-        longest.
+        """Return the windows of planners without a goal, in these environments (n,) int.
+
+        A planner that has seen everything within reach since the last pick-up will look again, first at the
+        places that it has not seen for longest.
         """
         count, view = len(environments), {name: self.arrays[name].view() for name in OWN_ARRAYS}
         corners = self.corners(environments)
@@ -100,14 +103,16 @@ class MapReader:
         )
 
     def corners(self, environments: np.ndarray) -> np.ndarray:
-        """The nodes (n, 2) int south and east of the start at which these environments' windows begin."""
+        """Return the first nodes (n, 2) int of these environments' windows, south and east of the start."""
         nodes = np.stack([self.planner.read(name).numpy()[environments] >> 1 for name in ("y", "x")], 1)
         phase = self.phase[environments]
         return (nodes - phase) // self.pitch * self.pitch + phase - self.pitch * (PLACES // 2)
 
     def lead(self, environments: np.ndarray, picks: np.ndarray, ways: np.ndarray) -> None:
-        """Send planners to views (n,) int of the windows that were read last, the flat place of heading,
-        south and east in (8, G, G); the nodes to each place are ``ways`` (n, G, G). -1 for none.
+        """Send planners to views (n,) int of the windows that were read last.
+
+        A view is the flat index of heading, south and east in (8, G, G), -1 for none. ``ways`` (n, G, G) are
+        the nodes to each place.
         """
         going = picks >= 0
         here, corners = self.arrays["here"].view()[: len(picks)][going], self.corners(environments)[going]
@@ -124,7 +129,7 @@ class MapReader:
 
     @property
     def state(self) -> dict[str, torch.Tensor]:
-        """What it keeps: copies."""
+        """Copies of what the reader keeps."""
         return {name: torch.from_numpy(getattr(self, name).copy()) for name in KEPT}
 
     @state.setter
@@ -133,7 +138,7 @@ class MapReader:
             setattr(self, name, state[name].numpy())
 
     def _place(self, half_cells: np.ndarray, axis: int) -> np.ndarray:
-        """The rows or columns of places that the bodies are at (E,)."""
+        """Return the rows or columns of the places where the bodies are, (E,)."""
         return ((half_cells >> 1) - self.phase[:, axis]) // self.pitch % self.side
 
     def _forget(self, begun: np.ndarray) -> None:
@@ -149,7 +154,10 @@ KEPT = "phase", "found", "since", "finds", "taken"
 
 @cache
 def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
-    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    """Return the kernel for a running Taichi.
+
+    The kernel's arguments have the names of the planner's arrays.
+    """
     parts = Step(config, body)
     occupancy, candidates = parts.occupancy, parts.viewpoints.candidates
     field, bits, pitch = candidates.field, config.map_bits, config.viewpoint_pitch
@@ -175,8 +183,9 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
 
     @ti.func
     def measure(memory: ti.template(), ways: ti.template(), state, base, n, cy, cx):
-        """Write the distances of a window's places from the body; a node of the body, and whether a block
-        that it can come to may hide a target (i32).
+        """Write the distances of a window's places from the body.
+
+        Returns a node of the body, and 1 (i32) if a block within reach may hide a target.
         """
         first, hides = n * ti.static(PLACES * PLACES), 0
         for k in range(ti.static(PLACES * PLACES)):
@@ -201,7 +210,8 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
                     node = field.node(tile, block)
                     if open_ >> ti.cast(block, ti.u64) & ti.u64(1) != 0:
                         hides |= ti.cast(candidates.odds(memory, base, tile, block, state.since) > 0, ti.i32)
-                    # The place in this block, if there is one: where places begin at odd nodes, its second.
+                    # The place in this block, if any; if places begin at odd nodes, it is the block's second
+                    # node.
                     x, y = occupancy.across(node) + (cx & 1), occupancy.down(node) + (cy & 1)
                     i, j = (x - cx) & mask, (y - cy) & mask
                     inside = i < PLACES * pitch and j < PLACES * pitch

@@ -1,4 +1,4 @@
-"""The network that searches: a U-Net (Ronneberger et al. 2015, arXiv:1505.04597) over a window of a map."""
+"""Network that searches: a U-Net (Ronneberger et al. 2015, arXiv:1505.04597) over a window of a map."""
 
 import json
 from itertools import pairwise
@@ -25,46 +25,48 @@ from agent.algorithms.search.windows import (
 )
 
 PLANES, OWN = 4, 5 + HEADINGS
-"""What is read of each block, and of each place besides."""
+"""Number of inputs of each block, and of further inputs of each place."""
 
 FLOOR, PASSES, TARGETS, ODDS = range(FORESEEN)
-"""What is foreseen of a block: floor, whether sight passes, how dense targets are where it was not looked
-since the last pick-up, and the logarithm of how dense they are."""
+"""Predictions of a block: floor; sight passing; density of targets where the planner has not looked since the
+last pick-up; and logarithm of this density."""
 
 WHOLE, PART = 255.0, 63.0
-"""What a probability of 1, and what a density of 1, is in 8 bits."""
+"""Values in 8 bits of a probability of 1 and of a density of 1."""
 
 HARDLY = 1e-3
-"""Added to what a view shows before its logarithm is taken."""
+"""Constant added to what a view shows before its logarithm is taken."""
 
 FORESIGHT = Path(__file__).parents[2] / "runs" / "released" / "map-completion.safetensors"
-"""The released network of map completion, whose predictions can be inputs."""
+"""Released network of map completion, whose predictions can be inputs."""
 
 FADE = 4.0
-"""Places over which nearness to the start falls by a factor of e."""
+"""Distance, in places, over which nearness to the start falls by a factor of e."""
 
 NODE = 2.0
-"""Steps from a node to the next one: a cell is half a body wide."""
+"""Steps from one node to the next: a cell is half a body wide."""
 
 CONSTANT = 4.0
-"""Steps added to a path's length: what a choice of a view costs beside the way there."""
+"""Steps added to a path's length: the cost of a choice of a view besides the way there."""
 
 FIRST = -3.0
-"""The logarithm of what a view is first thought to show of all places where the target may be."""
+"""First estimate of the logarithm of what a view shows, relative to all places where the target may be."""
 
 MOSTLY = 3
-"""Cells of a block from which on it counts as seen."""
+"""Least number of seen cells for a block to count as seen."""
 
 DENSE = 300.0
-"""Blocks in which a target may lie, about: its probability in one, times these, is about 1."""
+"""Approximate number of blocks in which a target may lie: the probability of one block times this is about
+1."""
 
 
 class ViewNetwork(nn.Module):
-    """A U-Net of ``channels`` on the places: about 146,000 weights.
+    """U-Net of ``channels`` on the places: about 146,000 weights.
 
-    It gives the logarithm of what each view is expected to show, with ``looks`` as a correction of what rays
-    over the map show, as likely as the body can stand there; a view's value is that for its cost, the steps
-    of the known path and the turns. The correction is none before it has learnt.
+    The network predicts the logarithm of what each view is expected to show. With ``looks`` the output is a
+    correction of what rays over the map show, times the probability that the body can stand there. The
+    correction is zero before training. A view's value is this prediction divided by the view's cost: the
+    steps of the known path and the turns.
     """
 
     turns: Tensor
@@ -73,8 +75,10 @@ class ViewNetwork(nn.Module):
     def __init__(
         self, channels: tuple[int, ...] = (16, 32, 64, 96), foresight: bool = False, looks: bool = False
     ) -> None:
-        """Draw first weights from torch's generator. ``foresight``: what map completion predicts is an
-        input; ``looks``: what each view would show is one.
+        """Draw first weights from torch's generator.
+
+        ``foresight``: the predictions of map completion are an input. ``looks``: what each view would show is
+        an input.
         """
         super().__init__()
         self.channels, first, last = channels, channels[0], channels[-1]
@@ -84,7 +88,7 @@ class ViewNetwork(nn.Module):
         self.fuse = nn.Conv2d(first + own, first, 3, padding=1)
         self.down = nn.ModuleList(nn.Conv2d(i, o, 3, padding=1) for i, o in pairwise(channels))
         self.whole = nn.Linear(3 + HEADINGS, last)
-        # What comes from below is narrowed before it is enlarged: three quarters of the work are saved.
+        # Features from below are narrowed before they are enlarged: this saves three quarters of the work.
         self.narrow = nn.ModuleList(nn.Conv2d(o, i, 1) for i, o in pairwise(channels))
         self.up = nn.ModuleList(nn.Conv2d(i, i, 3, padding=1) for i in channels[:-1])
         self.hidden = nn.Conv2d(first + own + HEADINGS, 2 * first, 1)
@@ -98,21 +102,22 @@ class ViewNetwork(nn.Module):
 
     @torch.no_grad()
     def foresee(self, maps: ViewMaps) -> ViewMaps:
-        """The same maps with what is foreseen of them, nothing far from all that was seen."""
+        """Return the same maps with the predictions for them, which are 0 far from all seen ground."""
         part = box(maps)
         near = cropped(maps, part)
         planes = unforeseen(near) if self.completion is None else foreseen(self.completion, near)
         return maps._replace(foreseen=part.whole(planes, 0))
 
     def forward(self, maps: ViewMaps) -> Tensor:
-        """The logarithms (n, 8, G, G) of the views' values, targets per ``SCALE`` steps; minus infinity where
-        no path is known, and for the view that the body has.
+        """Return the logarithms (n, 8, G, G) of the views' values, targets per ``SCALE`` steps.
+
+        They are minus infinity for places without a known path, and for the view that the body has.
         """
         part = box(maps)
         return part.whole(self.near(cropped(maps, part), part.cut(self.turns[maps.heading])), -torch.inf)
 
     def near(self, maps: ViewMaps, turns: Tensor) -> Tensor:
-        """The same of parts of windows; the ``turns`` to each view (n, 8, high, wide)."""
+        """Return the same for parts of windows; ``turns`` (n, 8, high, wide) are those to each view."""
         there, way = (maps.ways != FAR).float(), maps.ways.float().clamp(min=0)
         planes = [F.embedding(maps.blocks.int(), self.shares), maps.ages[..., None].float() / 128]
         if self.completion is not None:
@@ -134,7 +139,7 @@ class ViewNetwork(nn.Module):
         x = x + self.whole(torch.cat([maps.scalars, head], 1))[:, :, None, None]
         for narrow, up in zip(reversed(self.narrow), reversed(self.up), strict=True):
             x = F.relu(up(F.interpolate(pointwise(narrow, x), scale_factor=2.0) + passed.pop()))
-        # The heading is the same at all places, so what is made of it is added, not joined.
+        # The heading is the same at all places, so its contribution is added, not joined.
         weight, x = self.hidden.weight.flatten(1), torch.cat([x, own], 1)
         hidden = F.linear(x.permute(0, 2, 3, 1), weight[:, :-HEADINGS])
         hidden = hidden + F.linear(head, weight[:, -HEADINGS:], self.hidden.bias)[:, None, None]
@@ -146,22 +151,24 @@ class ViewNetwork(nn.Module):
 
 
 def cost(ways: Tensor, turns: Tensor) -> Tensor:
-    """What views (n, 8, G, G) cost: the steps of paths of ``ways`` (n, G, G) nodes, the ``turns``, and some
-    steps for a choice.
+    """Return the cost of views (n, 8, G, G), in steps.
+
+    It is the steps of paths of ``ways`` (n, G, G) nodes, the ``turns``, and some steps for a choice.
     """
     return NODE * ways[:, None].float().clamp(min=0) + CONSTANT + turns
 
 
 def stands(maps: ViewMaps) -> Tensor:
-    """How likely a body can stand at each place (n, G, G) float32: paths lead some way over unseen ground,
-    which is floor as far as is foreseen.
+    """Return the probability that a body can stand at each place, (n, G, G) float32.
+
+    Paths lead some way over unseen ground, for which the probability is that of floor by the predictions.
     """
     floor = (maps.foreseen[:, FLOOR] / WHOLE).masked_fill(maps.blocks // LEVELS % LEVELS >= MOSTLY, 1.0)
     return F.avg_pool2d(floor[:, None], 2)[:, 0]
 
 
 def foreseeing() -> CompletionNetwork:
-    """The released network of map completion; it learns nothing more."""
+    """Return the released network of map completion, with frozen weights."""
     with safetensors.safe_open(FORESIGHT, framework="pt") as file:
         channels = json.loads(file.metadata()["config"])["channels"]
         network = CompletionNetwork(
@@ -172,13 +179,14 @@ def foreseeing() -> CompletionNetwork:
 
 
 SIZES = torch.tensor([WHOLE, WHOLE, PART, PART])
-"""What 1 is in the planes of what is foreseen."""
+"""Value of 1 in each plane of the predictions."""
 
 
 @torch.no_grad()
 def foreseen(completion: CompletionNetwork, maps: ViewMaps, marks: Tensor | None = None) -> Tensor:
-    """What is predicted of blocks (n, ``FORESEEN``, 2G, 2G) uint8, times ``SIZES``; by ``marks`` on the map
-    (n, 2, 2G, 2G), if there are others than the finds.
+    """Return the predictions for blocks (n, ``FORESEEN``, 2G, 2G) uint8, times ``SIZES``.
+
+    ``marks`` (n, 2, 2G, 2G) are the marks on the map; by default the finds.
     """
     occupied, seen = (maps.blocks // k % LEVELS for k in (1, LEVELS))
     if marks is None:
@@ -192,8 +200,9 @@ def foreseen(completion: CompletionNetwork, maps: ViewMaps, marks: Tensor | None
 
 
 def unforeseen(maps: ViewMaps) -> Tensor:
-    """The same of who foresees nothing: targets lie on all ground that is not known to be occupied, as
-    likely, and sight passes what is unseen.
+    """Return the same for no prediction: targets are uniform, and sight passes unseen ground.
+
+    Targets lie with equal probability on all ground that is not known to be occupied.
     """
     occupied = maps.blocks % LEVELS
     planes = torch.ones(len(occupied), FORESEEN, *occupied.shape[1:])
@@ -202,11 +211,13 @@ def unforeseen(maps: ViewMaps) -> Tensor:
 
 
 def hides(maps: ViewMaps) -> Tensor:
-    """Where (n, 2G, 2G) bool a target's middle may lie that was not seen since the last pick-up: a target is
-    two blocks wide, so it would have been seen from beside a block too.
+    """Return a mask (n, 2G, 2G) bool of blocks where a target's middle may lie unseen.
+
+    Unseen means not seen since the last pick-up. A target is two blocks wide, so seeing a neighbouring block
+    shows it, too.
     """
     since = F.pad(maps.blocks // LEVELS**2, (1, 1, 1, 1))
-    # The most of three by three, along one axis after the other: a fifth of the time of torch's own.
+    # Maximum over three by three, one axis after the other: a fifth of the time of torch's own.
     for axis in (1, 2):
         inner = since.shape[axis] - 2
         since = torch.stack([since.narrow(axis, k, inner) for k in range(3)]).amax(0)
@@ -214,28 +225,32 @@ def hides(maps: ViewMaps) -> Tensor:
 
 
 def expected(maps: ViewMaps) -> tuple[Tensor, Tensor]:
-    """How dense targets are in blocks that were not looked at, and the probability that sight passes a block
-    that was never seen, (n, 2G, 2G) float32 each, by what is foreseen.
+    """Return the density of targets in blocks not looked at, and the probability that sight passes a block.
+
+    The probability is that of a block that was never seen. Both are predictions, (n, 2G, 2G) float32.
     """
     return maps.foreseen[:, TARGETS] / PART, maps.foreseen[:, PASSES] / WHOLE
 
 
 def in_view(octants: Tensor) -> Tensor:
-    """Sums of the three octants (n, 8, G, G) that each view has."""
+    """Return the sums of the three octants (n, 8, G, G) that each view has."""
     return octants + octants.roll(1, 1) + octants.roll(-1, 1)
 
 
 def _shares() -> Tensor:
-    """What numbers of blocks (125, 3) float32 say: the shares of cells that are occupied, that were seen, and
-    that were seen since the last pick-up.
+    """Return the fractions (125, 3) float32 for each number of a block.
+
+    They are the fractions of its cells that are occupied, that were seen, and that were seen since the last
+    pick-up.
     """
     number = torch.arange(LEVELS**3)
     return torch.stack([number // k % LEVELS for k in (1, LEVELS, LEVELS**2)], 1) / (LEVELS - 1)
 
 
 def _turns() -> Tensor:
-    """Turns, of 45 degrees each, before and after a straight way (8, 8, G, G) float32: by the body's heading,
-    and the heading to look at from each place.
+    """Return the 45-degree turns before and after a straight way, (8, 8, G, G) float32.
+
+    The first axis is the body's heading, the second the heading to look at from each place.
     """
     axis = torch.arange(PLACES) - PLACES // 2
     bearing = torch.atan2(-axis[:, None].double(), axis[None].double()) / (torch.pi / 4)

@@ -1,4 +1,4 @@
-"""Labels: what each view of a window is worth in the true house, which training knows."""
+"""Labels: worth of each view of a window in the true house, which training knows."""
 
 import numpy as np
 import torch
@@ -14,13 +14,15 @@ from sim.baselines.views import ViewValues
 
 
 class TrueValues:
-    """Expected values of views in E environments: by exact posteriors over the targets' places, and shortest
-    paths. Places begin where the lattice's views are, so the reader's ``phase`` is set.
+    """Expected values of views in E environments, by exact posteriors over target places and shortest paths.
+
+    Places begin at the lattice's views, so this class sets the reader's ``phase``.
     """
 
     def __init__(self, envs: HouseVectorEnv, planner: Planner) -> None:
-        """Survey the houses of these environments, which ``planner`` maps. Raises ``ValueError`` behind
-        closed doors.
+        """Survey the houses of these environments, which ``planner`` maps.
+
+        Raises ``ValueError`` for closed doors.
         """
         self.world, count = envs.unwrapped.world, envs.num_envs
         self.steps = round(planner.cell / self.world.config.step)
@@ -29,8 +31,10 @@ class TrueValues:
         self.start, self.quarter = np.zeros((count, 2), int), np.zeros(count, int)
 
     def watch(self, begun: np.ndarray, reader: MapReader) -> None:
-        """Look as the bodies do. Maps begin where the bodies are now, in environments (n,) int that
-        ``begun``."""
+        """Update the posteriors with what the bodies see.
+
+        Maps begin where the bodies are now, in environments (n,) int that ``begun``.
+        """
         self.views.watch()
         if len(begun):
             poses, _, houses = self.world.describe()
@@ -38,13 +42,13 @@ class TrueValues:
                 lattice = self.world.lattices[houses[e]]
                 place = np.rint((poses[e, :2] - lattice.origin) / self.world.config.step).astype(int)
                 self.start[e], self.quarter[e] = place, quarters(poses[e, 2])
-                # Nodes are some steps apart: of those, the ones nearest to the lattice's views.
+                # Nodes are some steps apart: choose those nearest to the lattice's views.
                 east, south = AXES[self.quarter[e]] @ (place // self.steps)
                 reader.phase[e] = -np.array([south, east]) % reader.pitch
 
     @property
     def state(self) -> dict[str, Tensor]:
-        """All that the next labels depend on: copies."""
+        """Copies of all that the next labels depend on."""
         arrays = {name: torch.from_numpy(self.views.arrays[name].numpy()) for name in POSTERIOR}
         return arrays | {name: torch.from_numpy(getattr(self, name).copy()) for name in FRAMES}
 
@@ -56,8 +60,9 @@ class TrueValues:
             setattr(self, name, state[name].numpy())
 
     def read(self, environments: np.ndarray, corners: np.ndarray) -> Tensor:
-        """What the views in windows with these corners are worth (n, 8, G, G) float32, targets per ``SCALE``
-        steps, in these environments (n,).
+        """Return the worth of the views in windows with these corners, (n, 8, G, G) float32.
+
+        Values are in targets per ``SCALE`` steps, in these environments (n,).
         """
         axes = AXES[self.quarter[environments]]  # (n, 2, 2): east and south in the house
         corner = self.start[environments] + self.steps * (corners[:, ::-1, None] * axes).sum(1)
@@ -66,7 +71,7 @@ class TrueValues:
         return torch.from_numpy(SCALE * self.views.read(environments, frames))
 
     def known(self, environments: np.ndarray) -> np.ndarray:
-        """Where (n,) bool the target has been in sight, so that there is nothing to value."""
+        """Return a mask (n,) bool of environments whose target was in sight: there is nothing to value."""
         return self.views.arrays["notes"].view()[environments, KNOWN] > 0
 
 

@@ -12,62 +12,60 @@ PLACES = 48
 HEADINGS = 8
 
 FAR = -1
-"""Of a place to which no path is known."""
+"""Distance of a place to which no path is known."""
 
 LEVELS = 5
-"""A block has 0 to 4 cells that are so."""
+"""Number of values of a count of a block's cells, 0 to 4."""
 
 FORESEEN = 4
-"""What is foreseen of a block: see ``ViewNetwork.foresee``."""
+"""Number of predictions of a block: see ``ViewNetwork.foresee``."""
 
 SCALE = 100.0
-"""Values are in targets per so many steps."""
+"""Number of steps per which values count targets."""
 
 
 class ViewMaps(NamedTuple):
-    """Windows of n maps, G places a side and 2 G blocks; what is known beside them; and the label."""
+    """Windows of n maps, G places and 2 G blocks a side, with scalar inputs and labels."""
 
     blocks: Tensor
-    """(n, 2G, 2G) uint8: how many of a block's four cells are occupied, ``LEVELS`` times how many were seen,
-    and ``LEVELS`` squared times how many of these since the last pick-up."""
+    """(n, 2G, 2G) uint8: number of a block's four cells that are occupied, plus ``LEVELS`` times the number
+    of those seen, plus ``LEVELS`` squared times the number of those seen since the last pick-up."""
 
     ages: Tensor
-    """(n, 2G, 2G) uint8: 0 for never seen, else 1 + 16 times the binary logarithm of the steps since, and
-    1."""
+    """(n, 2G, 2G) uint8: 0 for never seen, else 1 + 16 log2(1 + steps since)."""
 
     ways: Tensor
-    """(n, G, G) int16: nodes of the path to each place, ``FAR`` where none is known."""
+    """(n, G, G) int16: nodes of the path to each place, ``FAR`` if none is known."""
 
     finds: Tensor
-    """(n, G, G) uint8: targets picked up at each place."""
+    """(n, G, G) uint8: number of targets picked up at each place."""
 
     taken: Tensor
-    """(n, G, G) uint8, a bit a heading: the goals since the last pick-up."""
+    """(n, G, G) uint8, one bit for each heading: goals since the last pick-up."""
 
     start: Tensor
-    """(n, 2) float32: where the episode began, places south and east of the first."""
+    """(n, 2) float32: start of the episode, places south and east of the first place."""
 
     scalars: Tensor
-    """(n, 3) float32: the share of the episode that is over, how long ago the last pick-up was, and how
-    many."""
+    """(n, 3) float32: fraction of the episode that is over; time since the last pick-up; number of
+    pick-ups."""
 
     heading: Tensor
-    """(n,) int64: the body's."""
+    """(n,) int64: heading of the body."""
 
     worth: Tensor
-    """(n, 8, G, G) float16: what each view is worth in the true house, targets per ``SCALE`` steps; or
-    empty."""
+    """(n, 8, G, G) float16: worth of each view in the true house, targets per ``SCALE`` steps; or empty."""
 
     foreseen: Tensor
     """(n, ``FORESEEN``, 2G, 2G) uint8: see ``ViewNetwork.foresee``; or empty."""
 
     shown: Tensor
-    """(n, 8, G, G) float16: the share of the targets that are expected in the window which each octant of a
-    place would show (``ViewLooks``); or empty."""
+    """(n, 8, G, G) float16: fraction of the targets expected in the window that each octant of a place would
+    show (``ViewLooks``); or empty."""
 
 
 def empty(number: int) -> ViewMaps:
-    """Room for so many maps with labels."""
+    """Return memory for ``number`` maps with labels."""
     blocks, places = (number, 2 * PLACES, 2 * PLACES), (number, PLACES, PLACES)
     return ViewMaps(
         blocks=torch.zeros(blocks, dtype=torch.uint8),
@@ -85,21 +83,22 @@ def empty(number: int) -> ViewMaps:
 
 
 def views(maps: ViewMaps) -> Tensor:
-    """Which views (n, 8, G, G) bool there is a path to, but for the one that the body has."""
+    """Return a mask (n, 8, G, G) bool of views to which there is a path, except the body's present view."""
     here = (maps.ways == 0)[:, None] & F.one_hot(maps.heading, HEADINGS).bool()[:, :, None, None]
     return (maps.ways != FAR)[:, None] & ~here
 
 
 def gone_to(maps: ViewMaps) -> Tensor:
-    """Which views (n, 8, G, G) bool were goals since the last pick-up."""
+    """Return a mask (n, 8, G, G) bool of views that were goals since the last pick-up."""
     return (maps.taken[:, None].int() >> torch.arange(HEADINGS)[:, None, None] & 1).bool()
 
 
 def turned(maps: ViewMaps, quarters: int, mirrored: bool) -> ViewMaps:
-    """The same maps, turned by quarters counter-clockwise about the body, and then mirrored from east to
-    west. Where nothing of them comes to lie, nothing is known.
+    """Return the same maps, turned by quarters counter-clockwise about the body, then mirrored.
+
+    Mirroring swaps east and west. Places that no part of the map covers become unknown.
     """
-    order = (torch.arange(HEADINGS) - 2 * quarters) & 7  # of a new heading, the one that it was
+    order = (torch.arange(HEADINGS) - 2 * quarters) & 7  # old heading of each new one
     if mirrored:
         order = order[(4 - torch.arange(HEADINGS)) & 7]
 
@@ -136,7 +135,7 @@ def turned(maps: ViewMaps, quarters: int, mirrored: bool) -> ViewMaps:
 
 
 def _flipped(field: Tensor, axis: int, nothing: int) -> Tensor:
-    """A field (..., G, G) or (..., 2G, 2G) flipped about the place in the middle, G / 2."""
+    """Return a field (..., G, G) or (..., 2G, 2G) flipped about the place in the middle, G / 2."""
     place = field.shape[axis] // PLACES
     field = field.flip(axis).roll(place, axis)
     field.narrow(axis, 0, place).fill_(nothing)
