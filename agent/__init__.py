@@ -1,4 +1,4 @@
-"""Agents that explore houses: they plan and learn, are measured, and play."""
+"""Agents that explore houses: planners and trained policies, their evaluation, and games with people."""
 
 from importlib.util import find_spec
 from pathlib import Path

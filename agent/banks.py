@@ -1,7 +1,7 @@
-"""Banks of houses: seeds set apart for training, validation and test, and the frozen banks of the benchmark.
+"""Banks of houses: seeds reserved for training, validation and test, and the frozen banks of the benchmark.
 
-A house is a function of its grammar, request, seed and index, so apart seeds are apart houses. That holds for
-all grammars; `vitruvius generate --seed 0` and what follows it is for training.
+A house is a function of its grammar, request, seed and index, so different seeds give different houses. This
+holds for all grammars. Houses of `vitruvius generate --seed 0` and the seeds after it are for training.
 """
 
 import hashlib
@@ -19,12 +19,12 @@ from logic.spelling import unknown
 
 
 class FrozenBank(NamedTuple):
-    """256 houses of a grammar, made of seeds of ``TEST``: house i has ``rooms[i % len(rooms)]`` rooms."""
+    """256 houses of a grammar from seeds of ``TEST``: house i has ``rooms[i % len(rooms)]`` rooms."""
 
     grammar: str
     rooms: range
     hash: str
-    """Of the houses: see ``bank_hash``. A bank is frozen: other houses get another name."""
+    """Hash of the houses: see ``bank_hash``. A bank is frozen: other houses get another name."""
 
 
 BANKS = {
@@ -41,19 +41,19 @@ BANKS = {
         "home", range(8, 13), "dc346454637e41b95cd82eb3adbd6fd4db7f54feea72af9208baa7d3de7cea50"
     ),
 }
-"""The banks of the benchmark, by name; each is a file of ``benchmarks/houses``."""
+"""Banks of the benchmark, by name; each is a file of ``benchmarks/houses``."""
 
 PAPER_HOUSE = "paper-house"
-"""``sim.environment.arguments.PAPER_HOUSE``, without Taichi."""
+"""Value of ``sim.environment.arguments.PAPER_HOUSE``, without an import of Taichi."""
 
 NAME = "test-v1"
-"""The bank that agents are measured in where none is named."""
+"""Bank that agents are evaluated on by default."""
 
 
 def geometry_hash(house: House) -> str:
-    """A name for the house's shape alone: the same rooms, doors and pieces have the same, in any format.
+    """Return a hash of the house's shape: the same rooms, doors and furniture give the same, in any format.
 
-    Of a star it is that of its ``floor`` and ``rooms``, by which ``test-v1`` was frozen.
+    The hash of a star covers its ``floor`` and ``rooms``, by which ``test-v1`` was frozen.
     """
     star = house.star if house.main_room else None
     shape = (star.floor, star.rooms) if star else (house.rooms, house.doors, house.windows)
@@ -61,8 +61,9 @@ def geometry_hash(house: House) -> str:
 
 
 def bank_hash(houses: Iterable[House]) -> str:
-    """A name for the houses' shapes in their order, whatever file they are in; a set and a stream have their
-    own, as they may be of more houses than can be read.
+    """Return a hash of the houses' shapes in their order, in whatever file they are.
+
+    A set and a stream have a hash of their own, as they may have more houses than can be read.
     """
     if isinstance(houses, HouseSet | HouseStream):
         return houses.hash
@@ -70,19 +71,19 @@ def bank_hash(houses: Iterable[House]) -> str:
 
 
 def house_key(house: House) -> int:
-    """The start of ``geometry_hash`` as a number of 64 bits: of a million houses no two have the same."""
+    """Return the start of ``geometry_hash`` as a 64-bit number, unique among a million houses."""
     return int.from_bytes(bytes.fromhex(geometry_hash(house))[:8], "big", signed=True)
 
 
 def benchmark_path(name: str = NAME) -> Path:
-    """Where a bank of ``BANKS`` is, in a checkout as in an installed wheel."""
+    """Return the path of a bank of ``BANKS``, in a checkout and in an installed wheel."""
     return Path(__file__).resolve().parents[1] / "benchmarks" / "houses" / f"{name}.jsonl.gz"
 
 
 def benchmark(name: str = NAME) -> list[House]:
-    """The houses of a bank of ``BANKS``, to measure agents in.
+    """Return the houses of a bank of ``BANKS``, to evaluate agents on.
 
-    Raises ``HouseFileError`` where there is no such bank, or its houses are not those that were frozen.
+    Raises ``HouseFileError`` if there is no such bank, or if its houses are not the frozen ones.
     """
     if name not in BANKS:
         raise HouseFileError(unknown("bank", name, BANKS))
@@ -91,7 +92,10 @@ def benchmark(name: str = NAME) -> list[House]:
 
 @cache
 def _frozen(path: Path, frozen: str) -> Houses:
-    """The houses of a file, if they have this hash: read once a process, as they are frozen."""
+    """Return the houses of a file if they have this hash.
+
+    Each process reads them once, as they are frozen.
+    """
     houses = Houses(load(path))
     if bank_hash(houses) != frozen:
         raise HouseFileError(f"{path}: not the frozen bank ({frozen[:12]}). Restore it from Git")
@@ -100,12 +104,13 @@ def _frozen(path: Path, frozen: str) -> Houses:
 
 @cache
 def _tested() -> Mapping[str, str]:
-    """By ``geometry_hash`` of each house of ``BANKS``, the bank that it is in."""
+    """Return the bank of each house of ``BANKS``, by the house's ``geometry_hash``."""
     return {geometry_hash(house): bank for bank in BANKS for house in benchmark(bank)}
 
 
 def named(houses: str | Path) -> list[House]:
-    """The houses of a house file, or of a bank of ``BANKS`` by its name, or the paper's by ``PAPER_HOUSE``.
+    """Return the houses of a house file, of a bank of ``BANKS`` by its name, or of ``PAPER_HOUSE``.
+
     Raises ``HouseFileError``.
     """
     from sim.environment.arguments import house_list  # here: it imports Taichi
@@ -121,7 +126,7 @@ def named(houses: str | Path) -> list[House]:
 
 
 def require_places(targets: str, houses: str | Path) -> None:
-    """Raise ``RequestError`` for one of the paper's tasks in another house: its places are in the paper's."""
+    """Raise ``RequestError`` for a task of the paper in another house, which lacks its target places."""
     from sim.tasks.tasks import PAPER_TASKS
 
     if targets in PAPER_TASKS and str(houses) != PAPER_HOUSE:
@@ -129,8 +134,9 @@ def require_places(targets: str, houses: str | Path) -> None:
 
 
 def require_training(houses: Sequence[House], name: str | Path) -> None:
-    """Raise ``HouseFileError`` where a house is one to be measured by: by its seed, or by its shape in any of
-    ``BANKS``, whatever its seed is said to be.
+    """Raise ``HouseFileError`` if a house is reserved for evaluation.
+
+    A house is reserved by its seed, or by its shape in any of ``BANKS``, whatever seed it states.
     """
     for index, why in enumerate(kept(houses)):
         if why:
@@ -141,7 +147,7 @@ def require_training(houses: Sequence[House], name: str | Path) -> None:
 
 
 def require_training_seeds(houses: HouseSet | HouseStream) -> None:
-    """Raise ``RequestError`` for a set or a stream with seeds that are none to learn from."""
+    """Raise ``RequestError`` for a set or a stream with seeds that are not for training."""
     if isinstance(houses, HouseSet) and houses.splits != {"train"}:
         raise RequestError('a set is learnt in by its split train: HouseSet(folder, "train")')
     if isinstance(houses, HouseStream) and houses.seed not in TRAINING:
@@ -149,11 +155,14 @@ def require_training_seeds(houses: HouseSet | HouseStream) -> None:
 
 
 def kept(houses: Sequence[House]) -> Iterator[str]:
-    """Of each house why it is kept for measuring, so that no agent learns in it, or nothing."""
+    """Yield for each house the reason why it is reserved for evaluation, or an empty string.
+
+    No agent is trained on reserved houses.
+    """
     tested = _tested()
     for house in houses:
         seed = house.provenance.seed if house.provenance else None
-        # Without a seed the range would be searched number by number.
+        # Without this test for None, ``in`` would search the range number by number.
         if seed is not None and seed in TEST:
             yield f"its seed {seed} is"
         else:

@@ -1,4 +1,4 @@
-"""How far a piece of work is, on standard error: a bar on a terminal; in a pipe, lines or nothing."""
+"""Progress of some work, on standard error: a bar on a terminal; in a pipe, lines or nothing."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -10,14 +10,15 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemaini
 from logic.terminal import progress_bar
 
 Report = Callable[[float, str], None]
-"""Called with how much is done, 0 to 1, and a few words."""
+"""Function that is called with the fraction done, 0 to 1, and a few words."""
 
 
 @contextmanager
 def progress(title: str, every: float | None = None) -> Iterator[Report]:
     """Show the work under this title until the block ends.
 
-    In a pipe a plain line follows at that interval, in seconds, and at the end; with None, nothing.
+    In a pipe, a plain line follows at each interval of ``every`` seconds, and at the end; with None, no
+    lines.
     """
     bar = progress_bar(
         TextColumn("{task.description}"),
@@ -37,7 +38,7 @@ def progress(title: str, every: float | None = None) -> Iterator[Report]:
 
 
 def _lines(title: str, every: float | None) -> Report:
-    """Write a line at the first report, then one at each interval, and one when all is done."""
+    """Return a function that writes a line at the first report, at each interval, and at the end."""
     start, due = perf_counter(), 0.0
 
     def report(done: float, words: str) -> None:

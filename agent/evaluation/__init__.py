@@ -1,1 +1,1 @@
-"""How good agents are: episodes in houses that are new to them, beside baselines."""
+"""Evaluation of agents: episodes in houses that are new to them, compared with baselines."""

@@ -1,14 +1,14 @@
-"""Baselines: policies that learn nothing, which every evaluation shows beside the agents.
+"""Baselines: policies without training, which every evaluation compares with the agents.
 
-| baseline | is |
+| baseline | description |
 |---|---|
 | random + avoidance | the paper's random walk under the paper's avoidance rule (``RandomPolicy``) |
-| script | to a target in sight, else looks around and walks (``Script``) |
+| script | goes to a target in sight, else looks around and walks (``Script``) |
 | explorer | the planner without a network (``Explorer``) |
 | searcher | knows the house, but not where the target is |
 | oracle | knows the house and the target |
 
-What the others know says ``KNOWS``. The last two read the simulator's state, which no agent may: they bound
+``KNOWS`` lists what the others know. The last two read the simulator's state, which no agent may: they bound
 what an agent can reach.
 """
 
@@ -30,30 +30,31 @@ FULL_TURN, WALK, DETOUR = 8, 64, 16
 """Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
 
 WANTED = 1e6
-"""A preference above all random ones."""
+"""Preference above all random ones."""
 
 AHEAD = np.deg2rad(22.5)
-"""Radians: a target further aside is nearer to the next heading."""
+"""Angle to a target, in radians, above which the next heading is nearer to it."""
 
 
 class Script:
-    """Turn to the target in sight and go there. Without one: look all around, walk at random, look again.
+    """Policy that turns to the target in sight and goes there.
 
-    Where something stands between it and the target it walks at random for a while, or it would stay there.
+    Without a target it looks all around, walks at random, and looks again. If an obstacle stands between it
+    and the target, it walks at random for a while; otherwise it would stay there.
     """
 
     def __init__(self, angles: np.ndarray, avoidance: Layer, generator: torch.Generator) -> None:
-        """For rays at ``angles`` (R,), radians from the heading."""
+        """Make the policy for rays at ``angles`` (R,), radians from the heading."""
         self.angles = torch.tensor(angles, dtype=torch.float32)
         self.avoidance, self.generator, self.interventions = avoidance, generator, 0
         self.time = self.detour = torch.zeros(0)
 
     def begin(self, environments: int) -> None:
-        """Forget all: an episode begins in each of this many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         self.interventions, self.time, self.detour = 0, torch.zeros(environments), torch.zeros(environments)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
         allowed, seen = self.avoidance(observation, blocked), observation[..., -1]
         aside = (seen * self.angles).sum(-1) / seen.sum(-1).clamp(min=1)
         towards = torch.where(aside > AHEAD, LEFT, torch.where(aside < -AHEAD, RIGHT, FORWARD))
@@ -72,47 +73,47 @@ class Script:
 
 
 class Privileged:
-    """A policy that reads the simulator's state and not the observation: the oracle or the searcher."""
+    """Policy that reads the simulator's state and not the observation: the oracle or the searcher."""
 
     interventions = 0
 
     def __init__(self, act: Callable[[], np.ndarray], begin: Callable[[], None] = lambda: None) -> None:
-        """``act`` gives the actions (E,) int64 from where the bodies are."""
+        """Make the policy; ``act`` returns the actions (E,) int64 from where the bodies are."""
         self.act, self._begin = act, begin
 
     def begin(self, environments: int) -> None:
-        """Forget all: an episode begins in each environment."""
+        """Forget the past: an episode begins in each environment."""
         self._begin()
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64; the observation is not read."""
+        """Return actions (E,) int64 without a look at the observation."""
         return torch.from_numpy(self.act())
 
 
 def random_walk(envs: HouseVectorEnv, seed: int) -> Policy:
-    """Random + avoidance, see above."""
+    """Return the policy random + avoidance, see above."""
     generator = torch.Generator().manual_seed(seed)
     return RandomPolicy(PaperRule(generator, distance=envs.config.column("distance")), generator)
 
 
 def script(envs: HouseVectorEnv, seed: int) -> Policy:
-    """A ``Script`` for the rays and the body of these environments."""
+    """Return a ``Script`` for the rays and the body of these environments."""
     return Script(envs.config.ray_angles, shield(envs), torch.Generator().manual_seed(seed))
 
 
 def explorer(envs: HouseVectorEnv, seed: int) -> Policy:
-    """The planner alone, under the shield."""
+    """Return the planner alone, under the shield."""
     return Explorer(shield(envs), envs.config)
 
 
 def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
-    """It knows the house, not the target: see ``sim.baselines.searcher``."""
+    """Return the searcher, which knows the house, not the target: see ``sim.baselines.searcher``."""
     searcher = Searcher(envs)
     return Privileged(searcher.act, searcher.begin)
 
 
 def oracle(envs: HouseVectorEnv, seed: int) -> Policy:
-    """It takes a shortest way to each target: see ``sim.baselines.oracle``."""
+    """Return the oracle, which takes a shortest path to each target: see ``sim.baselines.oracle``."""
     return Privileged(Oracle(envs).act)
 
 
@@ -123,8 +124,8 @@ BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
     "searcher": searcher,
     "oracle": oracle,
 }
-"""By name, what makes a baseline's policy for environments and a seed. Every other score is a share of the
-oracle's."""
+"""Functions that make a baseline's policy from environments and a seed, by name. Every other score is divided
+by the oracle's."""
 
 KNOWS = {
     "random + avoidance": ("rays",),
@@ -133,14 +134,14 @@ KNOWS = {
     "random drive": (),
     "pursuit": ("rays",),
 }
-"""What the baselines act by that know no more than an agent may, those of ``drivers`` too, in the words of
+"""Signals that baselines without privileged knowledge act by, those of ``drivers`` included, in the terms of
 ``sim.Config.observe``."""
 
 PRIVILEGED = ("searcher", "oracle")
-"""Those that know where they are: noise and slips would only make their plans wrong."""
+"""Baselines that know where they are: noise and slips would only make their plans wrong."""
 
 PAPERS = ("paper-original", "paper")
-"""The paper's agent: the weights that its authors released, and the same trained again here."""
+"""Agent of the paper: the weights that its authors released, and the same agent trained again here."""
 
 REFERENCES = (*PAPERS, *BASELINES)
-"""What ``vitruvius evaluate`` shows beside all agents."""
+"""Policies that ``vitruvius evaluate`` shows with all agents."""

@@ -26,49 +26,51 @@ from sim.baselines.true_path import TruePath
 from sim.config import Config
 
 NEAR = 0.4
-"""Metres before a wall at which a pursuit turns."""
+"""Distance to a wall, in metres, at which a pursuit turns."""
 
 
 class RandomDrive:
-    """Any (v, w) that the body can be told."""
+    """Policy that draws any (v, w) that the body can execute."""
 
     interventions = 0
 
     def __init__(self, config: Config, seed: int) -> None:
-        """For bodies of a configuration."""
+        """Draw for bodies of a configuration."""
         self.config, self.rng = config, np.random.default_rng(seed)
 
     def begin(self, environments: int) -> None:
-        """Nothing is remembered."""
+        """Do nothing: the policy has no memory."""
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E, 2) float32; the observation is not read."""
+        """Return actions (E, 2) float32 without a look at the observation."""
         drive = self.config.drive
         told = self.rng.uniform(drive.low, drive.high, (len(observation), 2))
         return torch.from_numpy(told.astype(np.float32))
 
 
 class Pursuit:
-    """Pursues what its rays show."""
+    """Policy that pursues what its rays show."""
 
     interventions = 0
 
     def __init__(self, config: Config) -> None:
-        """For rays of a configuration."""
+        """Pursue with rays of a configuration."""
         self.config = config
 
     def begin(self, environments: int) -> None:
-        """Nothing is remembered."""
+        """Do nothing: the policy has no memory."""
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E, 2) float32."""
+        """Return actions (E, 2) float32."""
         seen = observation[..., [self.config.column("distance"), -1]]
         return torch.from_numpy(pursue(seen.numpy(), self.config))
 
 
 def pursue(seen: np.ndarray, config: Config) -> np.ndarray:
-    """(v, w) (E, 2) float32 for rays (E, R, 2), distance and whether it ends on the target: towards the
-    target, where a ray does; else where rays go furthest, and around before walls.
+    """Return (v, w) (E, 2) float32 for rays (E, R, 2) of distance and target flag.
+
+    The body drives towards the target if a ray shows it; otherwise it drives where the rays go furthest and
+    turns in front of walls.
     """
     drive, angles, shown = config.drive, config.ray_angles, seen[..., 1] > 0
     ahead = np.abs(angles) < np.deg2rad(30)
@@ -95,10 +97,10 @@ DRIVERS: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
     "explorer": lambda envs, seed: DrivingExplorer(envs.config, lambda: envs.unwrapped.world.describe()[0]),
     TRUE_PATH: true_path,
 }
-"""By name, what makes a baseline's policy for environments and a seed."""
+"""Functions that make a baseline's policy from environments and a seed, by name."""
 
 EXACT = (TRUE_PATH,)
 """Baselines that know their exact pose: see ``PRIVILEGED``."""
 
 NO_AGENTS = (*REFERENCES, *DRIVERS)
-"""Names of all that is shown beside agents."""
+"""Names of all policies that are not agents."""

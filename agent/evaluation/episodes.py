@@ -1,4 +1,4 @@
-"""One episode in each environment: what a policy picks up there, and how it goes about it."""
+"""One episode in each environment: the targets that a policy picks up, and its behaviour."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from sim import HouseVectorEnv
 from sim.baselines.coverage import Coverage
 
 COVERAGE_STEPS = (500, 1500)
-"""Steps after which coverage is noted, or at the episode's end if that comes before."""
+"""Steps after which coverage is noted; a shorter episode notes it at its end."""
 
 
 @dataclass(frozen=True)
 class EpisodeScores:
-    """What a policy did in H houses, one episode each."""
+    """Scores of a policy in H houses, one episode each."""
 
     targets: np.ndarray
     """(H,) targets picked up in each house."""
@@ -32,13 +32,13 @@ class EpisodeScores:
     """Actions that the avoidance layer changed, in all episodes."""
 
     first: np.ndarray
-    """(H,) steps until the first target was picked up; infinite where none was."""
+    """(H,) steps until the first target was picked up; infinite without one."""
 
     coverage: np.ndarray
-    """(2, H) share of the house that it had seen after each of ``COVERAGE_STEPS``; see ``Coverage``."""
+    """(2, H) fraction of the house seen after each of ``COVERAGE_STEPS``; see ``Coverage``."""
 
     rooms: np.ndarray
-    """(H,) number of secondary rooms that it was in."""
+    """(H,) number of secondary rooms visited."""
 
 
 def play(
@@ -51,8 +51,8 @@ def play(
     """Play one episode of the policy in each environment: environment i in house i, or in ``houses[i]``.
 
     Starts and targets are sampled by (seed + i, episode, counter), or by the i-th of several seeds. They
-    never depend on the policy, so all policies meet the same for one seed. With ``coverage`` of the
-    environments, it and the rooms that the body was in are noted too.
+    never depend on the policy, so all policies meet the same ones for one seed. With ``coverage`` of the
+    environments, the scores include coverage and the rooms visited.
     """
     observation = reset(envs, seed, houses)
     targets, playing = torch.zeros(envs.num_envs), torch.ones(envs.num_envs, dtype=torch.bool)
@@ -79,13 +79,13 @@ def play(
 
 
 def reset(envs: HouseVectorEnv, seed: int | Sequence[int], houses: np.ndarray | None = None) -> torch.Tensor:
-    """Begin the episodes that ``play`` plays; their first observations (E, R, C)."""
+    """Begin the episodes that ``play`` plays; return their first observations (E, R, C)."""
     houses = np.arange(envs.num_envs) if houses is None else houses
     return torch.as_tensor(envs.reset(seed=seed, options={"house": houses})[0])
 
 
 class _CoverageNotes:
-    """How much of its house each body has looked at, and its rooms; zeros where that is not asked for."""
+    """Fraction of its house that each body has looked at, and its rooms; zeros without ``coverage``."""
 
     def __init__(self, coverage: Coverage | None, count: int) -> None:
         self.coverage = coverage
@@ -94,7 +94,7 @@ class _CoverageNotes:
             coverage.begin()
 
     def note(self, time: int, playing: np.ndarray, still: np.ndarray) -> None:
-        """Look after a step of the environments (E,) bool ``playing``, of which some are ``still``."""
+        """Update coverage after a step of the environments (E,) bool ``playing``, some of them ``still``."""
         if self.coverage is None:
             return
         self.coverage.look()

@@ -1,4 +1,4 @@
-"""What agents and baselines act by, in words: the column *knows* of README and docs/results.md."""
+"""Signals that agents and baselines act by, in words: the column *knows* of README and docs/results.md."""
 
 from collections.abc import Iterable
 
@@ -15,19 +15,19 @@ WORDS = {
     "goal": "the way to the target",
     "geodesic": "the distance to the target",
 }
-"""In words, by the names of ``sim.Config.observe``; ``heading`` by rays with directions of the compass."""
+"""Words for the names of ``sim.Config.observe``; ``heading`` is for rays with compass directions."""
 
 PLANS = "in training, plans of other houses"
-"""What those know beside that learn from the maps of houses."""
+"""Further knowledge of agents that are trained on maps of houses."""
 
 
 def in_words(knows: Iterable[str]) -> str:
-    """Names of ``sim.Config.observe`` as a list of words."""
+    """Return names of ``sim.Config.observe`` as a list of words."""
     return ", ".join(WORDS[name] for name in knows) or "nothing"
 
 
 def known(agent: TrainConfig | str) -> str:
-    """What the agents of a config, or a baseline by its name, act by."""
+    """Return the signals that agents of a config, or a baseline by its name, act by."""
     if isinstance(agent, str):
         return in_words(KNOWS[agent])
     return "; ".join([in_words(agent.knows), *([PLANS] if agent.reads_maps else [])])

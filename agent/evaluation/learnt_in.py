@@ -1,4 +1,4 @@
-"""In which houses of a bank agents learnt: their scores there are not for unseen houses."""
+"""Houses of a bank that agents were trained on: their scores there are not for unseen houses."""
 
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -11,10 +11,10 @@ from logic import House
 
 
 def learnt_in(agents: Mapping[str, Sequence[Checkpoint]], houses: Sequence[House]) -> dict[str, int | None]:
-    """By agent, in how many of the houses any of its runs learnt: 0 is left out, None is not known.
+    """Return how many of the houses any run of each agent was trained on; 0 is left out, None is unknown.
 
-    Training refuses the houses that are kept for measuring; so of these alone a checkpoint that does not
-    name its houses has seen none.
+    Training refuses the houses that are reserved for evaluation. So a checkpoint that does not name its
+    houses has seen none of the reserved houses.
     """
     keys, whole = [house_key(house) for house in houses], bank_hash(houses)
     unseen: bool | None = None
@@ -32,7 +32,7 @@ def learnt_in(agents: Mapping[str, Sequence[Checkpoint]], houses: Sequence[House
 
 
 def warnings(found: Mapping[str, int | None], houses: int) -> list[str]:
-    """What is to be said of it, a sentence for each agent."""
+    """Return a warning for each agent, in a sentence."""
     return [
         f"{name}: whether it learnt in these houses is not known, as its checkpoint does not name its houses"
         if number is None
@@ -42,7 +42,7 @@ def warnings(found: Mapping[str, int | None], houses: int) -> list[str]:
 
 
 def _share(number: int, houses: int) -> str:
-    """How many of the houses are such."""
+    """Return words for how many of the houses an agent was trained on."""
     if houses == 1:
         return "the house here is one that"
     if number == houses:
@@ -53,7 +53,10 @@ def _share(number: int, houses: int) -> str:
 def with_others(
     ours: Mapping[str, int | None], agents: Collection[str], files: Mapping[Path, ScoreFile]
 ) -> dict[str, int | None]:
-    """The same with what files of scores say of their agents, under other names where ours have theirs."""
+    """Return the counts, with those that files of scores state for their agents.
+
+    An agent of a file gets another name if one of ours has its name.
+    """
     theirs = {
         name if name not in agents else f"{name} ({path.stem})": number
         for path, file in files.items()

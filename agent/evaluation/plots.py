@@ -1,4 +1,4 @@
-"""What an evaluation and a training run look like, as PNG files."""
+"""Plots of an evaluation and of a training run, as PNG files."""
 
 import io
 from collections.abc import Sequence
@@ -28,10 +28,10 @@ COLOURS = {
     "pursuit": "#7a9a3a",
     "true path": "#b04a5a",
 }
-"""Of policies, by name."""
+"""Colours of policies, by name."""
 
 OTHER = "#333333"
-"""Of all other policies."""
+"""Colour of all other policies."""
 
 
 def ratio_plot(results: Sequence[Result]) -> bytes:
@@ -46,9 +46,10 @@ def ratio_plot(results: Sequence[Result]) -> bytes:
 
 
 def learning_curve(history: Sequence[Progress], result: Result | None = None) -> bytes:
-    """Targets per 1500 steps while learning, random actions included, against environment steps.
+    """Return a plot of targets per 1500 steps in training against environment steps.
 
-    At the right stand the policies' targets in the result's houses, with their intervals.
+    The targets include those of random actions. The policies' targets in the result's houses are at the
+    right, with their intervals.
     """
     figure = Figure(figsize=(8, 4), dpi=120, layout="constrained")
     axes = figure.subplots()
@@ -133,13 +134,13 @@ def _human(line: Any, result: Result) -> None:
 
 
 def plain(axes: Axes, grid: Any) -> None:
-    """Axes without a frame, with a light grid along ``grid``."""
+    """Show axes without a frame, with a light grid along ``grid``."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis=grid, alpha=0.25)
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as the bytes of a PNG file."""
+    """Return the figure as the bytes of a PNG file."""
     content = io.BytesIO()
     figure.savefig(content, format="png")
     return content.getvalue()

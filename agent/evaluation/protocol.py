@@ -1,6 +1,7 @@
-"""The protocol: agents and baselines play one episode in each house of a bank, in each target mode.
+"""Evaluation protocol: agents and baselines play one episode in each house of a bank, in each target mode.
 
-All policies meet the same starts and the same targets in the same order: house i's are those of seed + i.
+All policies meet the same starts and the same targets in the same order: those of house i have the seed seed
++ i.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -37,20 +38,20 @@ from sim.tasks.terms import counted
 from sim.tasks.words import in_words
 
 PART = 256
-"""Houses that are played in at once: all of a frozen bank, and a larger one part by part."""
+"""Number of houses that are played together: all of a frozen bank; a larger bank is played in parts."""
 
 
 @dataclass(frozen=True)
 class EvaluationPart:
-    """What all policies play in a mode in some houses of a bank, in one process: see ``measure``."""
+    """Episodes that all policies play in a mode in some houses of a bank, in one process: see ``measure``."""
 
     agents: Mapping[str, Sequence[Checkpoint]]
     houses: Sequence[House]
     mode: str
     words: str
-    """The mode in words."""
+    """Mode in words."""
     seed: int
-    """Of the first episode."""
+    """Seed of the first episode."""
     backend: str
     baselines: Sequence[str]
     world: str
@@ -121,14 +122,14 @@ def _on_cluster(parts: Sequence[EvaluationPart], report: Report, cluster: Cluste
 
 
 def _as_task(part: EvaluationPart) -> Result:
-    """A task has one processor."""
+    """Play a part as a task of a cluster, on one processor."""
     start(threads=1)
     torch.set_num_threads(1)
     return played(part)
 
 
 def played(part: EvaluationPart, report: Report = lambda done, words: None) -> Result:
-    """What all policies do in a part of a bank."""
+    """Return the result of all policies in a part of a bank."""
     allow(*part.allow)
     agents, houses, mode, seed, world = part.agents, part.houses, part.mode, part.seed, part.world
     drives = part.backend == "free"
@@ -148,7 +149,7 @@ def played(part: EvaluationPart, report: Report = lambda done, words: None) -> R
         for name in part.baselines
     ]
     players = ((name, setting, make(setting.envs, seed)) for name, setting, make in policies)
-    if drives:  # a house of too many corners is found before anything plays
+    if drives:  # find a house with too many corners before anything plays
         players = iter(list(players))
     scores: dict[str, tuple[EpisodeScores, ...]] = {}
     for place, (name, setting, policy) in enumerate(players):
@@ -184,38 +185,40 @@ def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, 
 
 
 def shortest_ways(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> np.ndarray:
-    """(E,) fewest steps from each start to the first target; infinite where no way leads there."""
+    """Return the fewest steps (E,) from each start to the first target; infinite without a path."""
     reset(envs, seed, houses)
     return np.array([np.inf if way is None else len(way) for way in Oracle(envs).paths()])
 
 
 class Setting:
-    """The environments of one sensor, one for each episode, and what notes coverage in them.
+    """Environments of one sensor, one for each episode, and their coverage.
 
-    Both are made when they are first asked for: most evaluations need one sensor alone.
+    Both are made on first use: most evaluations need one sensor alone.
     """
 
     def __init__(
         self, houses: Sequence[House], mode: str, sensor: Config, backend: str, count: int | None = None
     ) -> None:
-        """That many environments over these houses, or one for each, with targets of this mode."""
-        wanted = counted(task(mode))  # what is measured is what is picked up, whatever a task rewards
+        """Set up ``count`` environments over these houses, or one for each, with targets of this mode."""
+        wanted = counted(task(mode))  # a score counts pick-ups, whatever a task rewards
         self._make = partial(make_envs, houses, count or len(houses), wanted, preset=sensor, backend=backend)
 
     @cached_property
     def envs(self) -> HouseVectorEnv:
-        """The environments."""
+        """Environments of the setting."""
         return self._make()
 
     @cached_property
     def coverage(self) -> Coverage:
-        """What notes how much of each house has been looked at."""
+        """Coverage of each house by its body."""
         return Coverage(self.envs)
 
 
 def tasks_of(agents: Mapping[str, Sequence[Checkpoint]]) -> tuple[str, ...]:
-    """The tasks that these agents are measured in where none are named: those that readers of maps among them
-    have learnt, which know no others; else all target modes.
+    """Return the tasks that these agents are evaluated on by default.
+
+    Agents that read maps know only the task they were trained on: those tasks are returned if there are any.
+    Otherwise the result is all target modes.
     """
     runs = [run.config for each in agents.values() for run in each]
     learnt = {config.targets: None for config in runs if config.reads_maps}

@@ -1,4 +1,4 @@
-"""What all policies did in one target mode, and the figures of that."""
+"""Result of all policies in one target mode, and its figures."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -12,11 +12,11 @@ from agent.evaluation.statistics import Estimate, interquartile_mean, mean, pair
 from sim.tasks.words import in_words
 
 SUCCESS_STEPS = 300
-"""Steps within which the first target must be picked up for a success."""
+"""Number of steps within which the first target must be picked up for a success."""
 
 
 class Human(NamedTuple):
-    """What the paper's human picked up, and what the oracle does there."""
+    """Targets that the paper's human picked up, and those of the oracle in the same house."""
 
     targets: int
     oracle: int
@@ -27,11 +27,11 @@ HUMAN = {
     for prefix in ("", "paper-")
     for mode, human in ((f"{prefix}main", Human(27, 56)), (f"{prefix}secondary", Human(10, 21)))
 }
-"""By target mode, in the paper's house, which is another house than those of any bank here: the tasks
-``paper-main`` and ``paper-secondary`` alone are the human's. The human had the whole map in sight."""
+"""Scores of the human by target mode, in the paper's house, which is in no bank here. Only the tasks
+``paper-main`` and ``paper-secondary`` are the human's. The human had the whole map in sight."""
 
 HUMAN_RATIO = 0.48
-"""The human's share of the oracle's targets, in both modes."""
+"""Ratio of the human's targets to the oracle's, in both modes."""
 
 DEFINITIONS = {
     "targets": "picked up in an episode of 1500 steps, in the world long of 3000: interquartile mean over "
@@ -51,8 +51,8 @@ DEFINITIONS = {
     "human": "share of houses with more targets than the paper's human had in the paper's own house: "
     f"{HUMAN['main'].targets} in the main room, {HUMAN['secondary'].targets} in secondary rooms",
 }
-"""What each figure is. Those without another word are means; all have 95 % intervals by a stratified
-bootstrap over training runs and houses, but blocked and interventions, over runs."""
+"""Definition of each figure. Figures are means unless they state otherwise. All have 95 % intervals by a
+stratified bootstrap over training runs and houses; those of blocked and interventions are over runs."""
 
 
 TRUE_PATH = "true path"
@@ -66,10 +66,10 @@ def yardstick(policies: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Result:
-    """What all policies did in one target mode, one episode in each of H houses, or of H episodes."""
+    """Scores of all policies in one target mode, one episode in each of H houses, or of H episodes."""
 
     mode: str
-    """Where targets lay: a name of ``agent.learning.config.TARGET_MODES``."""
+    """Mode of the targets: a name of ``agent.learning.config.TARGET_MODES``."""
 
     rooms: np.ndarray
     """(H,) number of secondary rooms of each house."""
@@ -83,20 +83,20 @@ class Result:
     if bodies drive, the true path."""
 
     episodes: int = 1
-    """How many of the H episodes were in each house."""
+    """Number of the H episodes in each house."""
 
     steps: int = 1500
     """Steps after which an episode is truncated."""
 
     ends_on_pick_up: bool = False
-    """Whether the first pick-up ends the episode: then that is its success, whenever it comes."""
+    """True if the first pick-up ends the episode; then that is the episode's success, at whatever step."""
 
     named: str = ""
-    """The mode in words, where these houses have words of their own for their pieces."""
+    """Mode in words, if these houses have names of their own for their furniture."""
 
     @property
     def task(self) -> str:
-        """The mode in words."""
+        """Mode in words."""
         return self.named or in_words(self.mode)
 
     @property
@@ -111,34 +111,36 @@ class Result:
 
     @property
     def human(self) -> Human | None:
-        """The paper's human, who is shown beside bodies of the same motion."""
+        """Scores of the paper's human, who is compared with bodies of the same motion."""
         return HUMAN.get(self.mode) if self.yardstick == "oracle" else None
 
     def stacked(self, policy: str, value: Callable[[EpisodeScores], np.ndarray]) -> np.ndarray:
-        """A value of each house for each of a policy's runs, (S, H)."""
+        """Return a value of each house for each of a policy's runs, (S, H)."""
         return np.stack([value(scores) for scores in self.policies[policy]])
 
     def ratios(self, policy: str, rooms: int | None = None) -> np.ndarray:
-        """(S, H') share of the oracle's targets by run and house: of all houses, or of those with this many
-        rooms. A house where the oracle picks up none is left out.
+        """Return ratios (S, H') to the oracle's targets by run and house.
+
+        They are of all houses, or of those with ``rooms`` rooms. Houses where the oracle picks up nothing are
+        left out.
         """
         chosen = (self.oracle > 0) & ((self.rooms == rooms) | (rooms is None))
         return self.stacked(policy, lambda scores: scores.targets)[:, chosen] / self.oracle[chosen]
 
     def ratio(self, policy: str, rooms: int | None = None) -> Estimate:
-        """The interquartile mean of ``ratios``."""
+        """Return the interquartile mean of ``ratios``."""
         return interquartile_mean(self.ratios(policy, rooms))
 
     def by_rooms(self, policy: str) -> dict[int, Estimate]:
-        """The ratio in houses of each number of rooms."""
+        """Return the ratio in houses of each number of rooms."""
         return {int(rooms): self.ratio(policy, int(rooms)) for rooms in np.unique(self.rooms)}
 
     def difference(self, policy: str, other: str) -> Estimate:
-        """How much higher the policy's ratio is than the other's, paired by house; both have as many runs."""
+        """Return the policy's ratio minus the other's, paired by house; both must have equally many runs."""
         return paired_difference(self.ratios(policy), self.ratios(other))
 
     def spl(self, policy: str) -> np.ndarray:
-        """(S, H) success weighted by the shortest way's length over the way taken, by run and house."""
+        """Return SPL (S, H) by run and house: success times shortest path's length over the path taken."""
         first = self.stacked(policy, lambda scores: scores.first)
         success = np.isfinite(first) if self.ends_on_pick_up else first <= SUCCESS_STEPS
         share = np.zeros(first.shape)
@@ -146,16 +148,16 @@ class Result:
         return share
 
     def targets(self, policy: str) -> Estimate:
-        """Targets in an episode."""
+        """Return the targets picked up in an episode."""
         return interquartile_mean(self.stacked(policy, lambda scores: scores.targets))
 
     @cached_property
     def _known(self) -> dict[str, dict[str, Estimate]]:
-        """The figures that were asked for: a bootstrap takes some 10 ms, and tables ask more than once."""
+        """Cache of figures: a bootstrap takes about 10 ms, and tables read figures several times."""
         return {}
 
     def figures(self, policy: str) -> dict[str, Estimate]:
-        """The figures of a policy, by name; see ``DEFINITIONS``."""
+        """Return the figures of a policy, by name; see ``DEFINITIONS``."""
         if policy not in self._known:
             self._known[policy] = self._figures(policy)
         return self._known[policy]
@@ -194,7 +196,7 @@ class Result:
 
 
 def joined(parts: Sequence[Result]) -> Result:
-    """The result in a bank, of those in its parts: first an episode of each house, then another of each."""
+    """Return a bank's result from those of its parts: an episode of each house, then the next of each."""
     episodes = parts[0].episodes
 
     def whole(arrays: Iterable[np.ndarray]) -> np.ndarray:

@@ -1,7 +1,7 @@
-"""Scores as JSON: what ``vitruvius evaluate --out`` and the examples write, and how it is read again.
+"""Scores as JSON: the files that ``vitruvius evaluate --out`` and the examples write, and their reader.
 
-A file says in which bank, with which seed and backend, and for each target mode what each policy did in each
-house. So scores of external agents, of another library or another day, can be shown in the same tables.
+A file states the bank, the seed and the backend, and for each target mode the scores of each policy in each
+house. So the same tables can show scores of external agents, from another library or another day.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,7 +22,7 @@ from logic.errors import VitruviusError
 from logic.opener import content_of, from_json
 
 MAX_BYTES = 1 << 28
-"""Size of an uncompressed file, in bytes."""
+"""Largest size of an uncompressed file, in bytes."""
 
 
 class Figure(TypedDict):
@@ -34,13 +34,13 @@ class Figure(TypedDict):
 
 
 class ScoreError(VitruviusError):
-    """A file of scores is absent, is none, or is of another measurement than the one that it shall join."""
+    """Error for a file of scores that is absent, malformed, or of an evaluation that cannot be compared."""
 
     exit_code = 5
 
 
 class ScoredBank(msgspec.Struct):
-    """The houses, and ``agent.banks.bank_hash`` of them."""
+    """Houses of a bank, by their ``agent.banks.bank_hash``."""
 
     hash: str
     file: str = ""
@@ -48,7 +48,7 @@ class ScoredBank(msgspec.Struct):
 
 
 class RunScores(msgspec.Struct):
-    """What a training run did, house by house: see ``EpisodeScores``; ``None`` where no target was found."""
+    """Scores of a training run, house by house: see ``EpisodeScores``; ``None`` without a target."""
 
     targets: list[int]
     first: list[int | None]
@@ -60,7 +60,7 @@ class RunScores(msgspec.Struct):
 
 
 class PolicyScores(msgspec.Struct):
-    """A policy's training runs and figures."""
+    """Training runs and figures of a policy."""
 
     runs: list[RunScores]
     figures: dict[str, Figure] = {}
@@ -68,7 +68,7 @@ class PolicyScores(msgspec.Struct):
 
 
 class ModeScores(msgspec.Struct):
-    """A ``Result``: what all policies did in a target mode."""
+    """Scores of all policies in a target mode: a ``Result``."""
 
     policies: dict[str, PolicyScores]
     rooms: list[int] = []
@@ -78,7 +78,7 @@ class ModeScores(msgspec.Struct):
 
 
 class ScoreFile(msgspec.Struct):
-    """A file of scores. Fields with a default are written, and not needed to read it."""
+    """File of scores. Fields with a default are written, but a file may omit them."""
 
     bank: ScoredBank
     seed: int
@@ -89,18 +89,18 @@ class ScoreFile(msgspec.Struct):
     agents: list[str] = []
     scores: list[str] = []
     learnt_in: dict[str, int | None] = {}
-    """By agent, how many of the houses it learnt in, null where its checkpoint does not say; without those
-    that learnt in none: see ``agent.evaluation.learnt_in``."""
+    """Number of the houses that each agent was trained on, null if its checkpoint does not say. Agents
+    trained on none of them are left out: see ``agent.evaluation.learnt_in``."""
     training_steps: int | None = None
     definitions: dict[str, str] = msgspec.field(default_factory=lambda: DEFINITIONS)
 
     def json(self) -> bytes:
-        """The file's content, on one line."""
+        """Return the file's content, on one line."""
         return msgspec.json.encode(self)
 
 
 def modes_of(results: Iterable[Result]) -> dict[str, ModeScores]:
-    """Results as a file holds them, by target mode."""
+    """Return results as a file stores them, by target mode."""
     return {
         result.mode: ModeScores(
             {
@@ -121,19 +121,19 @@ def modes_of(results: Iterable[Result]) -> dict[str, ModeScores]:
 
 
 def result_of(mode: ModeScores, name: str) -> Result:
-    """The result that was written as the target mode of this name."""
+    """Return the result that was written as the target mode of this name."""
     policies = {name: tuple(map(_scores, policy.runs)) for name, policy in mode.policies.items()}
     ways, how = _reals(mode.shortest), {"steps": mode.steps, "ends_on_pick_up": mode.ends_on_pick_up}
     return Result(name, np.array(mode.rooms), ways, policies, **how)
 
 
 def load(path: Path) -> ScoreFile:
-    """Read a file. Raises ``ScoreError`` where it is absent or none."""
+    """Read a file. Raises ``ScoreError`` if it is absent or malformed."""
     try:
         return from_json(content_of(path, MAX_BYTES), ScoreFile)
     except OSError as error:
         raise ScoreError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:  # no JSON, or JSON of something else
+    except ValueError as error:  # not JSON, or JSON of something else
         raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --out") from None
 
 
@@ -146,10 +146,11 @@ def external(
     world: str = "default",
     episodes: int = 1,
 ) -> dict[str, dict[str, tuple[EpisodeScores, ...]]]:
-    """By target mode and name, the scores of a file's external agents: all policies but ``NO_AGENTS``.
+    """Return the scores of a file's external agents, by target mode and name.
 
-    Raises ``ScoreError`` for a file that is none, or of other houses, another seed, backend, world or number
-    of episodes, or none of the modes: its figures could not be compared.
+    External agents are all policies but ``NO_AGENTS``. Raises ``ScoreError`` for a malformed file, and for a
+    file of other houses, another seed, backend, world or number of episodes, or none of the modes: its
+    figures could not be compared.
     """
     file = load(path)
     for name, theirs, ours in (
@@ -181,7 +182,7 @@ def external(
 
 
 def joined(result: Result, policies: Mapping[str, tuple[EpisodeScores, ...]], path: Path) -> Result:
-    """A result with a file's policies above the references; where a name is taken, the file's is added."""
+    """Return a result with a file's policies above the references; taken names get the file's name added."""
     agents = {name: runs for name, runs in result.policies.items() if name not in NO_AGENTS}
     for policy, runs in policies.items():
         names = (policy, f"{policy} ({path.stem})", f"{policy} ({path})")
@@ -191,7 +192,7 @@ def joined(result: Result, policies: Mapping[str, tuple[EpisodeScores, ...]], pa
 
 
 def _whole_scores(path: Path, name: str, run: RunScores, episodes: int) -> EpisodeScores:
-    """A run's scores; every episode must have its value."""
+    """Return a run's scores. Raises ``ScoreError`` unless every episode has its value."""
     rows = (run.targets, run.first, run.rooms, *run.coverage)
     if len(run.coverage) != len(COVERAGE_STEPS) or any(len(row) != episodes for row in rows):
         raise ScoreError(f"{path}: no scores: {name} has not one value for each of {episodes} episodes")

@@ -1,7 +1,7 @@
 """Figures with intervals: the interquartile mean and the stratified bootstrap (Agarwal et al. 2021).
 
-``scipy.stats.bootstrap`` gives the same interval for one run, and has no form for several runs. The paper's
-own library rliable has one, but samples from NumPy's global generator, so that no seed repeats an interval.
+``scipy.stats.bootstrap`` gives the same interval for one run, but does not support several runs. The paper's
+own library rliable does, but samples from NumPy's global generator, so that no seed repeats an interval.
 """
 
 from collections.abc import Callable
@@ -11,25 +11,25 @@ import numpy as np
 
 
 class Estimate(NamedTuple):
-    """A figure and its 95 % confidence interval."""
+    """Figure with its 95 % confidence interval."""
 
     value: float
     low: float
     high: float
 
     def text(self, digits: int = 2) -> str:
-        """``0.93 [0.90, 0.95]``."""
+        """Return the figure as ``0.93 [0.90, 0.95]``."""
         return f"{self.value:.{digits}f} [{self.low:.{digits}f}, {self.high:.{digits}f}]"
 
     def signed(self, digits: int = 2) -> str:
-        """``-0.01 [-0.02, +0.01]``, for a difference."""
+        """Return a difference as ``-0.01 [-0.02, +0.01]``."""
         return f"{self.value:+.{digits}f} [{self.low:+.{digits}f}, {self.high:+.{digits}f}]"
 
 
 def interquartile_mean(scores: np.ndarray, resamples: int = 2000, seed: int = 0) -> Estimate:
-    """Mean of the middle half of ``scores`` (H,), one for each house, or (S, H) of S training runs.
+    """Return the mean of the middle half of ``scores``: (H,), one for each house, or (S, H) of S runs.
 
-    See ``bootstrap`` for its interval. Raises ``ValueError`` for no score or one that is not a number.
+    See ``bootstrap`` for the interval. Raises ``ValueError`` for no score or one that is not a number.
     """
     return bootstrap(scores, _interquartile_mean, resamples, seed)
 
@@ -37,10 +37,10 @@ def interquartile_mean(scores: np.ndarray, resamples: int = 2000, seed: int = 0)
 def paired_difference(
     scores: np.ndarray, others: np.ndarray, resamples: int = 2000, seed: int = 0
 ) -> Estimate:
-    """Interquartile mean of ``scores`` less that of ``others``: each (H,) or (S, H), of the same houses.
+    """Return the interquartile mean of ``scores`` minus that of ``others``.
 
-    The bootstrap samples pairs, so what makes a house hard for both is not in the interval. Raises
-    ``ValueError`` for other shapes, and as ``bootstrap`` does.
+    Both are (H,) or (S, H), of the same houses. The bootstrap samples pairs, so the interval does not include
+    what makes a house hard for both. Raises ``ValueError`` for unequal shapes, and as ``bootstrap`` does.
     """
     if np.shape(scores) != np.shape(others):
         raise ValueError(f"paired scores need the same shape, not {np.shape(scores)} and {np.shape(others)}")
@@ -55,21 +55,22 @@ def paired_difference(
 
 
 def mean(scores: np.ndarray, resamples: int = 2000, seed: int = 0) -> Estimate:
-    """Plain mean, for shares, with the same interval."""
+    """Return the plain mean, for fractions, with the same interval."""
     return bootstrap(scores, lambda flat: flat.mean(axis=-1), resamples, seed)
 
 
 def bootstrap(
     scores: np.ndarray, figure: Callable[[np.ndarray], np.ndarray], resamples: int = 2000, seed: int = 0
 ) -> Estimate:
-    """A figure of all the scores (H,) or (S, H), and its percentile interval by a stratified bootstrap.
+    """Return a figure of all scores (H,) or (S, H), with its percentile interval by a stratified bootstrap.
 
-    ``figure`` maps (..., S * H) to (...). A resample has H houses, sampled with replacement, and for each of
-    them S of its runs, sampled with replacement apart from those of other houses. So the interval says how
-    the figure would vary over other training runs and over other houses of the same kind; with one run,
-    over houses alone. Raises ``ValueError`` for no score or one that is not a number.
-    Source: "Deep RL at the edge of the statistical precipice", arXiv:2108.13264; the law of its library
-    rliable with ``task_bootstrap=True``.
+    ``figure`` maps (..., S * H) to (...). A resample has H houses, sampled with replacement. For each of them
+    it has S of the house's runs, sampled with replacement and independently of other houses. So the interval
+    states how the figure would vary over other training runs and over other houses of the same kind; with one
+    run, over houses alone. Raises ``ValueError`` for no score or one that is not a number.
+
+    Source: "Deep RL at the edge of the statistical precipice", arXiv:2108.13264. The method is that of its
+    library rliable with ``task_bootstrap=True``.
     """
     scores = np.atleast_2d(np.asarray(scores, dtype=float))
     if scores.ndim != 2 or not scores.size or not np.isfinite(scores).all():

@@ -1,4 +1,4 @@
-"""What an evaluation says, as tables: one renderer for terminals and for Markdown."""
+"""Tables of an evaluation: one renderer for terminals and for Markdown."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from sim.tasks.tasks import PAPER_TASKS
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
 WHERE = ROOMS | {"all": "all rooms"} | {f"paper-{mode}": f"{where}, paper's" for mode, where in ROOMS.items()}
-"""Where targets lie, by target mode, in words: the paper's lie at fixed places of its own house."""
+"""Places of targets, by target mode, in words: the paper's targets lie at fixed places of its own house."""
 
 LABELS = {"paper-original": "paper, original", "paper": "paper, retrained"}
-"""What tables call policies by these names."""
+"""Labels of policies in tables, by name."""
 
 
 def human_name(mode: str) -> str:
-    """The paper's human, who played in the paper's house alone, with the whole plan in sight."""
+    """Return the label of the paper's human, who played in the paper's house and saw the whole plan."""
     return "human, saw the plan" if mode in PAPER_TASKS else "human, another house"
 
 
@@ -35,7 +35,7 @@ SCORE_NOTE = (
     "whole map in sight, in the paper's own house: the human's row says whether that is another house. "
     "Random + avoidance is the paper's random walk; the explorer is the planner without a network."
 )
-"""What the columns and rows of ``score_table`` mean."""
+"""Note on the columns and rows of ``score_table``."""
 
 NOTE = (
     f"{SCORE_NOTE} Paper, original: the weights that the paper's authors released; paper, retrained: their "
@@ -44,7 +44,7 @@ NOTE = (
     "where targets may lie that it had looked at by that step. Rooms: the share of the secondary rooms that "
     "it was in. Blocked moves, and actions that the avoidance layer overruled: per 1000 steps."
 )
-"""What the columns and rows of all tables mean."""
+"""Note on the columns and rows of all tables."""
 
 
 DRIVE_NOTE = (
@@ -57,7 +57,7 @@ DRIVE_NOTE = (
     "by chance. Seen: the share of the places where targets may lie that it had looked at by that step. "
     "Rooms: the share of the secondary rooms that it was in. Blocked moves: per 1000 steps."
 )
-"""Meaning of the columns and rows if bodies drive."""
+"""Note on the columns and rows if bodies drive."""
 
 
 MAX_COLUMNS = 10_000
@@ -66,7 +66,7 @@ MAX_COLUMNS = 10_000
 
 @dataclass(frozen=True)
 class Table:
-    """A table in words."""
+    """Table in words."""
 
     title: str
     headings: tuple[str, ...]
@@ -95,7 +95,7 @@ class Table:
         return table
 
     def markdown(self) -> str:
-        """As a Markdown table under its title."""
+        """Return the table in Markdown, under its title."""
         rows = [[*map(_in_cell, row)] for row in (self.headings, *self.rows)]
         lines = (rows[0], ["---"] * len(self.headings), *rows[1:])
         title = _in_cell(self.title)
@@ -121,12 +121,12 @@ def print_tables(tables: Iterable[Table], console: Console) -> None:
 
 
 def tables(result: Result) -> list[Table]:
-    """The three tables of a target mode."""
+    """Return the three tables of a target mode."""
     return [score_table(result), behaviour_table(result), rooms_table(result)]
 
 
 def score_table(result: Result) -> Table:
-    """How well each policy does."""
+    """Return the table of each policy's scores."""
     if result.ends_on_pick_up:
         return find_table(result)
     human = result.human
@@ -147,7 +147,7 @@ def score_table(result: Result) -> Table:
 
 
 def find_table(result: Result) -> Table:
-    """How each policy does where the first target ends the episode."""
+    """Return the table of each policy's scores if the first target ends the episode."""
     rows = []
     for name, label in _labels(result).items():
         figures = result.figures(name)
@@ -159,14 +159,14 @@ def find_table(result: Result) -> Table:
 
 
 def _count(result: Result) -> str:
-    """How many houses, and episodes in each where there are several."""
+    """Return the number of houses in words, with the episodes in each if there are several."""
     houses = len(result.rooms) // result.episodes
     count = numbered(houses, "house")
     return count + (f", {result.episodes} episodes each" if result.episodes > 1 else "")
 
 
 def behaviour_table(result: Result) -> Table:
-    """What each policy sees and where it goes."""
+    """Return the table of what each policy sees and where it goes."""
     rows = []
     for name, label in _labels(result).items():
         figures = result.figures(name)
@@ -178,7 +178,7 @@ def behaviour_table(result: Result) -> Table:
 
 
 def rooms_table(result: Result) -> Table:
-    """The ratio by number of secondary rooms."""
+    """Return the table of the ratio by number of secondary rooms."""
     by_rooms = {
         label: result.by_rooms(name) for name, label in _labels(result).items() if name != result.yardstick
     }
@@ -188,12 +188,12 @@ def rooms_table(result: Result) -> Table:
 
 
 def capital(words: str) -> str:
-    """Words as a title begins."""
+    """Return words with a capital first letter."""
     return words[:1].upper() + words[1:]
 
 
 def _labels(result: Result) -> dict[str, str]:
-    """What each policy is called, with the number of its training runs where there are several."""
+    """Return each policy's label, with the number of its training runs if there are several."""
     return {
         name: LABELS.get(name, name) + (f", {len(runs)} runs" if len(runs) > 1 else "")
         for name, runs in result.policies.items()

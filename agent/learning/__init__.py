@@ -1,1 +1,1 @@
-"""What all algorithms share: learners, configs, replay, ranks, environments."""
+"""Common parts of all algorithms: learners, configs, replay, ranks, environments."""

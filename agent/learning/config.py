@@ -1,4 +1,4 @@
-"""What a training run is: what the runs of all algorithms have in common, and those of Q-learning.
+"""Configuration of a training run: the fields of all algorithms, and those of Q-learning.
 
 The names of the fields are those of CleanRL and Stable-Baselines3; their docstrings are the command's help.
 """
@@ -14,22 +14,22 @@ from logic.errors import RequestError
 from logic.request.request import whole
 
 MOST_SEED = 2**62 - 1
-"""So that each environment and house has one of its own after it: they have 64 bits."""
+"""Largest seed: environments and houses count up from it, and their seeds have 64 bits."""
 
 TargetMode = Literal["main", "secondary", "mixed"]
-"""Where targets lie: in the main room, in secondary rooms, or in both."""
+"""Places of targets: in the main room, in secondary rooms, or in both."""
 
 MOST_HALF_LIVES = 64
-"""Half-lives of a memory: those of the presets are four."""
+"""Largest number of half-lives of a memory; the presets have four."""
 
 TARGET_MODES: tuple[TargetMode, ...] = get_args(TargetMode)
 
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """What runs of all algorithms have in common.
+    """Fields that the runs of all algorithms have in common.
 
-    Raises ``RequestError``, a ``ValueError``, that names the field for a value that no run can have.
+    Raises ``RequestError``, a ``ValueError``, that names the field with an invalid value.
     """
 
     groups: ClassVar = {
@@ -39,7 +39,7 @@ class TrainConfig:
     }
 
     targets: str = "main"
-    """Where targets lie: main, secondary, mixed or habit; or another task: module:Class, or as JSON, such as
+    """Places of targets: main, secondary, mixed or habit; or another task: module:Class, or as JSON, such as
     '{"task": "reach", "room": "kitchen"}'."""
 
     world: Literal["default", "drive", "paper"] = "default"
@@ -47,84 +47,86 @@ class TrainConfig:
     layer."""
 
     sim: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FIELD=VALUE")] = ()
-    """Field of the simulator's configuration in place of the preset's (sim/config.py lists them), as in
+    """Field of the simulator's configuration that replaces the preset's (sim/config.py lists them), as in
     noise=0.05, rays=20 or body=[0.3,0.3]."""
 
     avoidance: Literal["shield", "paper", "none"] = "shield"
-    """The layer that overrules. shield: forbids a step forward where the rays say that the body's path is not
-    free; paper: the paper's rule, a turn wherever anything but the target is near."""
+    """Avoidance layer, which overrules the network. shield: forbids a step forward if the rays show that the
+    body's path is not free; paper: the paper's rule, a turn whenever an obstacle is near."""
 
     num_envs: int = 256
-    """Environments stepped at once, by all processes together."""
+    """Number of environments, over all processes together."""
 
     steps: int = 3_000_000
     """Environment steps of the whole run; the schedules below are fractions of it."""
 
     seconds: float | None = None
-    """Wall-clock limit: the schedules then follow whichever of steps and seconds is further on. With none,
-    a run on the CPU is a function of config, houses and seed alone."""
+    """Wall-clock limit: the schedules then follow whichever of steps and seconds is further on. Without a
+    limit, a run on the CPU is a function of config, houses and seed alone."""
 
     seed: int = 0
-    """Seeds the environments, the network's first weights, the exploration and the order of minibatches."""
+    """Seed of the environments, the network's first weights, the exploration and the order of minibatches."""
 
     device: Literal["cpu", "cuda"] = "cpu"
-    """Where environments and network live."""
+    """Device of the environments and the network."""
 
     threads: int = 1
-    """Cores that torch may use. More help little with batches this small, and sums depend on their number."""
+    """Number of cores that torch may use. More cores help little with batches this small, and sums depend on
+    their number."""
 
     precision: Literal["highest", "high", "medium"] = "highest"
-    """Of products of float32 matrices, as torch names it: medium may take bfloat16 inside, faster where a
-    processor has AMX."""
+    """Precision of products of float32 matrices, as in torch: medium may use bfloat16 internally, which is
+    faster on processors with AMX."""
 
     learning_rate: float = 1e-3
     """Step size of the optimiser at the start."""
 
     epsilon: float = 0.4
-    """Share of random actions at the start."""
+    """Fraction of random actions at the start."""
 
     final_epsilon: float = 0.02
-    """Least share of random actions."""
+    """Least fraction of random actions."""
 
     forward: float = 0.93
-    """Share of forward among random actions, as the paper's own exploration has it."""
+    """Fraction of forward among random actions, as in the paper's own exploration."""
 
     algorithm: ClassVar[str]
-    """What learns."""
+    """Name of the algorithm."""
 
     learnt_in: ClassVar[str | None] = None
-    """Houses that it learns in where none are given: a name of ``sim.environment.arguments``."""
+    """Default training houses: a name of ``sim.environment.arguments``."""
 
     reads_maps: ClassVar[bool] = False
-    """Whether it learns from a body's maps: then it plays no other task than its own, and no other body."""
+    """True if the agent is trained on a body's maps: then it plays no other task than its own, with no other
+    body."""
 
     drives: ClassVar[bool] = False
-    """Whether it can learn to drive."""
+    """True if the algorithm can learn to drive."""
 
     parallel: ClassVar[bool] = False
-    """Whether several processes can learn as one."""
+    """True if several processes can train together."""
 
     positive: ClassVar[tuple[str, ...]] = ("num_envs", "steps", "seconds", "threads", "learning_rate")
     fractions: ClassVar[tuple[str, ...]] = ("epsilon", "final_epsilon", "forward")
-    """Fields that must be above 0, and between 0 and 1."""
+    """Fields that must be above 0 (``positive``), and between 0 and 1 (``fractions``)."""
 
     @property
     def knows(self) -> tuple[str, ...]:
-        """What its agents act by, in the words of ``sim.Config.observe``."""
+        """Signals that its agents act by, in the terms of ``sim.Config.observe``."""
         return "rays", "bump", "last_action"
 
     @property
     def backend(self) -> str:
-        """The backend that it learns in and plays in."""
+        """Backend of training and of play."""
         return "free" if self.world == "drive" else "continuous"
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":
-        """Configs that run by name."""
+        """Return the configs that run by name."""
         return {}
 
     def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
+        """Raise ``RequestError`` for values that no run can have, before anything is made."""
         if self.world == "drive":
             if not self.drives:
                 raise RequestError(f"world drive: {self.algorithm} is of bodies on a lattice: try pqn-free")
@@ -143,13 +145,14 @@ class TrainConfig:
 
 @dataclass(frozen=True)
 class QLearningConfig(TrainConfig):
-    """What PQN and DQN have in common: a discount, linear schedules, and a Q-network that remembers."""
+    """Fields that PQN and DQN have in common: a discount, linear schedules, and a Q-network with a memory."""
 
     groups: ClassVar = {"half_lives": "Q-learning"}
     drives: ClassVar[bool] = True
 
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
-    """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""
+    """Half-lives, in steps, of the memory's exponential moving averages of past actions, collisions and
+    sightings."""
 
     module: str = ""
     """Your own torch.nn.Module, module:Class, in place of the built-in network. Vitruvius creates it with the
@@ -159,13 +162,13 @@ class QLearningConfig(TrainConfig):
     """Discount per step."""
 
     final_lr_fraction: float = 0.05
-    """The learning rate falls on a line to this fraction of it."""
+    """Final learning rate as a fraction of the first; the rate falls linearly."""
 
     max_grad_norm: float | None = 10.0
-    """Longer gradients are clipped to this norm; None: never."""
+    """Norm to which longer gradients are clipped; None: never."""
 
     exploration_fraction: float = 0.2
-    """Fraction of the run over which epsilon falls on a line to ``final_epsilon``."""
+    """Fraction of the run over which epsilon falls linearly to ``final_epsilon``."""
 
     positive: ClassVar[tuple[str, ...]] = (*TrainConfig.positive, "max_grad_norm")
     fractions: ClassVar[tuple[str, ...]] = (
@@ -173,17 +176,17 @@ class QLearningConfig(TrainConfig):
     )
 
     def epsilon_at(self, fraction: float) -> float:
-        """Share of random actions when so much of the run is done."""
+        """Return the fraction of random actions when ``fraction`` of the run is done."""
         return linear(self.epsilon, self.final_epsilon, fraction / max(self.exploration_fraction, 1e-9))
 
     @property
     def remembers(self) -> bool:
-        """Whether its network reads what it did before."""
+        """True if the network reads what it did before."""
         return bool(self.half_lives)
 
     @property
     def knows(self) -> tuple[str, ...]:
-        """Without a memory its avoidance layer alone knows of bumps, and nothing of its actions."""
+        """Signals that the agent acts by. Without a memory, only its avoidance layer knows of collisions."""
         return super().knows if self.remembers else ("rays", "bump")
 
     def __post_init__(self) -> None:
@@ -197,12 +200,12 @@ class QLearningConfig(TrainConfig):
 
 
 def linear(start: float, end: float, progress: float) -> float:
-    """The value on the line from start to end at progress 0 to 1, and the end beyond."""
+    """Return the value on the line from start to end at progress 0 to 1, and the end beyond."""
     return start + (end - start) * min(max(progress, 0.0), 1.0)
 
 
 def differences(one: TrainConfig, other: TrainConfig) -> Iterator[str]:
-    """Names of the fields that are not the same in both, or ``algorithm`` where no field can be compared."""
+    """Yield the names of the fields that differ, or ``algorithm`` if the configs have different classes."""
     if type(one) is not type(other):
         yield "algorithm"
         return

@@ -1,4 +1,4 @@
-"""Where an agent meets the simulator: make environments, and the avoidance layers for their bodies."""
+"""Factories of environments, and of the avoidance layers for their bodies."""
 
 import shlex
 from collections.abc import Sequence
@@ -54,8 +54,10 @@ def make_envs(
 def playable(
     houses: Sequence[House], targets: str, *, preset: str | Config = "default", backend: str = "continuous"
 ) -> list[House]:
-    """The houses in which a task can be played, in their order: all, but of a task that says which suit it
-    those that suit it and have a place for a target. Where there is none, all.
+    """Return the houses in which a task can be played, in their order.
+
+    These are all houses, unless the task states which houses suit it: then they are the suitable ones that
+    have a place for a target. If there are none, they are all houses again.
     """
     known = task(targets)
     if not hasattr(known, "suits"):
@@ -72,7 +74,7 @@ def playable(
 
 
 def require_own_maps(config: TrainConfig, envs: HouseVectorEnv) -> None:
-    """Raise ``RequestError`` for another task than a reader of maps has learnt, or a map of other cells."""
+    """Raise ``RequestError`` for another task than a reader of maps was trained on, or another cell size."""
     name, body, learnt = (
         config.algorithm.replace("-", " "),
         max(envs.config.body),
@@ -91,7 +93,7 @@ def require_own_maps(config: TrainConfig, envs: HouseVectorEnv) -> None:
 
 
 def shield(envs: HouseVectorEnv) -> Shield:
-    """The avoidance layer for the body and the rays of these environments."""
+    """Return the avoidance layer for the body and the rays of these environments."""
     config = envs.config
     config.require_lattice("the layer shield")
     return Shield(
@@ -108,9 +110,9 @@ def shield(envs: HouseVectorEnv) -> Shield:
 
 
 def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generator) -> Layer:
-    """The config's avoidance layer, for the body and the rays of these environments.
+    """Return the config's avoidance layer, for the body and the rays of these environments.
 
-    Raises ``RequestError`` where they are of another kind of motion than the one that was learnt.
+    Raises ``RequestError`` if the environments have another kind of motion than those in training.
     """
     if envs.config.drives != (config.world == "drive"):
         raise RequestError(

@@ -1,4 +1,4 @@
-"""What all learners share: how a network plays, how far a run is, reports, a state to save and to restore."""
+"""Common parts of learners: the policy of a network, the run's progress, reports, and saved states."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -20,51 +20,52 @@ from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
 
 EPISODE = 1500
-"""Steps to which counts of targets refer: the paper's 15 s."""
+"""Number of steps to which counts of targets refer: the paper's 15 s."""
 
 DIVERGED = 1e4
-"""A larger loss means that learning has failed: the largest return there can be is 100 or so."""
+"""Loss above which training has failed: the largest possible return is about 100."""
 
 
 class Diverged(VitruviusError):
-    """The network's values are not numbers any more, or grow without bound."""
+    """Error for a network whose values are no longer numbers, or grow without bound."""
 
     exit_code = 1
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a run is, and how well it does."""
+    """Progress of a run, and its current performance."""
 
     steps: int
     """Environment steps so far, without those after an episode's end, whose action is ignored."""
 
     seconds: float
-    """Wall-clock time so far."""
+    """Wall-clock time so far, in seconds."""
 
     fraction: float
-    """How much of the run is done, 0 to 1; the schedules follow it."""
+    """Fraction of the run that is done, 0 to 1; the schedules follow it."""
 
     targets: float
-    """Targets picked up per 1500 steps, exploring, over the last 1500 steps or so of every environment."""
+    """Targets picked up per 1500 steps with exploration, over about the last 1500 steps of every
+    environment."""
 
     loss: float
     """Mean loss of the latest updates."""
 
     epsilon: float
-    """Share of random actions lately."""
+    """Fraction of random actions since the last report."""
 
     overruled: float
-    """Share of actions lately that the avoidance layer changed."""
+    """Fraction of actions since the last report that the avoidance layer changed."""
 
     simulator: float
-    """Steps a second of the simulator alone, over the whole run."""
+    """Steps per second of the simulator alone, over the whole run."""
 
     learner: float
-    """Steps a second of all else, over the whole run: acting, avoidance, returns and updates."""
+    """Steps per second of the rest, over the whole run: acting, avoidance, returns and updates."""
 
     map: float | None = None
-    """Steps a second of the maps alone, over the whole run."""
+    """Steps per second of the maps alone, over the whole run."""
 
     held_out: float | None = None
     """Mean targets in an episode in held-out houses; None if no evaluation was due at this report."""
@@ -72,7 +73,7 @@ class Progress:
 
 @dataclass
 class Clock:
-    """What a run has spent, in seconds."""
+    """Time that a run has spent, in seconds."""
 
     all: float = 0.0
     simulating: float = 0.0
@@ -81,7 +82,7 @@ class Clock:
 
 @dataclass
 class Tally:
-    """What this rank counted since the last report."""
+    """Counts of this rank since the last report."""
 
     targets: float = 0.0
     """Targets picked up."""
@@ -90,32 +91,33 @@ class Tally:
     """Environment steps, without those whose action was ignored."""
 
     overruled: float = 0.0
-    """Actions that the avoidance layer changed."""
+    """Number of actions that the avoidance layer changed."""
 
     def add(self, r: Tensor, valid: Tensor, overruled: Tensor) -> None:
-        """Count a step of all environments, (E,) each: rewards, and bool."""
+        """Count a step of all environments, (E,) each: rewards, and two masks (bool)."""
         self.targets += float(r.sum())
         self.steps += int(valid.sum())
         self.overruled += int(overruled.sum())
 
 
 class Learner(ABC):
-    """An algorithm: its network, the policy that plays by it, and a training run. ``train`` goes on with it.
+    """Algorithm: its network, the policy that plays by it, and a training run, which ``train`` continues.
 
-    Logging, checkpoints and evaluation are the caller's: between two reports nothing moves, ``state`` has all
-    that the next steps depend on, and whoever stops asking stops the run.
+    The caller is responsible for logging, checkpoints and evaluation. Between two reports nothing moves, and
+    ``state`` has all that the next steps depend on. A caller that stops iterating stops the run.
     """
 
     @staticmethod
     @abstractmethod
     def network_of(config: Any) -> Any:
-        """A new network as the config has it, for what its simulator shows; its weights are a function of the
-        seed, and torch's own generator is left as it was.
+        """Return a new network for a config and its simulator.
+
+        The weights are a function of the seed, and torch's own generator keeps its state.
         """
 
     @staticmethod
     def policy_of(network: Any, config: Any, envs: HouseVectorEnv, seed: int = 0) -> QPolicy | Explorer:
-        """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
+        """Return a trained network's policy for evaluation and films: its own layer, a few random actions."""
         generator = torch.Generator().manual_seed(seed)
         return QPolicy(network, layer_of(config, envs, generator), generator)
 
@@ -124,12 +126,12 @@ class Learner(ABC):
     def __init__(self, config: TrainConfig, envs: HouseVectorEnv, report: int) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset.
 
-        ``report`` is how many steps of every environment lie between two reports.
+        ``report`` is the number of steps of every environment between two reports.
         """
         if envs.num_envs * ranks.size() != config.num_envs:
             raise RequestError(f"num_envs must be {ranks.size()} x {envs.num_envs}, not {config.num_envs}")
         self.config, self.envs = config, envs
-        # Every rank has environments and random numbers of its own; weights are the same.
+        # Every rank has its own environments and random numbers; weights are the same.
         self.seed = config.seed + ranks.rank() * envs.num_envs
         self.generator = torch.Generator(config.device).manual_seed(self.seed)
         self.network: Any = self.network_of(config).to(config.device)
@@ -139,28 +141,28 @@ class Learner(ABC):
 
     @property
     def houses(self) -> Sequence[House]:
-        """All that it learns in."""
+        """All training houses."""
         return self.envs.rotation.houses if self.envs.rotation else self.envs.houses
 
     @property
     def fraction(self) -> float:
-        """How much of the run is done, 0 to 1."""
+        """Fraction of the run that is done, 0 to 1."""
         limit = self.config.seconds
         return min(1.0, max(self.steps / self.config.steps, self.clock.all / limit if limit else 0.0))
 
     def train(self) -> Iterator[Progress]:
-        """Learn to the end of the run, and report now and then.
+        """Train to the end of the run, and yield reports.
 
-        Raises ``Diverged`` in place of a report that could not be true.
+        Raises ``Diverged`` if the loss is not a number or is too large.
         """
         while self.fraction < 1:
             now = self.iterate()
-            if not abs(now.loss) <= DIVERGED:  # nor if it is not a number
+            if not abs(now.loss) <= DIVERGED:  # true for NaN, too
                 raise Diverged(f"the loss is {now.loss:g} after {now.steps:,} steps")
             yield now
 
     def reset_envs(self) -> Tensor:
-        """Begin episodes in all environments; the observations (E, R, C)."""
+        """Begin episodes in all environments; return the observations (E, R, C)."""
         self.s = torch.as_tensor(self.envs.reset(seed=self.seed)[0], device=self.config.device)
         self.blocked = self.ended = torch.zeros(
             self.envs.num_envs, dtype=torch.bool, device=self.config.device
@@ -168,27 +170,29 @@ class Learner(ABC):
         return self.s
 
     def step_envs(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Step all environments: the rewards, and whether the episodes ended in a terminal state or by time,
-        (E,) each. ``s`` (E, R, C), ``blocked`` and ``ended`` (E,) bool are what it led to.
+        """Step all environments; return rewards and the masks of terminated and truncated episodes.
+
+        Each is (E,). The new observations are ``s`` (E, R, C); ``blocked`` and ``ended`` (E,) bool are set,
+        too.
         """
         with self.simulating.running():
             observation, r, terminated, truncated, info = self.envs.step_torch(actions)
-        # Cloned: the simulator writes over its tensors at the next step.
+        # Cloned, because the simulator overwrites its tensors at the next step.
         self.s, self.blocked = observation.clone(), info["blocked"].clone()
         self.ended = terminated | truncated
         return r, terminated, truncated
 
     def set_learning_rate(self, rate: float) -> None:
-        """From now on."""
+        """Set the learning rate from now on."""
         for group in self.optimizer.param_groups:
             group["lr"] = rate
 
     def anneal(self, final: float) -> None:
-        """Set the learning rate, which falls on a line to the fraction ``final`` of it."""
+        """Set the learning rate, which falls linearly to the fraction ``final`` of the first."""
         self.set_learning_rate(self.config.learning_rate * linear(1.0, final, self.fraction))
 
     def descend(self, loss: Tensor, max_grad_norm: float | None = None) -> Tensor:
-        """A step of the optimiser down the gradient, which is clipped to a norm; the loss without it."""
+        """Take an optimiser step along the gradient, clipped to a norm; return the detached loss."""
         self.optimizer.zero_grad()
         loss.backward()
         ranks.all_reduce_gradients(self.network)
@@ -202,7 +206,7 @@ class Learner(ABC):
         """Act and learn up to the next report."""
 
     def report(self, tally: Tally, *, loss: float, epsilon: float) -> Progress:
-        """The report after what was counted, which is added up over all ranks."""
+        """Return the report after what was counted, summed over all ranks."""
         targets, steps, overruled = ranks.total((tally.targets, tally.steps, tally.overruled))
         self.clock.all = ranks.first(self.clock.all)
         self.clock.simulating += self.simulating.take()
@@ -224,10 +228,10 @@ class Learner(ABC):
         )
 
     def state(self) -> dict[str, Any]:
-        """All that the run's next steps depend on: tensors and plain values, for ``torch.save``.
+        """Return all that the run's next steps depend on: tensors and plain values, for ``torch.save``.
 
-        Between two reports; with it a run goes on bit for bit on the CPU. The tensors are the run's own:
-        write them before it goes on.
+        Call it between two reports; on the CPU, a restored run continues bit for bit. The tensors are the
+        run's own: write them before the run goes on.
         """
         return {
             "algorithm": self.config.algorithm,
@@ -242,9 +246,9 @@ class Learner(ABC):
         } | self.own_state()
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a state, but for the limits ``steps`` and ``seconds``, which are this run's.
+        """Continue from a state, except for the limits ``steps`` and ``seconds``, which are this run's.
 
-        Raises ``RequestError`` where it is another config's or other houses'.
+        Raises ``RequestError`` for a state of another config or other houses.
         """
         if state["algorithm"] != self.config.algorithm:
             raise RequestError(f"a run of {state['algorithm']} cannot go on as {self.config.algorithm}")
@@ -264,8 +268,8 @@ class Learner(ABC):
 
     @abstractmethod
     def own_state(self) -> dict[str, Any]:
-        """What this learner has besides."""
+        """Return the rest of this learner's state."""
 
     @abstractmethod
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""

@@ -1,4 +1,4 @@
-"""What learners share whose explorers make the maps that they learn from: how these play, and the state."""
+"""Common parts of learners whose explorers make the maps that they are trained on."""
 
 import json
 from abc import abstractmethod
@@ -14,18 +14,19 @@ from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
 
 LAST = ("s", "blocked", "ended")
-"""What the next step starts from."""
+"""Attributes from which the next step starts."""
 
 
 class MapLearner(Learner):
-    """A run in turns: explorers go on for some steps, then the network learns from what they saw. Episodes
-    are cut short at random, so that there are maps of all ages.
+    """Run in turns: explorers advance by some steps, then the network learns from what they saw.
+
+    Episodes are cut short at random, so that there are maps of all ages.
     """
 
     config: Any
 
     epsilon = 0.0
-    """Share of the explorers' choices that are not the network's."""
+    """Fraction of the explorers' choices that are not the network's."""
 
     def __init__(self, config: Any, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has NEXT_STEP autoreset."""
@@ -42,11 +43,11 @@ class MapLearner(Learner):
         self.tracker = self.explorer.tracker
 
     def explorer_of(self) -> Explorer:
-        """Who makes the maps."""
+        """Return the explorer that makes the maps."""
         return Explorer(self.avoidance, self.envs.config)
 
     def iterate(self) -> Progress:
-        """Explore, and learn from it."""
+        """Explore, then learn from the maps."""
         start, tally = perf_counter(), Tally()
         self.restart()
         for _ in range(self.config.num_steps):
@@ -56,7 +57,7 @@ class MapLearner(Learner):
         return self.report(tally, loss=loss, epsilon=self.epsilon)
 
     def restart(self) -> None:
-        """Begin other episodes in a share of the environments."""
+        """Begin other episodes in a fraction of the environments."""
         mask = self.random.random(self.envs.num_envs) < self.config.restarts
         if mask.any():
             observation, _ = self.envs.reset(options={"reset_mask": mask})
@@ -65,7 +66,7 @@ class MapLearner(Learner):
             self.blocked, self.ended = self.blocked & ~begun, self.ended & ~begun
 
     def step(self, tally: Tally) -> None:
-        """A step of all environments."""
+        """Step all environments."""
         before, start, ended = self.explorer.interventions, perf_counter(), self.ended
         actions = self.act()
         self.clock.mapping += perf_counter() - start
@@ -76,14 +77,14 @@ class MapLearner(Learner):
 
     @abstractmethod
     def act(self) -> Tensor:
-        """The explorers' actions (E,), and what is noted on the way."""
+        """Return the explorers' actions (E,), and note what training needs."""
 
     @abstractmethod
     def learn(self) -> float:
-        """Learn from what was noted; the mean loss."""
+        """Learn from what was noted; return the mean loss."""
 
     def own_state(self) -> dict[str, Any]:
-        """The optimiser, the maps, and where the bodies are."""
+        """Return the optimiser's state, the maps, and where the bodies are."""
         return {
             "optimizer": self.optimizer.state_dict(),
             "map": self.tracker.planner.state,
@@ -93,7 +94,7 @@ class MapLearner(Learner):
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""
         self.optimizer.load_state_dict(state["optimizer"])
         self.tracker.planner.state = state["map"]
         for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):

@@ -1,4 +1,4 @@
-"""The precision of matrix products, tried out before a run depends on it."""
+"""Precision of matrix products, with a trial before a run depends on it."""
 
 import subprocess
 import sys
@@ -13,13 +13,13 @@ import torch
 torch.set_float32_matmul_precision("medium")
 torch.rand(256, 128) @ torch.rand(128, 128)
 """
-"""A product as a network has them."""
+"""Program with a product like those of a network."""
 
 
 def set_precision(precision: str, device: str = "cpu") -> None:
     """Let torch multiply float32 matrices in this precision from now on: highest, high or medium.
 
-    Raises ``RequestError`` where the processor cannot multiply in less than the highest one.
+    Raises ``RequestError`` if the processor cannot multiply in less than the highest one.
     """
     if precision != "highest" and device == "cpu" and not _survives(TRIAL):
         raise RequestError(
@@ -31,7 +31,9 @@ def set_precision(precision: str, device: str = "cpu") -> None:
 
 @cache
 def _survives(program: str) -> bool:
-    """Whether a Python program ends well. In a process of its own: an instruction that the kernel grants but
-    the host does not run, as in some virtual machines, ends the process, and no flag tells of it.
+    """Return True if a Python program ends without an error.
+
+    The program runs in a process of its own. Some virtual machines have an instruction that the kernel grants
+    but the host does not run: it ends the process, and no flag tells of it.
     """
     return subprocess.run([sys.executable, "-c", program], capture_output=True, check=False).returncode == 0

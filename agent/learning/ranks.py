@@ -1,8 +1,8 @@
-"""Several processes that learn as one (data parallel): ``torchrun --nproc-per-node 2 ...``.
+"""Data-parallel training: several processes train together (``torchrun --nproc-per-node 2 ...``).
 
-Each rank steps its share of the environments and learns from them; an all-reduce sums the gradients of all
-ranks before each step of the optimiser, so all hold the same weights at all times. Without ``torchrun`` there
-is one rank, and nothing here does anything.
+Each rank steps its share of the environments and learns from them. An all-reduce sums the gradients of all
+ranks before each step of the optimiser, so all ranks have the same weights at all times. Without ``torchrun``
+there is one rank, and the functions here do nothing.
 """
 
 import os
@@ -18,26 +18,26 @@ from torch import Tensor, nn
 from logic.errors import Killed
 
 LOST = re.compile(r"(closed|reset) by peer|timed out|broken pipe|NETWORK_ERROR", re.IGNORECASE)
-"""What gloo says where another rank does not answer: it has no class of error for that."""
+"""Messages of gloo if another rank does not answer: gloo has no error class for this."""
 
 
 @contextmanager
 def joined() -> Iterator[None]:
-    """Join the ranks that ``torchrun`` started, for as long as the block lasts; nothing without it.
+    """Join the ranks that ``torchrun`` started while the block runs; do nothing without ``torchrun``.
 
-    Where a machine has processors for all of its ranks, each keeps to its own share of them: call it before
-    Taichi or torch start their threads.
+    If a machine has processors for all of its ranks, each rank keeps to its own share of them. Call this
+    function before Taichi or torch start their threads.
     """
     if "RANK" not in os.environ or dist.is_initialized():
         yield
         return
     _keep_to_own_processors(int(os.environ["LOCAL_RANK"]), int(os.environ["LOCAL_WORLD_SIZE"]))
-    # The optimiser imports this module late, and its functions' default arguments then hold the group that is
-    # there for good: gloo's threads outlive the interpreter and may abort the process as it ends
-    # (https://github.com/pytorch/pytorch/issues/190489). Imported first, it finds no group to hold.
+    # The optimiser imports this module late, and its functions' default arguments then hold the present group
+    # for good: gloo's threads outlive the interpreter and may abort the process as it ends
+    # (https://github.com/pytorch/pytorch/issues/190489). An early import finds no group to hold.
     import torch.distributed.nn.functional  # noqa: F401
 
-    # gloo takes tensors of GPUs too, and several ranks that share one, as NCCL does not.
+    # gloo also takes tensors of GPUs, and several ranks that share a GPU; NCCL does not.
     dist.init_process_group("gloo")
     try:
         yield
@@ -48,17 +48,17 @@ def joined() -> Iterator[None]:
 
 
 def rank() -> int:
-    """Which of the processes this one is."""
+    """Return the number of this process among the ranks."""
     return dist.get_rank() if dist.is_initialized() else 0
 
 
 def size() -> int:
-    """How many processes there are."""
+    """Return the number of processes."""
     return dist.get_world_size() if dist.is_initialized() else 1
 
 
 def total(values: Sequence[float]) -> list[float]:
-    """Sums over all ranks, the same on each."""
+    """Return the sums over all ranks, the same on each."""
     if size() == 1:
         return list(values)
     sums = torch.tensor(values, dtype=torch.float64)
@@ -68,7 +68,7 @@ def total(values: Sequence[float]) -> list[float]:
 
 
 def first(value: float) -> float:
-    """The first rank's value, on each."""
+    """Return the first rank's value, on each rank."""
     if size() == 1:
         return value
     given = torch.tensor([value], dtype=torch.float64)
@@ -78,7 +78,10 @@ def first(value: float) -> float:
 
 
 def gathered(value: Any) -> list[Any]:
-    """All ranks' values, which pickle can carry, on the first rank; elsewhere nothing of use."""
+    """Return all ranks' values on the first rank, elsewhere an unspecified list.
+
+    Pickle must carry the values.
+    """
     if size() == 1:
         return [value]
     values: list[Any] | None = [None] * size() if rank() == 0 else None
@@ -107,7 +110,7 @@ def all_reduce_gradients(network: nn.Module) -> None:
 
 @contextmanager
 def _all_there() -> Iterator[None]:
-    """Raise ``Killed`` where a rank is lost while others wait for it."""
+    """Raise ``Killed`` if a rank is lost while others wait for it."""
     try:
         yield
     except RuntimeError as error:

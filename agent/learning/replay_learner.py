@@ -1,4 +1,4 @@
-"""What learners from a replay buffer share: when they learn, their reports, their state."""
+"""Common parts of learners with a replay buffer: when they learn, their reports, their state."""
 
 from abc import abstractmethod
 from time import perf_counter
@@ -16,16 +16,16 @@ REPORT = 128
 
 
 class ReplayLearner(Learner):
-    """A run that learns from what it replays."""
+    """Run that learns from replayed steps."""
 
     config: Any
     replay: ReplayBuffer
 
     last: ClassVar[tuple[str, ...]]
-    """What the next step depends on beside networks and buffer."""
+    """Attributes, besides networks and buffer, that the next step depends on."""
 
     least_rows: int
-    """Rows of the buffer without which there is nothing to learn from."""
+    """Least number of rows to learn from."""
 
     def __init__(self, config: Any, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
@@ -36,11 +36,11 @@ class ReplayLearner(Learner):
     @property
     @abstractmethod
     def epsilon(self) -> float:
-        """Share of random actions now."""
+        """Current fraction of random actions."""
 
     @property
     def ready(self) -> bool:
-        """Whether the buffer holds enough to learn from."""
+        """True if the buffer holds enough to learn from."""
         least = max(self.config.learning_starts // self.config.num_envs, self.least_rows)
         return self.replay.written >= min(least, self.replay.rows)
 
@@ -55,10 +55,10 @@ class ReplayLearner(Learner):
 
     @abstractmethod
     def step(self) -> list[Tensor]:
-        """Step all environments once, and learn where that is due; the losses."""
+        """Step all environments once, learn if it is due, and return the losses."""
 
     def own_state(self) -> dict[str, Any]:
-        """The optimiser, the replay buffer, and where the environments are."""
+        """Return the optimiser's state, the replay buffer, and where the environments are."""
         return {
             "optimizer": self.optimizer.state_dict(),
             "replay": self.replay.state(),
@@ -66,7 +66,7 @@ class ReplayLearner(Learner):
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
+        """Restore what ``own_state`` returned."""
         self.optimizer.load_state_dict(state["optimizer"])
         self.replay.restore(state["replay"])
         for name in self.last:

@@ -1,4 +1,4 @@
-"""The simulator that an agent learns in, by its config. Without torch, so that a mistake is told at once."""
+"""Simulator that an agent is trained in, by its config; without torch, so that errors appear at once."""
 
 from collections.abc import Iterable
 from dataclasses import fields, replace
@@ -15,16 +15,16 @@ from sim.fields import stated
 from sim.tasks.tasks import task
 
 SENSED = tuple(each.name for each in fields(Config) if SENSOR in each.metadata)
-"""The fields of a simulator's configuration that say what an agent observes."""
+"""Fields of a simulator's configuration that define what an agent observes."""
 
 DISTURBED = "noise", "dropout"
-"""Those of them that say how wrong it is."""
+"""Fields among these that define the error of an observation."""
 
 
 def simulator(config: TrainConfig) -> Config:
-    """The simulator that an agent learns in: the preset, with the fields of ``sim``.
+    """Return the simulator that an agent is trained in: the preset, with the fields of ``sim``.
 
-    Raises ``RequestError`` for a field, or a value of one, that cannot be.
+    Raises ``RequestError`` for an unknown field or an invalid value.
     """
     known = [field.name for field in fields(Config)]
     values = stated(PRESETS[config.world])
@@ -57,16 +57,16 @@ def simulator(config: TrainConfig) -> Config:
 
 
 def sensor(config: TrainConfig, world: str = "default") -> Config:
-    """The simulator that an agent is measured in: a preset's body and episodes, with the agent's sensor."""
+    """Return the simulator for an agent's evaluation: a preset's body and episodes, the agent's sensor."""
     learnt_in = simulator(config)
     measured_in = with_sensor(PRESETS[world], learnt_in)
     return replace(measured_in, drive=learnt_in.drive) if config.world == "drive" else measured_in
 
 
 def actions(config: TrainConfig) -> int:
-    """How many actions an agent chooses from: a body's on a lattice, or the commands of one that drives.
+    """Return the number of actions of an agent: those of a lattice, or the commands of a body that drives.
 
-    Raises ``RequestError`` where that has too few, or the third one does not go forward.
+    Raises ``RequestError`` if there are too few commands, or if the third does not go forward.
     """
     if config.world != "drive":
         return ACTIONS
@@ -77,13 +77,13 @@ def actions(config: TrainConfig) -> int:
 
 
 def with_sensor(world: Config, seeing: Config = DEFAULT) -> Config:
-    """A simulator with what another one's body observes, but for the noise of a world that has its own."""
+    """Return a simulator with the observations of another; a world that has noise keeps its own noise."""
     kept = DISTURBED if world.noise or world.dropout else ()
     return replace(world, **{name: getattr(seeing, name) for name in SENSED if name not in kept})
 
 
 def undisturbed(world: Config) -> Config:
-    """A simulator without noise, drop-outs and slips."""
+    """Return a simulator without noise, drop-outs and slips."""
     return replace(world, noise=0.0, dropout=0.0, slip=0.0)
 
 
@@ -98,15 +98,16 @@ def require_task(targets: str) -> None:
 def require_asked_task(targets: str) -> None:
     """Allow the class of a task that the command line states.
 
-    Raises ``RequestError`` where there is no such task.
+    Raises ``RequestError`` if there is no such task.
     """
     allow(*class_names(targets))
     require_task(targets)
 
 
 def allow_named(names: Iterable[str]) -> None:
-    """Allow files to name the classes of ``--allow``. Raises ``RequestError`` for a name not of the form
-    module:Class.
+    """Allow files to name the classes of ``--allow``.
+
+    Raises ``RequestError`` for a name that is not of the form module:Class.
     """
     try:
         allow(*names)

@@ -1,4 +1,4 @@
-"""How long a part of a run takes, on the device that does it."""
+"""Timer of parts of a run, on the device that does the work."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,12 +8,14 @@ import torch
 
 
 class Stopwatch:
-    """Adds up the seconds of blocks of work. A GPU works on when a call has returned: there its own clock is
-    read before and after, and nothing waits until the sum is asked for.
+    """Sum of the seconds of blocks of work.
+
+    A GPU continues to work after a call has returned. There, the GPU's own clock is read before and after a
+    block, and nothing waits until the sum is read.
     """
 
     def __init__(self, device: str = "cpu") -> None:
-        """``device``: what the work is done on, ``cpu`` or ``cuda``."""
+        """Measure work on ``device``, ``cpu`` or ``cuda``."""
         self.device, self._seconds = device, 0.0
         self._blocks: list[tuple[torch.cuda.Event, torch.cuda.Event]] = []
 
@@ -32,7 +34,7 @@ class Stopwatch:
         self._blocks.append((begin, end))
 
     def take(self) -> float:
-        """The seconds since it was last asked, and begin again at 0."""
+        """Return the seconds since the last call, and begin again at 0."""
         for begin, end in self._blocks:
             end.synchronize()
             self._seconds += begin.elapsed_time(end) / 1000

@@ -1,1 +1,1 @@
-"""People play the simulator's episodes, alone or beside an agent."""
+"""Games: people play the simulator's episodes, alone or against an agent."""

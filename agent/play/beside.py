@@ -1,4 +1,4 @@
-"""People's games beside agents and baselines that play the same episodes: ``evaluate --beside``."""
+"""Comparison of people's games with agents and baselines in the same episodes: ``evaluate --beside``."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
@@ -25,7 +25,7 @@ from sim.tasks.terms import terms_of
 from sim.tasks.words import in_words
 
 BESIDE = "explorer", "searcher", "oracle"
-"""The baselines that are shown, the oracle last."""
+"""Baselines that are shown, the oracle last."""
 
 SEES = {"plan": "who saw the whole plan and the target", "seen": "who saw what the robot's rays had reached"}
 
@@ -61,9 +61,10 @@ def _require_at_most(most: int, count: int, path: Path, what: str) -> None:
 def people_tables(
     path: Path, houses: Sequence[House], agents: Mapping[str, Sequence[Checkpoint]]
 ) -> Iterator[Table]:
-    """A table for each kind of game in a file: where targets lay, what the player saw, how long it lasted.
+    """Yield a table for each kind of game in a file: place of targets, view of the player, and duration.
 
-    Raises ``ResultsError`` for a game of a house that is not there, or that does not come out as it says.
+    Raises ``ResultsError`` for a game of a house that does not exist, or one whose replay differs from its
+    record.
     """
     games = replayable(path)
     for number, game in enumerate(games, start=1):
@@ -104,7 +105,7 @@ def _scores(
     targets: str,
     agents: Mapping[str, Sequence[Checkpoint]],
 ) -> dict[str, np.ndarray]:
-    """By policy, the targets (S, G) of its S training runs in the episodes of G games."""
+    """Return the targets (S, G) of each policy's S training runs in the episodes of G games."""
     bank = [houses[game.index] for game in played]
     seeds, numbers = [game.seed for game in played], np.arange(len(played))
     scores = {"people": np.array([[game.score for game in played]], float)}

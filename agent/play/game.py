@@ -1,4 +1,4 @@
-"""A game: an episode that a person plays, or an agent, apart from how it is shown."""
+"""Game: an episode that a person or an agent plays, apart from how it is shown."""
 
 import numpy as np
 import torch
@@ -17,14 +17,14 @@ from sim.config import DEFAULT, Config
 from sim.film import Scene
 
 LETTERS = {LEFT: "L", RIGHT: "R", FORWARD: "F"}
-"""Actions as a file of results has them."""
+"""Letters of actions in a file of results."""
 
 
 class Game:
-    """An episode in a house: with seed + i, that of an evaluation with ``seed`` in its house i."""
+    """Episode in a house; with seed + i it is that of an evaluation with ``seed`` in its house i."""
 
     def __init__(self, house: House, targets: str, seed: int, config: Config = DEFAULT) -> None:
-        """Begin it. Raises ``HouseFileError`` where the task cannot be played in the house."""
+        """Begin the episode. Raises ``HouseFileError`` if the task cannot be played in the house."""
         self.envs = make_envs([house], 1, targets, preset=config)
         self.actions: list[str] = []
         self.ended = False
@@ -33,11 +33,11 @@ class Game:
 
     @property
     def score(self) -> int:
-        """Targets picked up."""
+        """Number of targets picked up."""
         return self.scene.found
 
     def act(self, action: int) -> None:
-        """Make one step; after the last one, nothing."""
+        """Make one step; do nothing after the last step."""
         if self.ended:
             return
         _, _, terminated, truncated, _ = self.envs.step_torch(torch.tensor([action]))
@@ -47,9 +47,9 @@ class Game:
 
 
 def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[Scene]]:
-    """A game that was played, by its actions, and its scenes.
+    """Return a replayed game, by its actions, and its scenes.
 
-    Raises ``ResultsError`` where it was played in another house, or does not come out as it says.
+    Raises ``ResultsError`` if the game was played in another house, or if the replay differs from its record.
     """
     require_house(played, house, where)
     try:
@@ -68,9 +68,9 @@ def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[S
 
 
 def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> list[Scene]:
-    """The scenes of the episode that an agent plays from the same start with the same targets.
+    """Return the scenes of the episode that an agent plays from the same start with the same targets.
 
-    Raises ``RequestError`` for one that drives: its starts are others.
+    Raises ``RequestError`` for an agent that drives, as its starts differ.
     """
     if agent.config.backend == "free":
         raise RequestError(f"{agent.name} drives, and people play on a lattice of steps: take another agent")
@@ -81,7 +81,7 @@ def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> l
 
 
 def fan(scene: Scene) -> np.ndarray:
-    """Where the rays of a scene end (R, 2), metres."""
+    """Return where the rays of a scene end (R, 2), metres."""
     x, y, heading = scene.pose
     angle = heading + scene.config.ray_angles
     return np.column_stack([x + np.cos(angle) * scene.distance, y - np.sin(angle) * scene.distance])

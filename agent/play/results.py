@@ -1,4 +1,4 @@
-"""Results of games that people played: a JSON Lines file, a game a line, with every action."""
+"""Results of games that people played: a JSON Lines file, one game a line, with every action."""
 
 import secrets
 from collections.abc import Iterable
@@ -16,52 +16,55 @@ from logic.opener import content_of, from_json
 from logic.spelling import quoted
 
 ENDINGS = (".jsonl",)
-"""How names of files of results end."""
+"""Suffixes of files of results."""
 
 MAX_BYTES, MOST_GAMES = 1 << 28, 1 << 20
-"""Size of an uncompressed file, in bytes and in lines."""
+"""Largest size of an uncompressed file, in bytes and in lines."""
 
 MAX_ACTIONS = 1 << 16
-"""Number of actions in a game; an episode of the default preset has 1500."""
+"""Largest number of actions in a game; an episode of the default preset has 1500."""
 
 
 class ResultsError(VitruviusError):
-    """A file of games is absent or none, or its game does not come out when its actions are made again."""
+    """Error for a file of games that is absent or malformed, or for a game whose replay differs."""
 
     exit_code = 5
 
 
 class PlayedGame(msgspec.Struct, frozen=True, kw_only=True):
-    """A game that was played to its end."""
+    """Game that was played to its end."""
 
     format: Literal["vitruvius-game-1"] = "vitruvius-game-1"
     player: str
-    """The name that the player gave, or a random one of the session."""
+    """Name that the player gave, or a random one of the session."""
     house: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
     """``agent.banks.geometry_hash`` of the house."""
     index: Annotated[int, Meta(ge=0)]
-    """Which house of the file it was, from 0."""
+    """Index of the house in the file, from 0."""
     targets: str
-    """Where targets lay, as for ``evaluate --targets``."""
+    """Places of targets, as for ``evaluate --targets``."""
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)]
-    """Of the episode: an evaluation with ``--seed 0`` plays house i with i."""
+    """Seed of the episode: an evaluation with ``--seed 0`` plays house i with i."""
     view: Literal["plan", "seen"]
-    """What the player saw: the whole plan with the target, or what the robot's rays had reached."""
+    """View of the player: the whole plan with the target, or what the robot's rays had reached."""
     seconds: Annotated[float, Meta(gt=0)]
-    """For how long it could last."""
+    """Time limit of the game."""
     actions: Annotated[str, Meta(pattern="^[LRF]*$", max_length=MAX_ACTIONS)]
-    """Each step: a turn left, right, or a step forward."""
+    """Letter of each step: a turn left or right, or a step forward."""
     score: Annotated[int, Meta(ge=0)]
-    """Targets picked up."""
+    """Number of targets picked up."""
     raced: dict[str, int] = {}
-    """The agent that was raced, if any, and its score."""
+    """Agent that was raced, if any, and its score."""
     taken: str = ""
-    """When it was played: a date and a time, UTC."""
+    """Date and time of the game, UTC."""
     versions: dict[str, str] = {}
 
 
 def load(path: Path) -> list[PlayedGame]:
-    """The games of a file. Raises ``ResultsError``, with the line, where it is absent, empty or none."""
+    """Return the games of a file.
+
+    Raises ``ResultsError``, with the line, if the file is absent, empty or malformed.
+    """
     try:
         lines = content_of(path, MAX_BYTES).splitlines()
     except OSError as error:
@@ -80,7 +83,7 @@ def load(path: Path) -> list[PlayedGame]:
 
 
 def require_games(path: Path) -> None:
-    """Raise ``RequestError`` where a file that games are to be added to holds something else."""
+    """Raise ``RequestError`` if a file to which games are to be added holds something else."""
     try:
         if path.is_file() and path.stat().st_size:
             load(path)
@@ -89,18 +92,18 @@ def require_games(path: Path) -> None:
 
 
 def append(path: Path, games: Iterable[PlayedGame]) -> None:
-    """Add games to a file, which a kill leaves as it was or with all of them."""
+    """Add games to a file. A kill leaves the file as it was, or with all of them."""
     before = path.read_bytes() if path.exists() else b""
     write_whole(path, before + b"".join(msgspec.json.encode(game) + b"\n" for game in games))
 
 
 def require_house(game: PlayedGame, house: House, where: str) -> None:
-    """Raise ``ResultsError`` where a game was played in another house."""
+    """Raise ``ResultsError`` if a game was played in another house."""
     found = geometry_hash(house)
     if game.house != found:
         raise ResultsError(f"{where}: played in a house of hash {game.house[:12]}, not {found[:12]}")
 
 
 def nobody() -> str:
-    """A name for a player who gave none."""
+    """Return a name for a player who gave none."""
     return f"player-{secrets.token_hex(3)}"

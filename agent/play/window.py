@@ -1,4 +1,4 @@
-"""The window: a person's game beside the agent that they race, drawn by pygame."""
+"""Game window: a person's game next to the agent's episode, drawn by pygame."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from sim.film import BODY, RAY, SHARP, TARGET, TARGET_EDGE, TARGET_RAY, View, pl
 from sim.film import Scene as Picture
 
 SIZE = 720
-"""Pixels of the longer side of a plan, at most."""
+"""Largest length of a plan's longer side, in pixels."""
 
 HEAD, GAP, EDGE = 64, 12, 16
 """Pixels above the plans for words, between two plans, and left of words."""
@@ -28,18 +28,18 @@ LARGE, SMALL, LEAST = 40, 26, 12
 """Font sizes, in pixels: names and scores, instructions, and the smallest size for text in a narrow space."""
 
 FRAME = 80
-"""Pixels of the height of a display that a window's title and bars of the desktop may take."""
+"""Pixels of a display's height that a window's title and the desktop's bars may take."""
 
 START = "arrow keys or W, A, D: drive to the yellow square. The first key starts the clock"
 
 FRAMES = 60
-"""Frames a second."""
+"""Frames per second."""
 
 TURN_EVERY = 0.18
-"""Seconds between turns while a key of turning is held."""
+"""Seconds between two turns while a turn key is held."""
 
 BACK, WORDS, DIM, FOG = (250, 249, 245), (51, 58, 69), (120, 128, 138), (51, 58, 69, 255)
-"""Colours."""
+"""Colours of the window."""
 
 TURNS = {pygame.K_LEFT: LEFT, pygame.K_a: LEFT, pygame.K_RIGHT: RIGHT, pygame.K_d: RIGHT}
 GOES = {pygame.K_UP, pygame.K_w}
@@ -49,7 +49,7 @@ Pixel = tuple[float, float]
 
 
 class Panel:
-    """A house from above, and in it a body: all of it, or what its rays have reached."""
+    """House from above with a body in it: the whole house, or what the body's rays have reached."""
 
     def __init__(self, house: House, view: Seen, size: int = SIZE) -> None:
         image = plan(house, size).reduce(SHARP)
@@ -62,18 +62,18 @@ class Panel:
             self.fog.fill(FOG)
 
     def at(self, x: float, y: float) -> Pixel:
-        """A point of the house, metres, as a pixel of the panel."""
+        """Return a point of the house, metres, as a pixel of the panel."""
         across, down = self._view.at(x, y)
         return across / SHARP, down / SHARP
 
     def see(self, scene: Picture) -> None:
-        """Lift the fog where the rays go; call it for every step."""
+        """Lift the fog where the rays go; call this method for every step."""
         if self.fog is not None:
             pygame.draw.polygon(self.fog, (0, 0, 0, 0), self._fan(scene))
             pygame.draw.circle(self.fog, (0, 0, 0, 0), self.at(*scene.pose[:2]), self._length(0.7 * SIDE))
 
     def draw(self, surface: pygame.Surface, corner: tuple[int, int], scene: Picture) -> None:
-        """Draw the panel as it is now."""
+        """Draw the panel in its present state."""
         whole = self.plan.copy()
         half = scene.config.target / 2
         hidden = self.fog is not None and not scene.is_target.any()
@@ -113,13 +113,13 @@ class Panel:
 
 
 def size_of(display: tuple[int, int], panels: int) -> int:
-    """Pixels of the longer side of each plan, so that a window with so many side by side fits a display."""
+    """Return the longer side of each plan, in pixels, so that ``panels`` plans side by side fit a display."""
     width, height = display
     return max(1, min(SIZE, (width - GAP * (panels - 1)) // panels, height - HEAD - FRAME))
 
 
 class PlayedEpisode:
-    """An episode that has been played, shown up to a step."""
+    """Played episode, shown up to a step."""
 
     def __init__(self, panel: Panel, name: str, scenes: Sequence[Picture]) -> None:
         self.panel, self.name, self.step, self._scenes = panel, name, 0, scenes
@@ -127,11 +127,11 @@ class PlayedEpisode:
 
     @property
     def scene(self) -> Picture:
-        """The scene that is shown."""
+        """Scene that is shown."""
         return self._scenes[self.step]
 
     def go_on(self, step: int) -> None:
-        """Go on to a step, or to the last one."""
+        """Advance to a step, or to the last one."""
         while self.step < min(step, len(self._scenes) - 1):
             self.step += 1
             self.panel.see(self.scene)
@@ -139,16 +139,16 @@ class PlayedEpisode:
 
 @dataclass
 class Keys:
-    """Which keys are held, and what they ask for. Times in seconds of the game."""
+    """Keys that are held, and the actions that they ask for. Times are in seconds of the game."""
 
     going: bool = False
     asked: list[int] = field(default_factory=list)
     """Actions of keys that were pressed since the last step: no press is lost, however short."""
     held: dict[int, float] = field(default_factory=dict)
-    """The keys of turning that are held, and when each turns again."""
+    """Turn keys that are held, and the time of each key's next turn."""
 
     def down(self, key: int, now: float) -> None:
-        """A key was pressed."""
+        """Note that a key was pressed."""
         if key in GOES:
             self.going = True
             self.asked.append(FORWARD)
@@ -157,13 +157,13 @@ class Keys:
             self.held[key] = now + TURN_EVERY
 
     def up(self, key: int) -> None:
-        """A key was let go."""
+        """Note that a key was released."""
         if key in GOES:
             self.going = False
         self.held.pop(key, None)
 
     def action(self, now: float) -> int | None:
-        """What the next step is; None where nothing is asked for."""
+        """Return the next action, or None if no key asks for one."""
         for key, again in self.held.items():
             if again <= now:
                 self.asked.append(TURNS[key])
@@ -174,10 +174,10 @@ class Keys:
 
 
 class GameWindow:
-    """Shows games one after the other, and plays them by the keyboard."""
+    """Window that shows games one after the other, and plays them by the keyboard."""
 
     def __init__(self, title: str = "Vitruvius") -> None:
-        """Open the display. Raises ``pygame.error`` where there is none."""
+        """Open the display. Raises ``pygame.error`` without a display."""
         pygame.display.init()
         pygame.font.init()
         pygame.display.set_caption(title)
@@ -185,15 +185,15 @@ class GameWindow:
         size = self._size(1)
         self.surface = pygame.display.set_mode((size, size))
         self.tick: Callable[[], float] = lambda: self.clock.tick(FRAMES) / 1000
-        """Waits for the next frame: the seconds since the last one."""
+        """Function that waits for the next frame and returns the seconds since the last one."""
 
     def play(
         self, game: Game, seconds: float, view: Seen, race: tuple[str, Sequence[Picture]] | None = None
     ) -> bool:
-        """Play a game by the keyboard until its steps or its seconds are over; whether it came to its end.
+        """Play a game by the keyboard until its steps or seconds are over.
 
-        The clock starts at the first key. An agent's scenes run beside it at the game's speed, ``steps`` of
-        the episode in so many seconds.
+        Returns False if the player left early. The clock starts at the first key. An agent's scenes run next
+        to the game at the game's speed: all ``steps`` of the episode in ``seconds``.
         """
         house, size = game.scene.house, self._size(2 if race else 1)
         ghost = PlayedEpisode(Panel(house, view, size), *race) if race else None
@@ -214,7 +214,7 @@ class GameWindow:
             passed = self.tick()
             if began:
                 now, due = now + passed, due + passed * speed
-            # A step is due every 1 / speed seconds; where no key asks for one, it is lost: time goes on.
+            # A step is due every 1 / speed seconds. Without a key for it the step is lost: time goes on.
             while due >= 1:
                 due -= 1
                 action = keys.action(now)
@@ -230,9 +230,10 @@ class GameWindow:
                 return True
 
     def replay(self, played: PlayedGame, houses: Sequence[House], where: str) -> bool:
-        """Show a game again, at its speed; whether it was watched to its end.
+        """Replay a game at its speed; return True if it was watched to its end.
 
-        Raises ``ResultsError`` where it cannot be played in these houses, or does not come out as it says.
+        Raises ``ResultsError`` if the game does not belong to these houses, or if the replay differs from its
+        record.
         """
         if played.index >= len(houses):
             raise ResultsError(f"{where}: played in house {played.index}, here are {len(houses)}")
@@ -280,7 +281,7 @@ class GameWindow:
         return size_of(pygame.display.get_desktop_sizes()[0], panels)
 
     def _draw(self, panels: Sequence[Panel], scenes: Sequence[tuple[str, Picture]], words: str) -> None:
-        """Draw panels side by side, with the name and the score of each, and words over the first."""
+        """Draw panels side by side, each with its name and score, and ``words`` over the first."""
         self.surface.fill(BACK)
         corner = 0
         for panel, (name, scene) in zip(panels, scenes, strict=True):
@@ -309,5 +310,5 @@ def fitted(words: str, size: int, room: tuple[int, int], colour: tuple[int, int,
 
 
 def _is_end(event: pygame.event.Event) -> bool:
-    """Whether the window is closed, or Esc is pressed."""
+    """Return True if the window is closed, or Esc is pressed."""
     return event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE)

@@ -1,1 +1,1 @@
-"""What acts: networks and their memories, under a layer that avoids obstacles."""
+"""Policies: networks and their memories, under a layer that avoids obstacles."""

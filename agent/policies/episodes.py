@@ -1,4 +1,4 @@
-"""The loop in which a policy acts: one episode in each of E environments, side by side."""
+"""Loop in which a policy acts: one episode in each of E environments, side by side."""
 
 from collections.abc import Iterator
 from itertools import count
@@ -12,27 +12,28 @@ from sim import HouseVectorEnv
 
 
 class Moment(NamedTuple):
-    """Environments before a step, and what the last one led to. Tensors are the simulator's own memory, which
-    the next step overwrites.
+    """Environments before a step, and the result of the last step.
+
+    Tensors are the simulator's own memory, which the next step overwrites.
     """
 
     step: int
-    """Steps so far."""
+    """Number of steps so far."""
 
     observation: Tensor
-    """(E, R, C) float32."""
+    """Observations, (E, R, C) float32."""
 
     blocked: Tensor
-    """(E,) bool: whether the last actions came to nothing."""
+    """(E,) bool: true where the last actions were blocked."""
 
     reward: Tensor
-    """(E,) float32, of the last actions; 0 at first."""
+    """Rewards of the last actions, (E,) float32; 0 at first."""
 
     ended: Tensor
-    """(E,) bool: which episodes have ended."""
+    """(E,) bool: true for episodes that have ended."""
 
     actions: Tensor | None
-    """(E,) int64: what the policy has chosen; None after the last step."""
+    """Actions that the policy has chosen, (E,) int64; None after the last step."""
 
 
 def moments(
@@ -44,11 +45,11 @@ def moments(
     blocked: Tensor | None = None,
     through: bool = False,
 ) -> Iterator[Moment]:
-    """Play on from the observations (E, R, C) until all episodes have ended, or for some ``steps``; yields
-    before each step and after the last one.
+    """Play from the observations (E, R, C) until all episodes have ended, or for ``steps`` steps.
 
-    ``blocked`` (E,) bool is of episodes that are under way; without it they begin, and the policy forgets the
-    past. With ``through`` it goes on where all have ended, into the next ones.
+    Yields before each step and after the last one. ``blocked`` (E,) bool belongs to episodes under way;
+    without it episodes begin, and the policy forgets the past. With ``through``, play continues into the next
+    episodes when all have ended.
     """
     if blocked is None:
         policy.begin(envs.num_envs)

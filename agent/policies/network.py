@@ -1,4 +1,4 @@
-"""The Q-network: the value of each action, from the rays and the memory."""
+"""Q-network: the value of each action, from the rays and the memory."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,22 +10,22 @@ from agent.policies.memory import Memory
 from sim.actions import ACTIONS
 
 WINDOW, STRIDE = 5, 2
-"""Neighbouring rays that a filter reads, and rays from one window to the next."""
+"""Number of neighbouring rays that a filter reads, and of rays from one window to the next."""
 
 
 @contextmanager
 def seeded(seed: int) -> Iterator[None]:
-    """Make first weights within the block a function of the seed; torch's generator is left as it was."""
+    """Make first weights within the block a function of the seed; torch's generator keeps its state."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         yield
 
 
 class QNetwork(nn.Module):
-    """A convolution over neighbouring rays, then two layers of 128 under LayerNorm: about 57,000 parameters.
+    """Convolution over neighbouring rays, then two layers of 128 with LayerNorm: about 57,000 parameters.
 
-    The same small filter serves every ray, as an edge looks the same wherever it stands. LayerNorm is what
-    lets Q-learning be stable without a target network (Gallici et al. 2024, section 3).
+    The same small filter serves every ray, as an edge looks the same wherever it stands. LayerNorm makes
+    Q-learning stable without a target network (Gallici et al. 2024, section 3).
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class QNetwork(nn.Module):
         super().__init__()
         self.shape, self.actions = (rays, channels, half_lives), actions
         self.memory = Memory(half_lives, actions)
-        # A convolution, as a matrix product of overlapping windows: torch's own is slower on a CPU.
+        # A convolution as a matrix product of overlapping windows: torch's own is slower on a CPU.
         self.look = nn.Linear(WINDOW * channels, 16)
         self.judge = nn.Sequential(
             nn.Linear(16 * ((rays - WINDOW) // STRIDE + 1) + self.memory.signals * len(half_lives), width),
@@ -53,8 +53,9 @@ class QNetwork(nn.Module):
         )
 
     def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
-        """Q-values (B, A), in discounted targets, of observations (B, R, C), distance/range and is_target,
-        and memories (B, M, S).
+        """Return Q-values (B, A), in discounted targets.
+
+        ``observation`` (B, R, C) has distance/range and is_target, ``memory`` is (B, M, S).
         """
         channels = observation.shape[2]
         windows = observation.flatten(1).unfold(1, WINDOW * channels, STRIDE * channels)

@@ -1,4 +1,4 @@
-"""Policies: what turns an array of observations into an array of actions."""
+"""Policies: functions from an array of observations to an array of actions."""
 
 from typing import NamedTuple, Protocol
 
@@ -13,46 +13,46 @@ from sim.actions import ACTIONS, FORWARD
 from sim.config import DEFAULT, Config
 
 MIDDLE = slice(18, 21)
-"""The rays that make an exploring body of the original go forward where they see the target."""
+"""Rays that make an exploring body of the original go forward if they see the target."""
 
 
 class ActionChoice(NamedTuple):
-    """Why a policy acted as it did last, (E, A) each."""
+    """Reasons for a policy's last actions, (E, A) each."""
 
     values: Tensor
-    """The network's Q-values."""
+    """Q-values of the network."""
 
     preference: Tensor
-    """What it would rather do: the values, or a random action's."""
+    """Preferences before avoidance: the values, or a random action's."""
 
     allowed: Tensor
-    """Bool: which actions its avoidance layer left."""
+    """Mask (bool) of the actions that the avoidance layer allowed."""
 
 
 class Policy(Protocol):
-    """Anything that acts. It counts how often its avoidance layer overruled what it would have done."""
+    """Anything that acts. It counts how often its avoidance layer overruled its preferred action."""
 
     interventions: int
 
     def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of that many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         ...
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
         ...
 
 
 class Chooser(Protocol):
-    """Chooses viewpoints for planners."""
+    """Chooser of viewpoints for planners."""
 
     def __call__(self, planner: Planner) -> object:
-        """Give viewpoints to those that are lost after their last step: by ``Planner.lead``."""
+        """Give viewpoints to planners that are lost after their last step, by ``Planner.lead``."""
         ...
 
 
 class Tracker:
-    """Keeps a planner in step with what a policy does: the policy sets ``actions`` after each choice."""
+    """Tracker that steps a planner with a policy: the policy sets ``actions`` after each choice."""
 
     def __init__(
         self,
@@ -62,20 +62,21 @@ class Tracker:
         chooser: Chooser | None = None,
     ) -> None:
         """Make planners for environments of the configuration ``world``; for ``prior`` see ``Planner``.
-        With a ``chooser`` they are led: it chooses the viewpoints.
+
+        A ``chooser`` chooses the planners' viewpoints, if given.
         """
         self.world, self.config, self.prior, self.chooser = world, config, prior, chooser
         self.planner = self._planner(1)
 
     def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of that many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         if len(self.planner.advice) != environments:
             self.planner = self._planner(environments)
         self.actions = torch.zeros(environments, dtype=torch.int64)
         self.fresh = torch.ones(environments, dtype=torch.bool)
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """The planners, with what the last actions led to."""
+        """Step the planners with what the last actions led to; return them."""
         self.planner.step(observation, blocked, self.actions, self.fresh)
         self.fresh.fill_(False)
         if self.chooser:
@@ -87,10 +88,10 @@ class Tracker:
 
 
 class QPolicy:
-    """The network's best allowed action, or sometimes a random allowed one."""
+    """Policy of the network's best allowed action, or sometimes a random allowed one."""
 
     choice: ActionChoice
-    """Of the last call."""
+    """Reasons of the last call."""
 
     def __init__(
         self,
@@ -101,23 +102,23 @@ class QPolicy:
         forward: float = 0.93,
         homing: bool = False,
     ) -> None:
-        """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
+        """Act by ``network`` under ``avoidance``; ``epsilon`` is the fraction of random actions.
 
-        With a hundredth a body leaves a loop that it cannot see it is in. With ``homing`` random actions go
-        to a target in sight, see ``home``.
+        With 1 % of random actions, a body leaves a loop that it cannot notice. With ``homing``, random
+        actions go to a target in sight, see ``home``.
         """
         self.network, self.avoidance, self.generator, self.homing = network, avoidance, generator, homing
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
         self.remembered = network.memory.empty(0)
 
     def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of that many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         self.interventions = 0
         self.remembered = self.network.memory.empty(environments)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
         q = self.network(observation, self.remembered)
         chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.forward, 2, q.shape[1])
         preference = epsilon_greedy(q, chosen, home(random, observation) if self.homing else random)
@@ -130,12 +131,14 @@ class QPolicy:
 
 
 class Explorer:
-    """The planner's advice under avoidance: to the target that was seen, or else to the next best view, or to
-    that which a chooser gives. Nothing is learnt but what its ``tracker`` foresees, or its chooser has.
+    """Policy that follows the planner's advice under avoidance.
+
+    It goes to the target that was seen, or else to the next best view or the view of a chooser. Only the
+    predictions of its ``tracker`` and its chooser may be trained.
     """
 
     choice: ActionChoice
-    """Of the last call: its values are 1 for what is advised, as it has none of actions."""
+    """Reasons of the last call; the values are 1 for the advised action, as there are no action values."""
 
     def __init__(
         self,
@@ -145,19 +148,21 @@ class Explorer:
         tracker: Tracker | None = None,
         chooser: Chooser | None = None,
     ) -> None:
-        """Explore environments of the configuration ``world`` under ``avoidance``; with a ``chooser`` to the
-        views that it chooses. ``tracker`` keeps the planners, if they are others than these.
+        """Explore environments of the configuration ``world`` under ``avoidance``.
+
+        With a ``chooser``, the goals are the views that it chooses. ``tracker`` replaces the default tracker
+        of the planners.
         """
         self.avoidance, self.interventions = avoidance, 0
         self.tracker = tracker or Tracker(world, config, chooser=chooser)
 
     def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of that many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         self.interventions = 0
         self.tracker.begin(environments)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
         advice = self.tracker.look(observation, blocked).advice
         advised = one_hot(advice, ACTIONS).float()
         self.choice = ActionChoice(advised, advised, self.avoidance(observation, blocked))
@@ -168,17 +173,17 @@ class Explorer:
 
 
 class RandomPolicy:
-    """The paper's random walk, 93 % forward, under avoidance: what exploring without learning achieves."""
+    """Random walk of the paper, 93 % forward, under avoidance: the result of exploration without learning."""
 
     def __init__(self, avoidance: Layer, generator: torch.Generator, forward: float = 0.93) -> None:
         self.avoidance, self.generator, self.forward, self.interventions = avoidance, generator, forward, 0
 
     def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of that many environments."""
+        """Forget the past: an episode begins in each of ``environments`` environments."""
         self.interventions = 0
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
         allowed = self.avoidance(observation, blocked)
         preference = random_preference(allowed, self.generator, self.forward)
         actions = subsume(preference, allowed)
@@ -194,10 +199,11 @@ def exploration(
     draws: int = 1,
     actions: int = ACTIONS,
 ) -> tuple[Tensor, Tensor]:
-    """For actions of this shape: which are random (..., 1) bool, a share ``epsilon``; and preferences of
-    random actions (..., A), ``forward`` in that share.
+    """Return the mask of random actions and preferences of random actions, for actions of this shape.
 
-    Of ``draws`` numbers for each action the first decides: with 2, runs are as they are on record.
+    The mask (..., 1) bool has a fraction ``epsilon`` of true values. The preferences (..., A) favour forward
+    with probability ``forward``. Of ``draws`` numbers for each action the first decides; 2 draws reproduce
+    recorded runs.
     """
     device = generator.device
     uniform = torch.rand(draws, *shape, 1, generator=generator, device=device)[0]
@@ -206,13 +212,14 @@ def exploration(
 
 
 def epsilon_greedy(q: Tensor, chosen: Tensor, random: Tensor) -> Tensor:
-    """Preferences (..., A): the Q-values, or where ``chosen`` those of a ``random`` action."""
+    """Return preferences (..., A): the Q-values, or where ``chosen`` those of a ``random`` action."""
     return torch.where(chosen, random, q)
 
 
 def home(preference: Tensor, observation: Tensor) -> Tensor:
-    """Preferences (E, A), or forward where one of the ``MIDDLE`` rays of the observations (E, R, C) sees the
-    target: the original's rule for random actions.
+    """Return preferences (E, A) with forward on top if a ``MIDDLE`` ray sees the target.
+
+    ``observation`` is (E, R, C). This is the original's rule for random actions.
     """
     seen = observation[:, MIDDLE, -1].amax(-1, keepdim=True) > 0
     return preference.masked_fill(seen & (torch.arange(ACTIONS, device=seen.device) == FORWARD), torch.inf)

@@ -1,1 +1,1 @@
-"""An episode as a film, or as a trace that a report plays."""
+"""Recordings of an episode: a film, or a trace that a report plays."""

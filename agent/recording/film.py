@@ -1,6 +1,6 @@
-"""Film an agent's episode: the body, its rays and its trail in the house; beside it the agent's map.
+"""Films of an agent's episode: the body, its rays and its trail in the house, next to the agent's map.
 
-Others may look on: what writes an episode's trace, for one (``agent.recording.recorder``).
+Watchers may observe the episode, such as the writer of a trace (``agent.recording.recorder``).
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,21 +24,21 @@ from sim import HouseVectorEnv
 from sim.film import Camera, film, largest, mosaic
 
 WIDTH = 480
-"""Pixels of the longer side of a house in a film of one."""
+"""Length of the house's longer side in a film of one house, in pixels."""
 
 STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
 
 
 class Watcher(Protocol):
-    """What looks on while an episode is played in one environment."""
+    """Observer of an episode that is played in one environment."""
 
     def begin(self, envs: HouseVectorEnv, policy: QPolicy | Explorer) -> None:
-        """An episode is to begin."""
+        """Prepare for an episode."""
         ...
 
     def note(self, moment: Moment) -> None:
-        """Look at the environment and the policy, as they are now."""
+        """Observe the environment and the policy in their present state."""
         ...
 
 
@@ -52,7 +52,7 @@ def watch(
     steps: int | None = None,
     report: Report = lambda done, words: None,
 ) -> None:
-    """Play the agent's episode in the house, whole or its first ``steps``: see ``record``."""
+    """Play the agent's episode in the house, or its first ``steps``, for ``watchers``: see ``record``."""
     envs, policy = _opened(agent, [house], targets, seed)
     for _ in _played(envs, policy, seed, steps, report, watchers):
         pass
@@ -71,10 +71,10 @@ def record(
     report: Report = lambda done, words: None,
     watchers: Sequence[Watcher] = (),
 ) -> Path:
-    """Write a film of the agent's episode in the house, whole or its first ``steps``; its path. ``watchers``
-    look on.
+    """Write a film of the agent's episode in the house, or of its first ``steps``; return its path.
 
-    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
+    ``watchers`` observe the episode. With ``seed`` + i it is the episode that an evaluation with ``seed``
+    plays in its house i.
     """
     envs, policy = _opened(agent, [house], targets, seed)
     planner = policy.tracker.planner if isinstance(policy, Explorer) else None
@@ -83,7 +83,7 @@ def record(
     def shots() -> Iterator[Image.Image]:
         for moment in _played(envs, policy, seed, steps, report, watchers):
             if planner and planner.read("time")[0] == 1:
-                # again where only the first wall shows how the body stands
+                # again, if only the first wall shows the body's orientation
                 map_picture.begin(envs.scene(0).pose)
             if moment.step % stride == 0 or moment.actions is None:
                 shot = camera.shoot()
@@ -106,10 +106,11 @@ def record_mosaic(
     width: int = WIDTH,
     report: Report = lambda done, words: None,
 ) -> Path:
-    """Write one film of an episode in each of many environments, side by side in rows; its path.
+    """Write one film of an episode in each of many environments, side by side in rows; return its path.
 
-    Environment i is in house i, from the first again where there are fewer, with starts and targets of
-    ``seed`` + i. ``width``: pixels of each. Where an episode ends before the others, its last picture stays.
+    Environment i is in house i, from the first again if there are fewer houses, with starts and targets of
+    ``seed`` + i. ``width`` is the number of pixels of each. An episode that ends early keeps its last
+    picture.
     """
     count = columns * rows
     several = [houses[index % len(houses)] for index in range(count)]
@@ -135,7 +136,7 @@ def record_mosaic(
 def _opened(
     agent: Checkpoint, houses: Sequence[House], targets: str, seed: int
 ) -> tuple[HouseVectorEnv, QPolicy | Explorer]:
-    """An environment in each house, and the agent's policy in them."""
+    """Return an environment in each house, and the agent's policy in them."""
     envs = make_envs(houses, len(houses), targets, preset=sensor(agent.config), backend=agent.config.backend)
     return envs, policy_of(agent.network, agent.config, envs, seed)
 
@@ -148,7 +149,7 @@ def _played(
     report: Report,
     watchers: Sequence[Watcher] = (),
 ) -> Iterator[Moment]:
-    """Play an episode in each environment, while ``watchers`` look on."""
+    """Play an episode in each environment, observed by ``watchers``; yield its moments."""
     for watcher in watchers:
         watcher.begin(envs, policy)
     length = min(steps or envs.config.steps, envs.config.steps)

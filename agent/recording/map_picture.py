@@ -1,4 +1,4 @@
-"""What an agent with a map believes, drawn to lie beside its house."""
+"""Picture of the beliefs of an agent with a map, drawn next to its house."""
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -15,14 +15,15 @@ from sim.film import TARGET as FOUND
 from sim.geometry import geometry
 
 UNKNOWN, LIKELY, EARLIER, LATELY = (226, 226, 222), (190, 214, 178), (178, 205, 232), (255, 255, 255)
-"""Colours of ground: never seen; the same but surely free floor; seen before the last pick-up; seen since."""
+"""Colours of ground: never seen; never seen, but surely free floor; seen before the last pick-up; seen
+since."""
 OCCUPIED, VIEWPOINT = (51, 58, 69), (140, 70, 160)
 
 TRUE = (200, 60, 50)
-"""Colour of the house's true lines, where a network foresees what was not seen."""
+"""Colour of the house's true lines, which are shown if a network predicts unseen ground."""
 
 PALE = 0.3
-"""What floor without targets is drawn as, of certain floor with targets."""
+"""Intensity of floor without targets, relative to certain floor with targets."""
 
 KEY = (
     (OCCUPIED, "occupied"),
@@ -33,27 +34,27 @@ KEY = (
     (FOUND, "target"),
 )
 FORESEEN = {LIKELY: "a target is likely (red: how the house is)"}
-"""Other words, where a network foresees."""
+"""Labels that differ if a network predicts unseen ground."""
 
 ROW = 18
-"""Pixels: the height of a row of the key."""
+"""Height of a row of the key, in pixels."""
 
 
 class MapPicture:
-    """Draws maps as the house lies: the film knows where the episode began, which the agent does not."""
+    """Painter of maps in the house's orientation: the film knows the episode's start, the agent does not."""
 
     def __init__(self, house: House, width: int) -> None:
-        """For pictures of the house of this width, as ``sim.film.Camera`` takes them."""
+        """Draw pictures of the house of this width, as for ``sim.film.Camera``."""
         self.view, self.solids = View(house, width), geometry(house).solids
 
     def begin(self, pose: np.ndarray) -> None:
-        """The map begins at the pose (3,) of the eye: x and y in metres, and its heading."""
+        """Begin the map at the pose (3,) of the eye: x and y in metres, and its heading."""
         frame = self.view.frame
         self.corner = -np.array([frame.left, frame.top]) / frame.scale - pose[:2]  # metres from the start
         self.quarters = quarters(pose[2])
 
     def drawn(self, planner: Planner) -> Image.Image:
-        """The first environment's planner."""
+        """Return the picture of the first environment's planner."""
         scale = self.view.frame.scale * planner.cell  # pixels to a cell
         side = 1 << planner.config.map_bits  # cells; the episode began in the middle
         corner = self.corner / planner.cell + side // 2
@@ -86,7 +87,7 @@ class MapPicture:
 
 
 def _ground(planner: Planner) -> np.ndarray:
-    """What the first environment's map shows of each cell: colours (S, S, 3) uint8."""
+    """Return the colours (S, S, 3) uint8 of the cells of the first environment's map."""
     states, since = planner.occupancy(0), int(planner.read("since")[0])
     share = _likely(planner).repeat(2, axis=0).repeat(2, axis=1)[..., None]
     ground = np.asarray(UNKNOWN) + share * (np.asarray(LIKELY) - UNKNOWN)
@@ -97,8 +98,10 @@ def _ground(planner: Planner) -> np.ndarray:
 
 
 def _likely(planner: Planner) -> np.ndarray:
-    """How surely the first environment's blocks (S / 2, S / 2), if never seen, are floor where a target may
-    lie: 0 to 1. Floor that is foreseen to hold none counts ``PALE``.
+    """Return the probability, 0 to 1, that a target may lie on a block if the block was never seen.
+
+    Blocks (S / 2, S / 2) are those of the first environment. Floor that is predicted without a target counts
+    ``PALE``.
     """
     if not planner.body.prior:
         return planner.unseen_floor(0) / CERTAIN
@@ -107,7 +110,7 @@ def _likely(planner: Planner) -> np.ndarray:
 
 
 def beside(house: Image.Image, map_: Image.Image, foresees: bool = False) -> Image.Image:
-    """Both pictures side by side, and below them what the map's colours mean, if a network ``foresees``."""
+    """Return both pictures side by side, above a key of the map's colours, if a network ``foresees``."""
     width = house.width + map_.width
     shapes: list[Shape] = []
     x, y = float(MARGIN), ROW / 2

@@ -1,4 +1,4 @@
-"""Writes an episode's trace while it is played: a watcher of ``agent.recording.film``."""
+"""Recorder of an episode's trace: a watcher of ``agent.recording.film``."""
 
 from collections import defaultdict
 
@@ -22,14 +22,14 @@ EVERY = 5
 
 
 class Recorder:
-    """Notes what there is to see at each step."""
+    """Recorder of the visible state at each step."""
 
     def __init__(self, name: str, mode: str, seed: int) -> None:
-        """For the episode of the agent of this name, with targets in this mode."""
+        """Record the episode of the agent ``name``, with targets in the mode ``mode``."""
         self.name, self.mode, self.seed = name, mode, seed
 
     def begin(self, envs: HouseVectorEnv, policy: QPolicy | Explorer) -> None:
-        """See ``Watcher``."""
+        """Prepare for an episode: see ``Watcher``."""
         self.envs, self.policy, self.house = envs, policy, envs.houses[0]
         self.columns, self.places = defaultdict[str, list](list), list[np.ndarray]()
         self.targets = list[tuple[float, float]]()
@@ -37,7 +37,7 @@ class Recorder:
         self.map = _MapNotes(self.house, policy.tracker.planner) if mapped else None
 
     def note(self, moment: Moment) -> None:
-        """See ``Watcher``."""
+        """Record the moment: see ``Watcher``."""
         if moment.step:
             self.columns["blocked"].append(bool(moment.blocked[0]))
         scene = self._state()
@@ -47,7 +47,7 @@ class Recorder:
                 self.map.note(moment.step, scene)
 
     def _choice(self, action: int) -> None:
-        """Note what the policy has chosen, and why."""
+        """Record what the policy has chosen, and why."""
         columns, choice = self.columns, self.policy.choice
         columns["action"].append(action)
         columns["allowed"].append(sum(1 << a for a, free in enumerate(choice.allowed[0].tolist()) if free))
@@ -57,7 +57,7 @@ class Recorder:
             columns["advice"].append(int(self.map.planner.advice[0]))
 
     def _state(self) -> Scene:
-        """Note what the environment is like."""
+        """Record the state of the environment; return its scene."""
         scene, columns = self.envs.scene(0), self.columns
         heading = round(float(scene.pose[2]) / (np.pi / 4)) % 8
         eye = np.array(scene.config.eye)
@@ -72,7 +72,7 @@ class Recorder:
 
     @property
     def trace(self) -> Trace:
-        """The episode, once it has ended."""
+        """Trace of the episode, after its end."""
         config = self.envs.config
         columns = {name: np.array(rows) for name, rows in self.columns.items()}
         steps = np.rint((np.array(self.places) - self.places[0]) / config.step)
@@ -101,7 +101,7 @@ class Recorder:
 
 
 class _MapNotes:
-    """What a planner knows and believes, turned to lie as the house does: that, the planner does not know."""
+    """Notes of a planner's knowledge and beliefs, in the house's orientation, which it does not know."""
 
     def __init__(self, house: House, planner: Planner) -> None:
         self.planner, self.belief_map = planner, BeliefMap(planner)
@@ -113,7 +113,7 @@ class _MapNotes:
         self.goals, self.kinds = list[np.ndarray](), list[int]()
 
     def note(self, step: int, scene: Scene) -> None:
-        """Note where it goes, and at every few steps its map."""
+        """Record the planner's goal, and its map at every few steps."""
         planner = self.planner
         if planner.read("time")[0] == 1:
             self._begin(scene.pose)
@@ -123,13 +123,15 @@ class _MapNotes:
         self.goals.append(np.rint(100 * place) if goal else np.zeros(2))
         if step % EVERY == 0:
             self.ground.append(self._laid(_ground(planner)))
-            known = bool(planner.read("known")[0])  # then it is there, and nowhere else
+            known = bool(planner.read("known")[0])  # true: the target is there, and nowhere else
             belief = self.belief_map.read() * np.uint8(not known)
             self.belief.append(self._laid(belief.repeat(2, axis=0).repeat(2, axis=1)))
 
     def _begin(self, pose: np.ndarray) -> None:
-        """Begin the map at the pose (3,) of the eye: again, where only the first wall shows how the body
-        stands, and what was drawn before that lay askew.
+        """Begin the map at the pose (3,) of the eye.
+
+        This happens again if only the first wall shows the body's orientation. Pictures from before are then
+        cleared, as they lie askew.
         """
         self.pose = pose
         self.first = np.floor((self.corner - pose[:2]) / self.planner.cell).astype(int)
@@ -137,7 +139,7 @@ class _MapNotes:
         self.belief = [np.zeros_like(each) for each in self.belief]
 
     def _laid(self, cells: np.ndarray) -> np.ndarray:
-        """A map (S, S), in whose middle the episode began, as the house lies, cut to it."""
+        """Return a map (S, S), with the start in its middle, in the house's orientation and cut to it."""
         turned = np.rot90(cells, quarters(self.pose[2]))
         rows, columns = (
             np.arange(first, first + size) + len(cells) // 2
@@ -147,18 +149,18 @@ class _MapNotes:
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """Where it went at each step."""
+        """Goal at each step."""
         return {"goal": np.array(self.goals), "goal_kind": np.array(self.kinds)}
 
     def packed(self) -> Map:
-        """All pictures."""
+        """Return all pictures."""
         west, north = self.pose[:2] + self.first * self.planner.cell
         ground, belief = (Packed.of(np.stack(each)) for each in (self.ground, self.belief))
         return Map(EVERY, float(west), float(north), self.planner.cell, ground, belief)
 
 
 def _ground(planner: Planner) -> np.ndarray:
-    """What the first environment's map shows of each cell (256, 256) uint8: places in ``GROUND``."""
+    """Return the ground of the first environment's map, (256, 256) uint8: indices in ``GROUND``."""
     states, since = planner.occupancy(0), int(planner.read("since")[0])
     ground = np.where(states == FREE, 1 + (planner.last_seen(0) >= since), 0)
     return np.where(states == TAKEN, 3, ground).astype(np.uint8)

@@ -1,9 +1,10 @@
-"""A trace: all that there is to see of an episode, in a small file that is played without a simulator.
+"""Trace: the visible course of an episode, in a small file that is played without a simulator.
 
-Poses are whole numbers of steps on the lattice that the body moves on. Arrays of whole numbers are kept as
-differences along their first axis, modulo their size, then deflated (RFC 1950) and written in base64: what
-stays as it was costs next to nothing, so a map of every fifth step does too. Axes: N steps, N + 1 states
-from the first to the last, R rays, A actions, K pictures of the planner's map.
+Poses are whole numbers of steps on the lattice that the body moves on. Integer arrays are stored as
+differences along their first axis, modulo their size, then deflated (RFC 1950) and written in base64.
+Unchanged values take almost no space, so a map of every fifth step takes little, too.
+
+Axes: N steps, N + 1 states from the first to the last, R rays, A actions, K pictures of the planner's map.
 """
 
 import base64
@@ -22,28 +23,28 @@ from logic.house.files import write_whole
 from logic.opener import content_of, from_json
 
 FORMAT = "vitruvius-trace-1"
-"""Traces of another version are refused: what a column means may have changed."""
+"""Format of traces. Other versions are refused: what a column means may have changed."""
 
 ENDING = ".trace.json"
-"""How names of traces end."""
+"""Suffix of traces."""
 
 AROUND = 0.5
-"""Metres around the house that pictures of a map show: planners take some of it for floor."""
+"""Margin around the house in pictures of a map, in metres: planners take some of the margin for floor."""
 
 MOST_BYTES, MOST_NUMBERS = 1 << 26, 1 << 26
-"""Size of an uncompressed file in bytes, and number of values in one of its arrays."""
+"""Largest size of an uncompressed file in bytes, and largest number of values in one of its arrays."""
 
 Count = Annotated[int, Meta(ge=0)]
 
 
 class TraceError(VitruviusError):
-    """A file is absent, no trace, or one of another version."""
+    """Error for a file that is absent, no trace, or a trace of another version."""
 
     exit_code = 5
 
 
 class Packed(msgspec.Struct, frozen=True):
-    """An array of whole numbers."""
+    """Packed array of integers."""
 
     type: Literal["uint8", "uint16", "int16"]
     shape: tuple[Count, ...]
@@ -58,7 +59,7 @@ class Packed(msgspec.Struct, frozen=True):
         return cls(array.dtype.name, array.shape, data)  # pyright: ignore[reportArgumentType]
 
     def array(self) -> np.ndarray:
-        """The array. Raises ``ValueError`` where the data are not of it."""
+        """Return the array. Raises ``ValueError`` if the data do not match its type and shape."""
         kind, count = np.dtype(self.type), int(np.prod(self.shape, dtype=object))
         if count > MOST_NUMBERS:
             raise ValueError(f"an array of {count:,} numbers: {MOST_NUMBERS:,} are read at most")
@@ -75,8 +76,9 @@ class Packed(msgspec.Struct, frozen=True):
 
 
 class Sensor(msgspec.Struct, frozen=True):
-    """The body and its rays: fields of ``sim.config.Config``, metres and degrees; two numbers are those at
-    headings along an axis and on a diagonal.
+    """Body and rays: fields of ``sim.config.Config``, metres and degrees.
+
+    Pairs are the values at headings along an axis and on a diagonal.
     """
 
     body: tuple[float, float]
@@ -90,24 +92,25 @@ class Sensor(msgspec.Struct, frozen=True):
 
 
 class Map(msgspec.Struct, frozen=True):
-    """What a planner knew and believed, as the house lies: rows from north to south, cells from west to east.
+    """Knowledge and beliefs of a planner, in the house's orientation.
 
-    ``ground`` (K, height, width): a member of ``GROUND``. ``belief`` (K, height, width): how much a target
-    in a place counts when the planner chooses where to look, 0 to 100. A picture is what it knew when it
-    chose at a state that is a multiple of ``every``.
+    Rows go from north to south, cells from west to east. ``ground`` (K, height, width) has indices in
+    ``GROUND``. ``belief`` (K, height, width) is how much a target in a place counts when the planner chooses
+    where to look, 0 to 100. A picture shows the planner's knowledge at a choice, in a state that is a
+    multiple of ``every``.
     """
 
     every: Annotated[int, Meta(ge=1)]
     west: float
     north: float
     cell: float
-    """Metres: the edges of the pictures, and a cell's side."""
+    """Side of a cell, in metres, as are ``west`` and ``north``, the edges of the pictures."""
     ground: Packed
     belief: Packed
 
 
 GROUND = ("never seen", "seen before the last pick-up", "seen since", "occupied")
-"""What a map shows of a cell."""
+"""Kinds of a cell in a map."""
 
 COLUMNS: dict[str, tuple[str, str]] = {
     "east": ("int16", "state"),
@@ -125,62 +128,64 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "goal": ("int16", "step"),
     "goal_kind": ("uint8", "step"),
 }
-"""By name, the type of a column and what its rows are: see ``Trace``."""
+"""Type of each column, and kind of its rows, by name: see ``Trace``."""
 
 
 class Trace(msgspec.Struct, frozen=True):
-    """An episode.
+    """Trace of an episode.
 
     Columns of states (N + 1, ...): ``east`` and ``south``, steps from ``origin``; ``heading``, eighths of a
     turn counter-clockwise from east; ``distance`` (R), 65535ths of the range; ``hits`` (R / 8), a bit for
-    each ray that ends on the target; ``found``, targets picked up, so which of ``targets`` is there.
+    each ray that ends on the target; ``found``, the number of targets picked up, and so the index of the
+    present one in ``targets``.
 
-    Columns of steps (N, ...): ``action``; ``blocked``, whether it came to nothing; ``allowed``, a bit for
-    each action that the avoidance layer left; ``wanted``, what was preferred before it. Where the agent has
-    them: ``values`` (A), its Q-values in units of ``value_unit``; ``advice``, the planner's action; ``goal``
-    (2), where it went, hundredths of a metre east and south of the house's origin; and ``goal_kind``: 0
-    none, 1 a viewpoint, 2 where it believes the target to be.
+    Columns of steps (N, ...): ``action``; ``blocked``, 1 if the action was blocked; ``allowed``, a bit for
+    each action that the avoidance layer allowed; ``wanted``, the preferred action before avoidance.
+
+    Optional columns of steps: ``values`` (A), Q-values in units of ``value_unit``; ``advice``, the planner's
+    action; ``goal`` (2), the goal in hundredths of a metre east and south of the house's origin; and
+    ``goal_kind``: 0 none, 1 a viewpoint, 2 the believed place of the target.
     """
 
     format: Literal["vitruvius-trace-1"]
     agent: str
     house: dict[str, Any]
-    """Its JSON form."""
+    """House in its JSON form."""
     mode: str
-    """Where targets lay."""
+    """Mode of the targets."""
     seed: int
     actions: tuple[str, ...]
     """Names of the A actions."""
     sensor: Sensor
     origin: tuple[float, float]
-    """Metres: the eye's first place."""
+    """First place of the eye, metres."""
     targets: tuple[tuple[float, float], ...]
-    """Metres: the centres of the targets, in the order in which they appeared."""
+    """Centres of the targets, metres, in the order in which they appeared."""
     length: Count
-    """N."""
+    """Number of steps, N."""
     longest: Count
-    """Steps of an episode that is not ended early."""
+    """Number of steps of an episode that does not end early."""
     columns: dict[str, Packed]
     value_unit: float = 0.0
     map: Map | None = None
 
     def column(self, name: str) -> np.ndarray:
-        """A column of ``COLUMNS``. Raises ``KeyError`` where the episode has none."""
+        """Return a column of ``COLUMNS``. Raises ``KeyError`` if the episode lacks it."""
         return self.columns[name].array()
 
 
 def packed(columns: Mapping[str, np.ndarray]) -> dict[str, Packed]:
-    """Columns as a trace keeps them."""
+    """Return columns as a trace stores them."""
     return {name: Packed.of(array.astype(COLUMNS[name][0])) for name, array in columns.items()}
 
 
 def save(trace: Trace, path: str | Path) -> None:
-    """Write a trace: the same episode gives the same bytes."""
+    """Write a trace; the same episode gives the same bytes."""
     write_whole(path, msgspec.json.encode(trace) + b"\n")
 
 
 def load(path: Path) -> Trace:
-    """Read a trace. Raises ``TraceError`` where it is absent, of another version or none."""
+    """Read a trace. Raises ``TraceError`` if it is absent, of another version or no trace."""
     try:
         content = content_of(path, MOST_BYTES)
     except OSError as error:
@@ -203,7 +208,7 @@ def _require_version(content: bytes, path: Path) -> None:
 
 
 def _require_whole(trace: Trace) -> None:
-    """Raise ``ValueError`` where a column is absent, or not of the episode."""
+    """Raise ``ValueError`` if a column is absent, or does not match the episode."""
     House.from_dict(trace.house)
     shapes = {
         "distance": (trace.sensor.rays,),

@@ -1,1 +1,1 @@
-"""A run as one HTML page that needs nothing else."""
+"""Report of a run, as one self-contained HTML page."""

@@ -1,4 +1,4 @@
-"""The section of episodes: a player for each trace, over the plan of its house."""
+"""Section of episodes: a player for each trace, over the plan of its house."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,18 +16,18 @@ from logic.spelling import markup, numbered
 from sim.tasks.words import in_words
 
 SIZE = 640
-"""CSS pixels of the longer side of a plan."""
+"""Length of a plan's longer side, in CSS pixels."""
 
 
 def section(files: Sequence[Path], folder: Path) -> Section:
-    """Of these traces. Raises ``TraceError`` for one of another version, or none."""
+    """Return the section of these traces. Raises ``TraceError`` for another version, or no trace."""
     traces = {path: load(path) for path in files}
     parts = [_player(path.relative_to(folder), trace) for path, trace in traces.items()]
     return Section("episodes", "Episodes", "\n".join(parts))
 
 
 def _player(path: Path, trace: Trace) -> str:
-    """A trace, and the plan that it is played on: the page's script makes the rest."""
+    """Return a trace, and the plan that it is played on; the page's script does the rest."""
     house = House.from_dict(trace.house)
     west, north, east, south = extent(house)
     scale = SIZE / (max(east - west, south - north) + 2 * AROUND)
@@ -37,7 +37,7 @@ def _player(path: Path, trace: Trace) -> str:
     found = int(trace.column("found")[-1])
     task = in_words(trace.mode, looks_of(house).name)
     title = f"{trace.agent}, {task}: {numbered(found, 'target')} in {numbered(trace.length, 'step')}"
-    # No HTML in it can end the script: < is written as JavaScript writes it.
+    # HTML in it cannot end the script: < is written as in JavaScript.
     content = msgspec.json.encode(trace).decode().replace("<", "\\u003c")
     return (
         f'<article class="episode" data-scale="{scale:.6f}" data-left="{frame.left:.4f}" '

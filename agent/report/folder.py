@@ -1,7 +1,7 @@
-"""What a report shows of a run: a section for each kind of file that its folder holds.
+"""Contents of a run's report: a section for each kind of file in the run's folder.
 
-Who writes a folder writes files, and the report is made of them alone: so the same run gives the same bytes,
-today by the command that made it and any day by ``vitruvius report``.
+Commands write files to the folder, and the report is made of these files alone. So the same run gives the
+same bytes, both in the command that ran it and in a later ``vitruvius report``.
 """
 
 import pkgutil
@@ -21,7 +21,7 @@ MADE_BY = b"Made by <code>vitruvius report</code>"
 """Words of ``page.html`` that every report has."""
 
 ABOUT = "about.json"
-"""What the run says of itself: see ``About``."""
+"""File in which a run describes itself: see ``About``."""
 
 SECTIONS = (
     (("*.trace.json",), "agent.report.episodes:section"),
@@ -29,35 +29,36 @@ SECTIONS = (
     (("config.json", "metrics.jsonl"), "agent.report.learning:section"),
     (("*.jsonl", "*.jsonl.gz", "evaluation.json"), "agent.report.plans:section"),
 )
-"""In the order of the page: names of files, and what makes a section of them, ``module:function``; it is
-imported where there are such files. Those of a study stand before the last.
-"""
+"""Sections in the order of the page: file patterns, and the function that makes a section of the files,
+``module:function``. A function is imported only if such files exist. Sections of a study stand before the
+last."""
 
 Sections = Sequence[tuple[tuple[str, ...], str]]
 
 DEPTH = "", "*/", "*/*/"
-"""How deep files may lie: a study has folders of runs."""
+"""Depths at which files may lie: a study has folders of runs."""
 
 
 MAX_ABOUT_BYTES = 1 << 20
-"""Size of the file in which a run describes itself, in bytes."""
+"""Largest size of the file in which a run describes itself, in bytes."""
 
 
 class About(msgspec.Struct):
-    """A title, and paragraphs for the last section, as ``agent.report.page.inline`` takes them."""
+    """Title of a report, and paragraphs of its last section, as ``agent.report.page.inline`` takes them."""
 
     title: str
     words: list[str] = []
 
 
 def describe(folder: Path, title: str, *words: str) -> None:
-    """Say what a run is, for its report."""
+    """Write the description of a run for its report."""
     write_whole(folder / ABOUT, msgspec.json.format(msgspec.json.encode(About(title, list(words)))) + b"\n")
 
 
 def require_report(folder: Path, replace: bool | None) -> None:
-    """Raise ``RequestError`` where a page in the place of a folder's report is none of ours, unless it is to
-    be lost; None: it cannot be.
+    """Raise ``RequestError`` if a file in the place of a folder's report is not a report of ours.
+
+    With ``replace`` true the file may be overwritten; None means that there is no option to do so.
     """
     path = folder / NAME
     if not replace and path.is_file() and MADE_BY not in path.read_bytes():
@@ -66,17 +67,18 @@ def require_report(folder: Path, replace: bool | None) -> None:
 
 
 def write_report(folder: Path, out: Path | None = None, studies: Sections = ()) -> Path:
-    """Write the report of a run, by default into its folder; its path. Raises as ``report`` does."""
+    """Write the report of a run, by default into its folder; return its path. Raises as ``report`` does."""
     path = out or folder / NAME
     write_whole(path, report(folder, studies))
     return path
 
 
 def report(folder: Path, studies: Sections = ()) -> bytes:
-    """The report of a run: of one that was interrupted, what there is. ``studies``: sections of their files.
+    """Return the report of a run; an interrupted run gives an incomplete report.
 
-    Raises ``ReportError`` where the folder holds nothing to report, and a ``VitruviusError`` that names the
-    file where one is damaged or a trace is of another version.
+    ``studies`` are sections for the files of studies. Raises ``ReportError`` if the folder holds nothing to
+    report. Raises a ``VitruviusError`` that names the file if a file is damaged or a trace is of another
+    version.
     """
     if not folder.is_dir():
         what = "is a file" if folder.exists() else "there is no such folder"
@@ -93,7 +95,7 @@ def report(folder: Path, studies: Sections = ()) -> bytes:
 
 
 def _lead(files: Sequence[Path]) -> str:
-    """How a report of agents begins; a study of houses has none, and needs nothing of agents."""
+    """Return the first sentence of a report of agents; a study of houses has none, and needs no agents."""
     if not files:
         return ""
     from agent.report.measured import lead  # here: it imports torch
@@ -110,7 +112,7 @@ def _sections(folder: Path, known: Sections) -> Iterator[Section]:
 
 
 def found(folder: Path, names: Sequence[str]) -> list[Path]:
-    """The files of these names in a folder, and some way below it."""
+    """Return the files with these names in a folder, and up to two folders below."""
     paths = {path for depth in DEPTH for name in names for path in folder.glob(depth + name)}
     return sorted(path for path in paths if path.is_file())
 

@@ -1,4 +1,4 @@
-"""The section of training runs: learning curves, how far each run came, and what was asked for."""
+"""Section of training runs: learning curves, progress and configuration of each run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ from agent.runs.runs import MOST_METRICS, Folder
 from logic.opener import content_of, from_json, opened
 
 MAX_CONFIG_BYTES = 1 << 20
-"""Size of ``config.json``, in bytes."""
+"""Largest size of ``config.json``, in bytes."""
 
 POINTS = 300
-"""Of a curve, at most."""
+"""Largest number of points of a curve."""
 
 CURVES = (
     ("targets", "Targets picked up, while exploring", "targets per 1500 steps", False),
@@ -25,11 +25,11 @@ CURVES = (
     ("epsilon", "Random actions", "share of actions", False),
     ("overruled", "Actions that the avoidance layer overruled", "share of actions", False),
 )
-"""Fields of ``Progress`` that are drawn: title and label, and whether the axis is logarithmic."""
+"""Fields of ``Progress`` that are drawn: title and label, and True for a logarithmic axis."""
 
 
 class HousesOfRun(msgspec.Struct, frozen=True):
-    """Number and hash of the houses that a run learns in."""
+    """Number and hash of the houses that a run is trained on."""
 
     number: int | None = None
     hash: str = "?"
@@ -50,7 +50,7 @@ class AskedRun(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class TrainingRun:
-    """What there is of a run in its folder."""
+    """Files of a run in its folder."""
 
     name: str
     config: "AskedRun | None"
@@ -59,7 +59,7 @@ class TrainingRun:
 
     @classmethod
     def of(cls, folder: Path, name: str) -> "TrainingRun":
-        """Read it: a kill may tear the last report, and leave a run without any."""
+        """Read a run. A kill may tear the last report, or leave a run without reports."""
         here = Folder(folder)
         try:
             config = _asked(content_of(here.config, MAX_CONFIG_BYTES)) if here.config.exists() else None
@@ -79,12 +79,12 @@ class TrainingRun:
 
     @property
     def thin(self) -> list[Progress]:
-        """Some of its reports, the last among them."""
+        """Some of the run's reports, including the last."""
         return [self.history[k] for k in some(len(self.history), POINTS)]
 
     @property
     def state(self) -> str:
-        """How far it came, in words."""
+        """Progress of the run, in words."""
         if not self.history:
             return "no report yet"
         done = self.history[-1].fraction
@@ -101,8 +101,9 @@ def _asked(content: bytes) -> AskedRun | None:
 
 
 def section(files: Sequence[Path], folder: Path) -> Section | None:
-    """Of the folders of these ``config.json`` or ``metrics.jsonl`` files. Other programs have a file
-    ``config.json`` too: theirs are passed over.
+    """Return the section of the folders of these ``config.json`` or ``metrics.jsonl`` files.
+
+    Other programs also write ``config.json``: their files are skipped.
     """
     folders = sorted({path.parent for path in files})
     found = [TrainingRun.of(each, _name(each, folder)) for each in folders]
@@ -134,14 +135,14 @@ def _name(run: Path, folder: Path) -> str:
 
 
 def _kind(run: TrainingRun) -> str:
-    """What runs of one colour have in common."""
+    """Return the group of a run; runs of a group have one colour."""
     return run.config.preset if run.config else run.name
 
 
 def _curve(
     runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, title: str, label: str, log: bool
 ) -> str:
-    """A field of all runs against steps."""
+    """Return a plot of a field of all runs against steps."""
     series = [
         DataSeries(
             _kind(run),

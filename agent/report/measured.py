@@ -1,4 +1,4 @@
-"""The section of what was measured: each policy's figures with their intervals, as plots and tables."""
+"""Section of evaluations: each policy's figures with their intervals, as plots and tables."""
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
@@ -33,11 +33,12 @@ COLUMNS = {
     "interventions": ("overruled", 1),
     "human": ("> human", 2),
 }
-"""By figure, its heading and its digits."""
+"""Heading and number of digits of each figure."""
 
 
 def lead(files: Sequence[Path]) -> str:
-    """How well an agent did, in one sentence: the best one, where any was measured first; else nothing."""
+    """Return one sentence on the best agent of the first evaluation with agents, and its warnings; else
+    ""."""
     for path in files:
         file = scores.load(path)
         for name, mode in file.targets.items():
@@ -99,7 +100,7 @@ def _sentence(
 
 
 def section(files: Sequence[Path], folder: Path) -> Section:
-    """Of ``evaluation.json`` files. Raises ``ScoreError`` for one that is none."""
+    """Return the section of ``evaluation.json`` files. Raises ``ScoreError`` for a malformed file."""
     parts, notes = [], dict[str, None]()
     for path in files:
         file = scores.load(path)
@@ -119,7 +120,7 @@ def section(files: Sequence[Path], folder: Path) -> Section:
 
 
 def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) -> str:
-    """What all policies did where targets lay in one kind of room."""
+    """Return the part of a target mode: the figures of all policies."""
     figures = {policy: _figures(each) for policy, each in mode.policies.items()}
     labels = {policy: _label(policy, each) for policy, each in mode.policies.items()}
     colours = slots(figures)
@@ -154,7 +155,7 @@ def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) 
 
 
 def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dict[str, int]) -> str:
-    """The ratio against the number of rooms; nothing where houses have one number of rooms."""
+    """Return a plot of the ratio by number of rooms, or nothing if all houses have the same number."""
     found, best = [], yardstick(mode.policies)
     for policy, each in mode.policies.items():
         points = sorted((rooms, estimate(figure)) for rooms, figure in each.ratio_by_rooms.items())

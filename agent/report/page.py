@@ -1,4 +1,4 @@
-"""A report: sections under a title, as one HTML file that asks nothing of any other."""
+"""Report: sections under a title, as one self-contained HTML file."""
 
 import base64
 import hashlib
@@ -17,7 +17,7 @@ from logic.spelling import markup
 
 
 class ReportError(VitruviusError):
-    """A folder is absent, is no run, or a file of it is damaged."""
+    """Error for a folder that is absent or no run, or for a damaged file in it."""
 
     exit_code = 5
 
@@ -25,33 +25,33 @@ class ReportError(VitruviusError):
 FOLDER = Path(__file__).parent
 
 SCRIPTS = ("page", "plans", "picture", "episodes")
-"""Files of the page's script, in their order."""
+"""Files of the page's script, in order."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a report."""
+    """Part of a report."""
 
     name: str
-    """Its place in the page: ``#name``."""
+    """Anchor in the page: ``#name``."""
     title: str
     html: str
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table: words, and below them smaller ones."""
+    """Cell of a table: words, and smaller words below them."""
 
     text: str
     below: str = ""
     order: float | None = None
-    """What rows are sorted by in this column; by default the words."""
+    """Key by which rows are sorted in this column; by default the words."""
 
 
 def page(title: str, lead: str, sections: Sequence[Section]) -> bytes:
-    """The file; ``lead`` is the sentence below its title, if it has one.
+    """Return the file; ``lead`` is the sentence below its title, or an empty string.
 
-    Its policy lets a browser fetch nothing, and run no script but its own.
+    The page's content security policy lets a browser fetch nothing and run no script but the page's own.
     """
     style = FOLDER.joinpath("page.css").read_text()
     script = "\n".join(FOLDER.joinpath("script", f"{name}.js").read_text() for name in SCRIPTS)
@@ -75,13 +75,13 @@ def page(title: str, lead: str, sections: Sequence[Section]) -> bytes:
 
 
 def inline(text: str) -> str:
-    """A paragraph with ``**bold**`` and code between backticks."""
+    """Return a paragraph as HTML, with ``**bold**`` and code between backticks."""
     html = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", markup(text))
     return re.sub(r"`(.+?)`", r"<code>\1</code>", html)
 
 
 def table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[Cell | str]]) -> str:
-    """A table whose rows a reader can sort by each column; the first cell of a row names it."""
+    """Return a table whose rows a reader can sort by each column; the first cell of a row names it."""
     lines = []
     for row in rows:
         cells = [each if isinstance(each, Cell) else Cell(each) for each in row]
@@ -107,11 +107,11 @@ def _cell(cell: Cell, first: bool) -> str:
 
 
 def details(summary: str, html: str) -> str:
-    """What a reader opens to see."""
+    """Return HTML that a reader can open and close."""
     return f"<details><summary>{markup(summary)}</summary>\n{html}\n</details>"
 
 
 def data(name: str, value: Any) -> str:
-    """A value for the page's script, deflated: it is found by its name."""
+    """Return a value for the page's script, deflated, under a name."""
     content = base64.b64encode(zlib.compress(msgspec.json.encode(value), 9)).decode()
     return f'<script type="text/plain" id="{name}">{content}</script>'

@@ -1,4 +1,4 @@
-"""The section of houses: their plans, which a reader filters by file, grammar, rooms, types and furniture."""
+"""Section of houses: plans that a reader filters by file, grammar, rooms, types and furniture."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -21,14 +21,15 @@ from logic.spelling import numbered
 from sim.tasks.words import in_words
 
 MOST = 1000
-"""Plans in a report; of more houses, some of each file, evenly."""
+"""Largest number of plans in a report. If there are more houses, the plans are spread evenly over each
+file."""
 
 WIDTH = 300
-"""CSS pixels of a plan."""
+"""Width of a plan, in CSS pixels."""
 
 
 def holds_houses(path: Path) -> bool:
-    """Whether a file of JSON Lines is of houses: others, such as metrics, have other fields."""
+    """Return True if a JSON Lines file holds houses: other files, such as metrics, have other fields."""
     try:
         with opened(path, MOST_BYTES) as file:
             first = from_json(file.readline(MOST_LINE))
@@ -38,8 +39,9 @@ def holds_houses(path: Path) -> bool:
 
 
 def section(files: Sequence[Path], folder: Path) -> Section | None:
-    """Of these house files, and of the benchmark's banks that agents were measured in (``evaluation.json``),
-    with what each policy did in each house. Raises ``HouseFileError`` for a file that is damaged.
+    """Return the section of house files, and of the benchmark's banks in ``evaluation.json`` files.
+
+    Each plan has the ratio of each policy in its house. Raises ``HouseFileError`` for a damaged file.
     """
     measured = [scores.load(path) for path in files if path.name == "evaluation.json"]
     banks = {str(path.relative_to(folder)): load(path) for path in files if holds_houses(path)}
@@ -72,7 +74,7 @@ def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[flo
         whole = [_is_whole(each, houses) for each in scored.policies.values()]
         if best not in scored.policies or not all(whole):
             continue  # scores of another program, which need not be whole
-        # Episode i is in house i % houses.
+        # episode i is in house i % houses
         counts = {
             policy: np.array([run.targets for run in each.runs]).reshape(len(each.runs), -1, houses)
             for policy, each in scored.policies.items()
@@ -93,7 +95,7 @@ def _is_whole(policy: scores.PolicyScores, houses: int) -> bool:
 
 
 def plan_of(file: str, index: int, house: House) -> dict[str, Any]:
-    """A plan, and what it is filtered by."""
+    """Return a plan, and the values by which it is filtered."""
     provenance, named = house.provenance, looks_of(house).name
     return {
         "file": file,

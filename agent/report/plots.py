@@ -1,4 +1,4 @@
-"""Plots as SVG text whose colours the page's style gives, so that they suit both themes and print well."""
+"""Plots as SVG text. The page's style sets the colours, so that they suit both themes and print well."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -23,22 +23,22 @@ SLOTS = {
 """Colours of policies, by name: classes of ``page.css``."""
 
 OTHERS = (0, 8, 9, 4, 6)
-"""Colours of all others, in turn."""
+"""Colours of all other policies, in rotation."""
 
 LISTED = 30
-"""Points of a line in the table below its plot, at most."""
+"""Largest number of points of a line in the table below its plot."""
 
 MIN_POSITIVE = 1e-100
 """Bound on a logarithmic axis: values up to this bound count as 0."""
 
 WIDTH, HEIGHT = 520, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 24, 12, 44
-"""Pixels of a plot, and around its area."""
+"""Size of a plot, and margins around its area, in pixels."""
 
 
 @dataclass(frozen=True)
 class DataSeries:
-    """A line: points (x, y), and where there are any the intervals about them."""
+    """Line of points (x, y), with intervals if given."""
 
     name: str
     x: Sequence[float]
@@ -47,23 +47,23 @@ class DataSeries:
     high: Sequence[float] = ()
     slot: int = 0
     marked: bool = True
-    """Whether each point has a mark; none where there are many."""
+    """True if each point has a mark; false for many points."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: its label, whether it is logarithmic, and the least and greatest value that it must show."""
+    """Axis: its label, its scale, and the least and greatest value that it must show."""
 
     label: str
     log: bool = False
     least: float | None = None
     most: float | None = None
     ticks: Sequence[float] = ()
-    """By default round numbers."""
+    """Values with a label; by default round numbers."""
 
 
 def slots(names: Iterable[str]) -> dict[str, int]:
-    """A colour for each policy: the same for the same name, wherever that can be."""
+    """Return a colour for each policy: the same colour for the same name, if possible."""
     found, count = dict[str, int](), 0
     for name in names:
         if name not in SLOTS:
@@ -75,7 +75,7 @@ def slots(names: Iterable[str]) -> dict[str, int]:
 
 
 class _Scale:
-    """From values of an axis to pixels."""
+    """Map from values of an axis to pixels."""
 
     def __init__(self, axis: Axis, values: Iterable[float], start: float, end: float) -> None:
         shown = [each for each in (*values, axis.least, axis.most) if each is not None]
@@ -93,7 +93,7 @@ class _Scale:
         return math.log10(value) if self.log else value
 
     def at(self, value: float) -> float:
-        """A value's pixel."""
+        """Return the pixel of a value."""
         if self.log and value <= MIN_POSITIVE:
             return self.start
         share = (self._of(value) - self.low) / (self.high - self.low)
@@ -101,7 +101,10 @@ class _Scale:
 
 
 def line_plot(title: str, x: Axis, y: Axis, series: Sequence[DataSeries], note: str = "") -> str:
-    """A figure: lines with shaded intervals, what they are, and numbers in a table: of long lines some."""
+    """Return a figure of lines with shaded intervals, a legend, and a table of numbers.
+
+    The table lists only some points of long lines.
+    """
     across = _Scale(x, (v for each in series for v in each.x), LEFT, WIDTH - RIGHT)
     values = (v for each in series for v in (*each.y, *each.low, *each.high))
     up = _Scale(y, values, HEIGHT - BOTTOM, TOP)
@@ -127,7 +130,10 @@ def interval_plot(
     rows: Sequence[tuple[str, Estimate, int]],
     mark: tuple[float, str] | None = None,
 ) -> str:
-    """A figure: a row for each name, with its figure and its interval; ``mark`` is a line across them all."""
+    """Return a figure with a row for each name, with its value and interval.
+
+    ``mark`` is a line across all rows.
+    """
     row, top = 30, 12
     left = 16 + 9.4 * max((len(name) for name, _, _ in rows), default=0)
     height = top + row * len(rows) + 44
@@ -154,13 +160,13 @@ def interval_plot(
 
 
 def some(count: int, most: int) -> range:
-    """At most so many places of ``count``, evenly, the last among them."""
+    """Return at most ``most`` indices below ``count``, evenly spaced, including the last."""
     every = -(-count // most) or 1
     return range((count - 1) % every, count, every)
 
 
 def number(value: float) -> str:
-    """A number with as many digits as say something."""
+    """Return a number in words, with three significant digits, or as an integer or in millions if large."""
     if value == 0:
         return "0"
     if abs(value) >= 1e6:
@@ -169,7 +175,7 @@ def number(value: float) -> str:
 
 
 def _drawn(series: DataSeries, across: _Scale, up: _Scale) -> str:
-    """A line, its interval and its marks."""
+    """Return a line, its interval and its marks."""
     points = [(across.at(x), up.at(y)) for x, y in zip(series.x, series.y, strict=True)]
     parts = [f'<g class="c{series.slot}">']
     if series.low:
@@ -192,7 +198,7 @@ def _interval(series: DataSeries, k: int) -> list[str]:
 
 
 def _point(x: float, y: float, slot: int) -> str:
-    """A mark whose form goes with the colour, for those who see it in black and white."""
+    """Return a mark whose form goes with the colour, for readers in black and white."""
     forms = {
         0: f'<circle class="point" cx="{x:.1f}" cy="{y:.1f}" r="4"/>',
         1: f'<rect class="point" x="{x - 3.5:.1f}" y="{y - 3.5:.1f}" width="7" height="7"/>',
@@ -203,7 +209,7 @@ def _point(x: float, y: float, slot: int) -> str:
 
 
 def _grid(x: Axis, y: Axis, across: _Scale, up: _Scale) -> str:
-    """Both axes with their lines, numbers and labels."""
+    """Return both axes with their lines, numbers and labels."""
     parts = [_tick_x(across.at(v), TOP, HEIGHT - BOTTOM, number(v)) for v in across.ticks]
     for value in up.ticks:
         at = up.at(value)
@@ -246,7 +252,7 @@ def _listed(points: Iterable[tuple[float, float]]) -> str:
 
 
 def _round(low: float, high: float) -> list[float]:
-    """Round numbers from ``low`` or less to ``high`` or less: some five."""
+    """Return about five round numbers from at most ``low`` to at most ``high``."""
     raw = (high - low) / 5
     size = 10 ** math.floor(math.log10(raw))
     step = next(size * factor for factor in (1, 2, 2.5, 5, 10) if size * factor >= raw * 0.999)
@@ -255,7 +261,7 @@ def _round(low: float, high: float) -> list[float]:
 
 
 def _decades(low: float, high: float) -> list[float]:
-    """Powers of ten from at most ``low`` to at least ``high``; with twos and fives where they are few."""
+    """Return powers of ten from at most ``low`` to at least ``high``; if few, with twos and fives."""
     first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
     factors = (1, 2, 5) if last - first <= 2 else (1,)
     found = [factor * 10.0**k for k in range(first, last + 1) for factor in factors]

@@ -1,1 +1,1 @@
-"""A training run in its folder: checkpoints, the released agents, exports."""
+"""Training runs in their folders: checkpoints, the released agents, exports."""

@@ -24,23 +24,23 @@ MAX_LEARNT_HOUSES = 1 << 20
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A trained network, the config of its run, the steps that it has seen, and where it comes from."""
+    """Trained network, with the config of its run, the number of its training steps, and its origin."""
 
     network: Any
     config: TrainConfig
     steps: int
     name: str = "agent"
-    """What to call it: the preset's name."""
+    """Name of the agent: the preset's name."""
     houses: str = ""
-    """``agent.banks.bank_hash`` of the houses that it learnt in."""
+    """``agent.banks.bank_hash`` of the training houses."""
     command: str = ""
-    """What made it."""
+    """Command that made the checkpoint."""
     learnt_in: frozenset[int] = frozenset()
-    """``agent.banks.house_key`` of each of these houses; of none where they are not known."""
+    """``agent.banks.house_key`` of each training house; empty if the houses are not known."""
 
 
 def save(checkpoint: Checkpoint, path: str | Path) -> None:
-    """Write the checkpoint beside its place and rename it: a kill leaves the old file or the new one."""
+    """Write the checkpoint next to its place and rename it: a kill leaves the old file or the new one."""
     record = {
         "format": FORMAT,
         "algorithm": checkpoint.config.algorithm,
@@ -57,9 +57,9 @@ def save(checkpoint: Checkpoint, path: str | Path) -> None:
 
 
 def load(path: str | Path) -> Checkpoint:
-    """Read a checkpoint: tensors and text, never code. A released agent may be given by its name alone.
+    """Read a checkpoint, which holds tensors and text, never code.
 
-    Raises ``CheckpointError``.
+    ``path`` may be the name of a released agent. Raises ``CheckpointError``.
     """
     path = located(path)
     if path.is_dir():
@@ -97,7 +97,7 @@ def load(path: str | Path) -> Checkpoint:
 
 
 def _keys(tensor: torch.Tensor | None) -> frozenset[int]:
-    """The houses that a file names. Raises ``ValueError`` for a tensor that names none."""
+    """Return the houses that a file names. Raises ``ValueError`` for a malformed tensor."""
     if tensor is None:
         return frozenset()
     if tensor.dtype != torch.int64 or tensor.ndim != 1 or len(tensor) > MAX_LEARNT_HOUSES:
@@ -108,7 +108,7 @@ def _keys(tensor: torch.Tensor | None) -> frozenset[int]:
 
 
 def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:
-    """A config from what JSON has of it. Raises ``ValueError`` that names what is wrong."""
+    """Return a config from its JSON values. Raises ``ValueError`` that names the wrong value."""
     if algorithm not in ALGORITHMS:
         raise ValueError(f"unknown algorithm {algorithm!r}")
     kind = ALGORITHMS[algorithm].config

@@ -1,18 +1,18 @@
-"""The network for other runtimes: one ONNX file, a pure function of what the agent sees and remembers.
+"""Export for other runtimes: one ONNX file, a pure function of the observation and the memory.
 
 | input | shape | |
 |---|---|---|
 | ``observation`` | (B, R, C) float32 | distance / range, is target |
 | ``memory`` | (B, M, S) float32 | averages of S signals (recurrent: (B, H)); zeros as an episode begins |
-| ``blocked`` | (B,) bool | whether the last move was |
+| ``blocked`` | (B,) bool | true if the last move was blocked |
 
 | output | shape | |
 |---|---|---|
-| ``q`` | (B, A) float32 | the value of each action, in discounted targets |
-| ``memories`` | (B, A, M, S) float32 | the memory to go on with, for each action that may be made |
+| ``q`` | (B, A) float32 | value of each action, in discounted targets |
+| ``memories`` | (B, A, M, S) float32 | next memory after each possible action |
 
-The layers above, the shield and the rest, choose the action: so ``memories`` has one for each, and the caller
-takes that of the action made. Nothing is kept between two calls.
+Layers above the network, such as the shield, choose the action. So ``memories`` has one for each action, and
+the caller takes that of the action made. Nothing is kept between two calls.
 """
 
 import logging
@@ -32,27 +32,27 @@ INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
 
 
 class NoExporter(VitruviusError):
-    """The packages that write ONNX files are missing."""
+    """Error for missing packages that write ONNX files."""
 
     exit_code = 69
 
 
 class ExportedStep(nn.Module):
-    """A network and its memory as the one function that is exported."""
+    """Network with its memory, as the one function that is exported."""
 
     def __init__(self, network: Any) -> None:
         super().__init__()
         self.network = network
 
     def forward(self, observation: Tensor, memory: Tensor, blocked: Tensor) -> tuple[Tensor, Tensor]:
-        """Q-values (B, A), and the memory (B, A, ...) after each action; for the inputs see above."""
+        """Return Q-values (B, A), and the memory (B, A, ...) after each action; for the inputs see above."""
         same = torch.zeros_like(blocked)
         each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(self.network.actions)]
         memories = [self.network.memory(memory, observation, blocked, action, same) for action in each]
         return self.network(observation, memory), torch.stack(memories, dim=1)
 
     def example(self, size: int, seed: int = 0) -> tuple[Tensor, ...]:
-        """Random inputs for a batch of that size, in the order of ``forward``."""
+        """Return random inputs for a batch of ``size``, in the order of ``forward``."""
         generator = torch.Generator().manual_seed(seed)
         rays, channels, _ = self.network.shape
         kept = tuple(self.network.memory.empty(1).shape[1:])
@@ -65,8 +65,8 @@ class ExportedStep(nn.Module):
 def export(network: Any, path: str | Path) -> None:
     """Write the network with its memory to an ONNX file, whole or not at all, for batches of any size.
 
-    Raises ``RequestError`` for a network that works on a planner's map, as map completion, and ``NoExporter``
-    where the packages ``onnx`` and ``onnxscript`` are missing.
+    Raises ``RequestError`` for a network that works on a planner's map, such as map completion. Raises
+    ``NoExporter`` if the packages ``onnx`` and ``onnxscript`` are missing.
     """
     if not hasattr(network, "memory"):
         raise RequestError("only a Q-network over moves can be exported: this needs a planner's whole map")
@@ -76,7 +76,7 @@ def export(network: Any, path: str | Path) -> None:
         with _quiet():
             program = torch.onnx.export(
                 step,
-                step.example(2),  # of two: an axis of length one would be taken for a constant
+                step.example(2),  # two: torch would take an axis of length one for a constant
                 input_names=INPUTS,
                 output_names=OUTPUTS,
                 dynamic_shapes={name: {0: batch} for name in INPUTS},
@@ -90,7 +90,7 @@ def export(network: Any, path: str | Path) -> None:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without the exporter's remarks on packages and axes that do not matter here."""
+    """Silence the exporter's remarks on packages and axes, which do not matter here."""
     before = logging.root.manager.disable
     logging.disable(logging.WARNING)
     try:

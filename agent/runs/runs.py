@@ -53,7 +53,7 @@ NOTHING = Watching()
 """Options of a run without evaluation, checkpoints and hook."""
 
 SAVE_EVERY = 30.0
-"""Seconds between checkpoints."""
+"""Seconds between two checkpoints."""
 
 MORE_STATE, MOST_METRICS, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
 """Bounds of a run's files: bytes of the uncompressed state beyond twice a new run's, bytes of the reports,
@@ -62,38 +62,38 @@ and number of tensors."""
 
 @dataclass(frozen=True)
 class Folder:
-    """Where a run's files lie."""
+    """Paths of a run's files."""
 
     path: Path
 
     @property
     def agent(self) -> Path:
-        """The checkpoint."""
+        """Checkpoint of the agent."""
         return self.path / "agent.safetensors"
 
     @property
     def config(self) -> Path:
-        """What was asked for."""
+        """Settings of the run."""
         return self.path / "config.json"
 
     @property
     def metrics(self) -> Path:
-        """The reports."""
+        """Reports of the run."""
         return self.path / "metrics.jsonl"
 
     @property
     def state(self) -> Path:
-        """What the next step depends on."""
+        """State from which the run can continue."""
         return self.path / "state.pt.gz"
 
     @property
     def tensorboard(self) -> Path:
-        """The reports, for TensorBoard."""
+        """Reports for TensorBoard."""
         return self.path / "tensorboard"
 
     @property
     def lock(self) -> Path:
-        """An empty file, locked by the run that is at work."""
+        """Empty file, locked by the run at work."""
         return self.path / ".lock"
 
     def _require_own(self) -> None:
@@ -105,10 +105,11 @@ class Folder:
 
     @contextmanager
     def alone(self, resume: bool) -> Iterator[None]:
-        """Hold the folder for as long as the block lasts.
+        """Hold the folder while the block runs.
 
-        Raises ``RequestError`` where another run does, or where a run lies in it and is not to go on, and
-        ``CheckpointError`` where what lies in it is no run's: what leads out of it would be written to.
+        Raises ``RequestError`` if another run holds the folder, or if it holds a run that should not
+        continue. Raises ``CheckpointError`` for a path in the folder that is not a file of the run: writing
+        to a link would write outside the folder.
         """
         self.path.mkdir(parents=True, exist_ok=True)
         self._require_own()
@@ -161,7 +162,7 @@ def run(
 
 
 def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Learner:
-    """A new run in new environments, this rank's share of them; sets and streams rotate."""
+    """Return a new run in new environments, this rank's share of them; sets and streams rotate."""
     if isinstance(houses, HouseSet | HouseStream):
         houses = HouseRotation(houses)
     known = houses.houses if isinstance(houses, HouseRotation) else houses
@@ -193,10 +194,10 @@ def _learn(
     every: float | None,
     watching: Watching,
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Learn to the end, or to the report after a signal; save the run then and every half a minute."""
+    """Train to the end, or to the report after a signal; save the run then and every half a minute."""
     config, houses = learner.config, learner.houses
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
-    # Those of a set or a stream are not named: none of them is kept for measuring.
+    # Houses of a set or a stream are not named: none of them is reserved for evaluation.
     unnamed = isinstance(houses, HouseSet | HouseStream)
     learnt_in = frozenset[int]() if unnamed else frozenset(map(house_key, houses))
     made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)
@@ -226,7 +227,7 @@ def _learn(
             kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
         finally:
-            learner.envs.close()  # else the process waits for the houses that are being made
+            learner.envs.close()  # otherwise the process waits for houses in generation
             if writer and watcher:
                 writer.close()
                 watcher.close()
@@ -245,7 +246,7 @@ def _keep(learner: Learner, made: Checkpoint, folder: Folder) -> None:
 
 
 def _saved(value: Any) -> bytes:
-    """As torch writes it."""
+    """Return a value as torch writes it."""
     content = io.BytesIO()
     torch.save(value, content)
     return content.getvalue()
@@ -263,7 +264,7 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
         learner.restore(states[ranks.rank()])
     except VitruviusError:
         raise
-    except Exception as error:  # what is damaged raises many kinds
+    except Exception as error:  # damaged files raise many kinds of errors
         raise CheckpointError(f"{folder.state}: cannot be read: {reason(error)}") from None
     history = []
     with opened(folder.metrics, MOST_METRICS, unpack=False) as file:
@@ -282,7 +283,7 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
 
 
 def _described(made: Checkpoint, learner: Learner) -> str:
-    """What a reader must know to run it again."""
+    """Return what a reader must know to repeat the run."""
     record: dict[str, Any] = {
         "preset": made.name,
         "algorithm": made.config.algorithm,
@@ -298,10 +299,10 @@ def _described(made: Checkpoint, learner: Learner) -> str:
 
 
 class _Writer:
-    """Writes each report to ``metrics.jsonl`` and for TensorBoard."""
+    """Writer of each report to ``metrics.jsonl`` and for TensorBoard."""
 
     def __init__(self, folder: Folder, history: list[Progress]) -> None:
-        """Go on after these reports; those that were written after them will be made again."""
+        """Continue after these reports; later ones on disk will be made again."""
         from torch.utils.tensorboard import SummaryWriter  # half a second to import
 
         lines = "".join(json.dumps(asdict(one)) + "\n" for one in history)
@@ -310,7 +311,7 @@ class _Writer:
         self.board = SummaryWriter(folder.tensorboard, purge_step=history[-1].steps + 1 if history else None)
 
     def write(self, now: Progress) -> None:
-        """Write a report, at once."""
+        """Write a report at once."""
         values = asdict(now)
         self.lines.write(json.dumps(values) + "\n")
         self.lines.flush()
@@ -319,6 +320,6 @@ class _Writer:
                 self.board.add_scalar(name, value, now.steps)
 
     def close(self) -> None:
-        """Close both."""
+        """Close both files."""
         self.lines.close()
         self.board.close()

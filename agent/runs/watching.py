@@ -26,7 +26,7 @@ from sim.tasks.tasks import task
 from sim.tasks.terms import counted
 
 MAX_HELD_OUT = 1024
-"""Number of held-out houses in which an agent is evaluated during training."""
+"""Largest number of held-out houses on which an agent is evaluated during training."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,8 @@ class Watching:
     """Options for evaluation, checkpoints and the hook during a run, with steps of the environment."""
 
     held_out: Sequence[House] = ()
-    """Houses for evaluation, none of which the agent learns in. An evaluation plays one episode in each."""
+    """Houses for evaluation, none of which the agent is trained on. An evaluation plays one episode in
+    each."""
 
     evaluate_every: int = 0
     """Steps between two evaluations; 0: no evaluation. The run keeps the agent with the best evaluation."""
@@ -48,8 +49,8 @@ class Watching:
     def require(self, config: TrainConfig, learnt_in: frozenset[int]) -> None:
         """Raise ``RequestError`` for options that the run cannot follow, before the run starts.
 
-        ``learnt_in`` has the keys of the houses that the agent learns in. Raises ``HouseFileError`` for
-        held-out houses that are reserved for benchmarks.
+        ``learnt_in`` has the keys of the training houses. Raises ``HouseFileError`` for held-out houses that
+        are reserved for benchmarks.
         """
         for name in ("evaluate_every", "keep_every"):
             if getattr(self, name) < 0:

@@ -1,4 +1,4 @@
-"""The agents that come with the project, found by name without torch: a wrong name is told at once."""
+"""Agents that come with the project, found by name without torch, so that a wrong name fails at once."""
 
 from pathlib import Path
 
@@ -8,30 +8,30 @@ from logic.opener import opened
 from logic.spelling import unknown
 
 FORMAT = "vitruvius-agent-3"
-"""Of checkpoints, which ``agent.runs.checkpoint`` reads and writes."""
+"""Format of checkpoints, which ``agent.runs.checkpoint`` reads and writes."""
 
 MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
-"""What is read of a checkpoint, and of its header: our networks have less than 1 MiB, their headers 4 KiB."""
+"""Largest size of a checkpoint and of its header, in bytes: ours have less than 1 MiB, headers of 4 KiB."""
 
 LEARNT_IN = "learnt_in"
-"""The tensor (H,) int64 beside the network's that names the houses: of many, a header would be too long."""
+"""Name of the tensor (H,) int64 of the training houses. A header with many houses would be too long."""
 
 
 class CheckpointError(VitruviusError):
-    """A checkpoint is absent, is no checkpoint, or holds a network of another shape."""
+    """Error for a checkpoint that is absent, malformed, or holds a network of another shape."""
 
     exit_code = 5
 
 
 def released() -> list[str]:
-    """Names of the agents that come with the project, trained as their files say."""
+    """Return the names of the agents that come with the project."""
     return sorted(path.stem for path in Path(__file__).parent.glob("*.safetensors"))
 
 
 def located(path: str | Path) -> Path:
-    """Where a checkpoint lies: a path, or the name of a released agent.
+    """Return the path of a checkpoint, given as a path or as the name of a released agent.
 
-    Raises ``CheckpointError`` that says what was meant.
+    Raises ``CheckpointError`` that suggests what was meant.
     """
     name = str(path)
     if Path(path).exists():
@@ -50,7 +50,7 @@ def located(path: str | Path) -> Path:
 
 
 def require_sizes(path: Path) -> None:
-    """Raise ``CheckpointError`` for more than is read, ``OSError`` that says more than safetensors's."""
+    """Raise ``CheckpointError`` for a file above the limits, and ``OSError`` clearer than safetensors's."""
     with opened(path, MOST_BYTES, unpack=False) as file:
         header = int.from_bytes(file.read(8), "little")
     if MOST_HEADER < header < path.stat().st_size:
