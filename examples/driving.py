@@ -1,7 +1,7 @@
-"""What examples in the backend free share: their options, and the targets of an episode beside two baselines.
+"""Common parts of the examples in the backend free: options, and a comparison with two baselines.
 
-Measured are targets an episode in held-out houses, the same starts and targets for all, beside a body that
-is told speeds at random and one that pursues what its rays show, by rules.
+The score is the number of targets in an episode in held-out houses, with the same starts and targets for all.
+One baseline drives at random speeds; the other pursues what its rays show, by rules.
 """
 
 from collections.abc import Callable
@@ -20,41 +20,41 @@ from logic import load
 from sim import DEFAULT
 
 CONFIG = replace(DEFAULT, observe=("rays", "speed"), flat=True)
-"""It sees 40 rays and knows how fast it is."""
+"""Simulator settings: the agent sees 40 rays and knows its speed."""
 
 Act = Callable[[np.ndarray], np.ndarray]
-"""From observations (E, 82) to actions (E, 2) in [-1, 1]."""
+"""Function from observations (E, 82) to actions (E, 2) in [-1, 1]."""
 
 
 @dataclass(frozen=True)
 class Driving:
-    """What is learnt in, for how long, and what is measured in."""
+    """Settings of training and evaluation."""
 
     houses: Annotated[Path, tyro.conf.Positional]
-    """House file to learn in: vitruvius generate makes one."""
+    """House file to train on: vitruvius generate makes one."""
 
     held_out: Path = Path(banks.NAME)
-    """House file to be measured in, or a frozen bank: test-v1, home-test-v1."""
+    """House file to evaluate on, or a frozen bank: test-v1, home-test-v1."""
 
     targets: str = "main"
-    """Where targets lie."""
+    """Location of the targets."""
 
     steps: int = 3_000_000
-    """Environment steps to learn from."""
+    """Environment steps of the training."""
 
     environments: int = 256
-    """Environments stepped at once."""
+    """Number of environments stepped together."""
 
     seed: int = 0
-    """Of the training. Starts and targets that are measured with do not depend on it."""
+    """Seed of the training. Starts and targets of the evaluation do not depend on it."""
 
     def to_learn_in(self) -> gymnasium.vector.VectorEnv:
-        """The environments to learn in."""
+        """Return the environments to train in."""
         banks.require_training(load(self.houses), self.houses)
         return self.make_envs(str(self.houses), self.environments)
 
     def make_envs(self, houses: Any, number: int) -> gymnasium.vector.VectorEnv:
-        """Environments whose actions are from -1 to 1."""
+        """Return environments whose actions are from -1 to 1."""
         envs = gymnasium.make_vec(
             "sim:Vitruvius/House-v0", num_envs=number, houses=houses, targets=self.targets, backend="free",
             preset=CONFIG, seed=self.seed, autoreset_mode="SameStep",
@@ -62,7 +62,7 @@ class Driving:
         return RescaleAction(envs, np.full(2, -1, np.float32), np.full(2, 1, np.float32))
 
     def play(self, act: Act) -> np.ndarray:
-        """Targets (H,) that are picked up in an episode of each held-out house."""
+        """Return the targets (H,) picked up in an episode of each held-out house."""
         houses = banks.named(self.held_out)
         envs = self.make_envs(houses, len(houses))
         seen, _ = envs.reset(seed=0, options={"house": np.arange(len(houses))})
@@ -73,7 +73,7 @@ class Driving:
         return found
 
     def score(self, name: str, act: Act) -> dict[str, float]:
-        """Measure and print targets an episode of an agent, and of both baselines."""
+        """Measure and print the targets in an episode of an agent, and of both baselines."""
         rng = np.random.default_rng(0)
         agents: dict[str, Act] = {
             name: act,
@@ -90,7 +90,7 @@ class Driving:
 
 
 def pursue(seen: np.ndarray) -> np.ndarray:
-    """Towards the target, where a ray ends on it; else where rays go furthest, and around before walls."""
+    """Drive towards a visible target; otherwise where rays go furthest, and turn in front of walls."""
     told = drivers.pursue(seen[:, :80].reshape(-1, 40, 2), CONFIG)
     low, high = np.array(CONFIG.drive.low), np.array(CONFIG.drive.high)
     return (2 * (told - low) / (high - low) - 1).astype(np.float32)

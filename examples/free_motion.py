@@ -14,10 +14,10 @@ from sim.adapters.stable_baselines import StableBaselinesVecEnv
 
 @dataclass(frozen=True)
 class Example(Driving):
-    """Train an agent and measure it beside two baselines."""
+    """Train an agent and compare it with two baselines."""
 
     def run(self) -> dict[str, float]:
-        """Learn from all the steps, then play; targets an episode of each."""
+        """Train for all steps, then evaluate; return the targets in an episode of each policy."""
         envs = StableBaselinesVecEnv(self.to_learn_in())
         model = PPO(
             "MlpPolicy",

@@ -1,5 +1,6 @@
-"""Hindsight experience replay (Andrychowicz et al. 2017) by Stable-Baselines3: the agent also learns from an
-episode that misses its target, as if the target had been where the body ended.
+"""Hindsight experience replay (Andrychowicz et al. 2017) with Stable-Baselines3.
+
+The agent also learns from an episode that misses its target, as if the target had been where the body ended.
 
 ./run python examples/hindsight.py houses.jsonl --steps 200000
 """
@@ -57,7 +58,7 @@ class Goals(gymnasium.vector.VectorWrapper):
 def main(
     houses: Annotated[Path, tyro.conf.Positional], steps: int = 200_000, environments: int = 16, seed: int = 0
 ) -> float:
-    """Train a DQN with hindsight; print and return the share of the last episodes that reached targets."""
+    """Train a DQN with hindsight; print and return the fraction of the last episodes that reached targets."""
     envs = gymnasium.make_vec(
         "sim:Vitruvius/House-v0", environments, houses=houses, preset=CONFIG, seed=seed,
         targets={"task": "all", "terms": {"targets": 1}}, autoreset_mode="SameStep",

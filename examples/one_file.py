@@ -1,4 +1,4 @@
-"""An agent in one file that learns what to remember: recurrent PQN (Gallici et al. 2024, arXiv:2407.04811).
+"""Agent in one file that learns what to remember: recurrent PQN (Gallici et al. 2024, arXiv:2407.04811).
 
 ./run python examples/one_file.py houses.jsonl --avoid --observe rays bump last_action
 """
@@ -8,11 +8,11 @@ import tyro
 from task import Task
 from torch import Tensor, nn
 
-ROLLOUT, DISCOUNT, TRACE, HIDDEN = 32, 0.99, 0.75, 128  # steps of an update, gamma, lambda, numbers kept
+ROLLOUT, DISCOUNT, TRACE, HIDDEN = 32, 0.99, 0.75, 128  # steps of an update, gamma, lambda, hidden units
 
 
 class Network(nn.Module):
-    """Q-values by what is seen and by a hidden state."""
+    """Network of Q-values, from an observation and a hidden state."""
 
     def __init__(self, numbers: int) -> None:
         super().__init__()
@@ -20,7 +20,10 @@ class Network(nn.Module):
         self.cell, self.value = nn.GRUCell(HIDDEN, HIDDEN), nn.Linear(2 * HIDDEN, 3)
 
     def forward(self, s: Tensor, h: Tensor, over: Tensor) -> tuple[Tensor, Tensor]:
-        """Q-values (T, E, 3) of observations (T, E, n), and hidden states (E, H); ``over`` empties them."""
+        """Return Q-values (T, E, 3) and hidden states (E, H); ``over`` resets them.
+
+        ``s`` has the observations (T, E, n).
+        """
         seen, hidden = self.see(s), []
         for x, end in zip(seen, over, strict=True):
             hidden.append(self.cell(x, h))
@@ -28,22 +31,22 @@ class Network(nn.Module):
         return self.value(torch.cat([seen, torch.stack(hidden)], dim=2)), h
 
     def begin(self, environments: int) -> None:
-        """Episodes begin: remember nothing."""
+        """Reset the hidden states: episodes begin."""
         self.h = torch.zeros(environments, HIDDEN)
 
     @torch.no_grad()
     def act(self, seen: Tensor, epsilon: float = 0.05) -> Tensor:
-        """Q-values (E, 3) of observations (E, n), in a share of the rows noise; mostly a step forward."""
+        """Return Q-values (E, 3) of observations (E, n); some rows are noise, mostly a step forward."""
         q, self.h = self(seen[None], self.h, torch.zeros(1, len(seen)))
         noise = torch.rand(len(seen), 3) + torch.tensor([0.0, 0.0, 0.5])
         return torch.where(torch.rand(len(seen), 1) < epsilon, noise, q[0])
 
 
 class Example(Task):
-    """Train an agent by parallel Q-learning and measure it beside the oracle."""
+    """Train an agent by parallel Q-learning and compare it with the oracle."""
 
     def run(self) -> None:
-        """Learn from all the steps, then play."""
+        """Train for all steps, then evaluate."""
         torch.manual_seed(self.seed)
         envs, size = self.make_envs(), (ROLLOUT, self.environments)
         observation = torch.from_numpy(envs.reset()[0])
@@ -59,7 +62,7 @@ class Example(Task):
                 after, reward, terminated, truncated, info = envs.step(a[t].numpy())
                 r[t], over[t] = torch.from_numpy(reward), torch.from_numpy(terminated | truncated)
                 observation, ended = torch.from_numpy(after), over[t, :, None] > 0
-                # Time ran out, so the episode would have gone on from where it was.
+                # The time ran out, so the episode could have gone on from its last state.
                 last = torch.where(ended, torch.from_numpy(info.get("final_obs", after)), observation)
                 v[t] = network(last[None], network.h, over[None, t])[0].amax(2).detach()
                 network.h = network.h.masked_fill(ended, 0)

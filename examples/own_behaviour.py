@@ -20,7 +20,7 @@ from sim.actions import ACTIONS, LEFT, RIGHT
 
 
 def stride(observation: Tensor, blocked: Tensor) -> Tensor:
-    """Which actions (E, A) bool are allowed: no turn where 2 m ahead are free and no target is in sight."""
+    """Return the mask (E, A) bool of allowed actions: no turn with 2 m free ahead and no target in sight."""
     free = observation[:, 19:21, 0].amin(1) > 2 / DEFAULT.range
     on = free & ~observation[..., 1].bool().any(1)
     allowed = torch.ones(len(on), ACTIONS, dtype=torch.bool)

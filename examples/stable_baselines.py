@@ -1,4 +1,4 @@
-"""Stable-Baselines3 in our houses: its DQN or PPO, of one observation or of a stack of the last ones.
+"""Stable-Baselines3 in Vitruvius: its DQN or PPO, with one observation or a stack of the last ones.
 
 ./run python examples/stable_baselines.py houses.jsonl --algorithm dqn --avoid --stack 4 \
     --observe rays bump last_action
@@ -20,22 +20,22 @@ from sim.adapters.stable_baselines import StableBaselinesVecEnv
 
 @dataclass(frozen=True)
 class Example(Task):
-    """Train an agent of Stable-Baselines3 and measure it beside the oracle."""
+    """Train an agent of Stable-Baselines3 and compare it with the oracle."""
 
     algorithm: Literal["dqn", "ppo"] = "ppo"
-    """How it learns."""
+    """Algorithm of the training."""
 
     stack: int = 1
-    """Observations that it sees, the last ones."""
+    """Number of last observations that the agent sees."""
 
     def run(self) -> None:
-        """Learn from all the steps, then play."""
+        """Train for all steps, then evaluate."""
         envs: VecEnv = StableBaselinesVecEnv(self.make_envs())
         frames, seed = Frames(self.stack, self.numbers), self.seed
         if self.stack > 1:
             envs = VecFrameStack(envs, self.stack)
         if self.algorithm == "dqn":
-            # A batch for every 16 steps: so often is each one seen.
+            # One batch for every 16 steps: so each step is used 16 times on average.
             model = DQN(
                 "MlpPolicy",
                 envs,
@@ -67,7 +67,10 @@ class Example(Task):
         model.learn(self.steps)
 
         def act(observation: Tensor) -> Tensor:
-            """Sampled, as both explore a little: a body that remembers nothing would turn to and fro."""
+            """Return sampled actions, one-hot, as both algorithms explore a little.
+
+            Without a memory, a body with the best actions alone would turn back and forth.
+            """
             actions, _ = model.predict(frames(observation).numpy(), deterministic=False)
             return one_hot(torch.from_numpy(actions), 3).float()
 

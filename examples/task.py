@@ -1,8 +1,8 @@
-"""What the examples share: their options, our avoidance layer as a wrapper, and the score at the end.
+"""Common parts of the examples: options, the avoidance layer as a wrapper, and the final score.
 
-It is that of ``vitruvius evaluate``: an episode in each held-out house, the same starts and the same targets
-in the same order for all policies, as a ratio to the oracle. The JSON has the form of that command's, which
-shows it in its tables by ``--scores``.
+The score is that of ``vitruvius evaluate``: an episode in each held-out house, with the same starts and the
+same targets in the same order for all policies, as a ratio to the oracle. The JSON has the form of that
+command's file, so ``vitruvius evaluate --scores`` shows it in tables.
 """
 
 from collections.abc import Callable
@@ -35,61 +35,61 @@ from sim.baselines.coverage import Coverage
 from sim.config import PRESETS
 
 Act = Callable[[Tensor], Tensor]
-"""From observations (E, n) to preferences (E, 3)."""
+"""Function from observations (E, n) to preferences (E, 3)."""
 
 
 def forget(environments: int) -> None:
-    """E episodes begin: for agents that remember nothing."""
+    """Do nothing as E episodes begin: for agents without a memory."""
 
 
 def rays(seen: Tensor) -> Tensor:
-    """The rays (E, 40, 2) of observations (E, n), of which they are the first part."""
+    """Return the rays (E, 40, 2) of observations (E, n), which are their first part."""
     return seen[:, : 2 * DEFAULT.rays].unflatten(1, (DEFAULT.rays, 2))
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is learnt in, for how long, and what is measured in."""
+    """Settings of training and evaluation."""
 
     houses: Annotated[Path, tyro.conf.Positional]
-    """House file to learn in: vitruvius generate makes one."""
+    """House file to train on: vitruvius generate makes one."""
 
     held_out: Path = Path(banks.NAME)
-    """House file to be measured in, or a frozen bank: test-v1, home-test-v1."""
+    """House file to evaluate on, or a frozen bank: test-v1, home-test-v1."""
 
     targets: TargetMode = "main"
-    """Where targets lie."""
+    """Location of the targets."""
 
     steps: int = 500_000
-    """Environment steps to learn from."""
+    """Environment steps of the training."""
 
     environments: int = 64
-    """Environments stepped at once."""
+    """Number of environments stepped together."""
 
     observe: tuple[str, ...] = ("rays",)
-    """What the agent may know, rays first: of sim.Config.observe."""
+    """Signals that the agent observes, rays first: names of sim.Config.observe."""
 
     avoid: bool = False
-    """Put our avoidance layer over the agent: a step into something becomes a turn."""
+    """Put the avoidance layer over the agent: a step into an obstacle becomes a turn."""
 
     seed: int = 0
-    """Of the training. Starts and targets that are measured with do not depend on it."""
+    """Seed of the training. Starts and targets of the evaluation do not depend on it."""
 
     out: Path | None = None
     """File for all figures, and each house's, as JSON: vitruvius evaluate --scores FILE shows them."""
 
     @property
     def config(self) -> Config:
-        """What an observation is: one row of numbers, (E, n)."""
+        """Simulator settings with observations as one row of numbers, (E, n)."""
         return replace(PRESETS["default"], observe=self.observe, flat=True)
 
     @property
     def numbers(self) -> int:
-        """How many numbers it has."""
+        """Number of values in an observation."""
         return self.config.rays * self.config.channels + self.config.extra_numbers
 
     def make_envs(self) -> VectorEnv:
-        """The environments to learn in. They begin the next episode in the step that ends one."""
+        """Return the environments to train in. They begin the next episode in the step that ends one."""
         banks.require_training(load(self.houses), self.houses)
         envs = gymnasium.make_vec(
             "sim:Vitruvius/House-v0",
@@ -103,7 +103,7 @@ class Task:
         return Avoiding(envs) if self.avoid else envs
 
     def score(self, name: str, act: Act, begin: Callable[[int], None] = forget) -> Result:
-        """Measure, print and write how good an agent is, that is told when E episodes ``begin``."""
+        """Evaluate an agent, print and write its score; ``begin`` is called when E episodes begin."""
         name += " + avoidance" if self.avoid else ""
         houses = banks.named(self.held_out)
         envs = make_envs(houses, len(houses), self.targets, preset=self.config)
@@ -126,34 +126,37 @@ class Task:
 
 
 class Avoiding(VectorWrapper):
-    """Environments under our avoidance layer: an agent's step into something becomes a turn to the left."""
+    """Environments with the avoidance layer: an agent's step into an obstacle becomes a turn to the left."""
 
     def __init__(self, env: VectorEnv) -> None:
-        """Guard the body by what its rays show."""
+        """Guard the body by its rays."""
         super().__init__(env)
         self.autoreset_mode: AutoresetMode = env.metadata["autoreset_mode"]  # TorchRL asks for it
         self.shield = shield(env.unwrapped)  # pyright: ignore[reportArgumentType]
 
     def reset(self, **kwargs: Any) -> tuple[Any, dict[str, Any]]:
-        """As the environments do."""
+        """Reset the environments."""
         seen, info = self.env.reset(**kwargs)
         self.allowed = self.allows(seen, info)
         return seen, info
 
     def step(self, actions: Any) -> tuple[Any, ...]:
-        """Make those of the actions (E,) that are allowed."""
+        """Step the environments with those of the actions (E,) that are allowed."""
         made = subsume(one_hot(torch.as_tensor(actions), ACTIONS).float(), self.allowed)
         seen, *rest, info = self.env.step(made.numpy())
         self.allowed = self.allows(seen, info)
         return seen, *rest, info
 
     def allows(self, seen: Any, info: dict[str, Any]) -> Tensor:
-        """Which actions (E, 3) bool may come next. Found at once, as what is returned is the caller's."""
+        """Return the mask (E, 3) bool of allowed next actions.
+
+        It is computed at once, as the returned observations belong to the caller.
+        """
         return self.shield(rays(torch.from_numpy(seen)), torch.from_numpy(info["blocked"]))
 
 
 class Agent:
-    """A function from observations to preferences as a ``Policy``, by itself or under avoidance."""
+    """Policy made of a function from observations to preferences, with or without avoidance."""
 
     def __init__(self, act: Act, begin: Callable[[int], None], envs: Any = None) -> None:
         """Act under the avoidance layer for the body of ``envs``, if they are given."""
@@ -161,13 +164,13 @@ class Agent:
         self.avoidance, self.interventions = shield(envs) if envs else None, 0
 
     def begin(self, environments: int) -> None:
-        """An episode begins in each of that many environments."""
+        """Begin an episode in each of ``environments`` environments."""
         self.interventions = 0
         self.begins(environments)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, n); ``blocked`` (E,) bool: the last move was."""
+        """Return actions (E,) int64 for observations (E, n) and the mask (E,) bool ``blocked``."""
         chosen = self.act(observation).argmax(1)
         if self.avoidance is None:
             return chosen
@@ -177,17 +180,17 @@ class Agent:
 
 
 class Frames:
-    """The last observations of each environment in one row, the newest at the end; zeros before the first."""
+    """Last observations of each environment in one row, the newest at the end; zeros before the first."""
 
     def __init__(self, number: int, size: int) -> None:
-        """So many, of (E, size) each."""
+        """Keep ``number`` observations of (E, size) each."""
         self.number, self.size = number, size
 
     def begin(self, environments: int) -> None:
-        """Forget all."""
+        """Forget the past."""
         self.row = torch.zeros(environments, self.number * self.size)
 
     def __call__(self, observation: Tensor) -> Tensor:
-        """(E, number * size), with an observation (E, size) more."""
+        """Return the row (E, number * size) with an observation (E, size) added."""
         self.row = torch.cat([self.row[:, self.size :], observation], dim=1)
         return self.row

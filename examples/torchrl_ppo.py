@@ -1,4 +1,4 @@
-"""TorchRL in our houses: PPO with generalised advantages.
+"""TorchRL in Vitruvius: PPO with generalised advantages.
 
 ./run python examples/torchrl_ppo.py houses.jsonl --avoid
 """
@@ -19,7 +19,7 @@ from torchrl.objectives.value import GAE
 
 
 def body(inputs: int, outputs: int) -> nn.Module:
-    """From observations (B, inputs) to numbers (B, outputs)."""
+    """Return a network from observations (B, inputs) to numbers (B, outputs)."""
     return nn.Sequential(
         nn.Linear(inputs, 128), nn.Tanh(), nn.Linear(128, 128), nn.Tanh(), nn.Linear(128, outputs)
     )
@@ -27,10 +27,10 @@ def body(inputs: int, outputs: int) -> nn.Module:
 
 @dataclass(frozen=True)
 class Example(Task):
-    """Train an agent of TorchRL and measure it beside the oracle."""
+    """Train an agent of TorchRL and compare it with the oracle."""
 
     def run(self) -> None:
-        """Learn from all the steps, then play."""
+        """Train for all steps, then evaluate."""
         torch.manual_seed(self.seed)
         env = GymWrapper(self.make_envs(), categorical_action_encoding=True)
         network = TensorDictModule(body(self.numbers, 3), in_keys=["observation"], out_keys=["logits"])
@@ -60,7 +60,7 @@ class Example(Task):
                     optimizer.zero_grad()
 
         def act(observation: Tensor) -> Tensor:
-            """Log-probabilities with Gumbel noise: the greatest is a draw."""
+            """Return log-probabilities with Gumbel noise: their argmax is a sample."""
             logits = network(observation)
             return logits - (-torch.rand_like(logits).log()).log()
 

@@ -1,4 +1,4 @@
-"""The command line: commands, options, help, answers for programs. It knows all and is known by none."""
+"""Command line: commands, options, help, answers for programs. It imports all packages; none imports it."""
 
 from importlib.util import find_spec
 from pathlib import Path

@@ -1,7 +1,7 @@
-"""The ``vitruvius`` command gathers those of ``logic`` and ``agent``, and the studies of ``benchmarks``.
+"""The ``vitruvius`` command: it gathers the commands, and the studies of ``benchmarks``.
 
-A command is a dataclass whose fields are its options, with a ``run``. It is imported when it is asked for:
-making a house needs no simulator, and help comes at once.
+A command is a dataclass whose fields are its options, with a method ``run``. The module of a command is
+imported only when the command is used: generation needs no simulator, and help is fast.
 """
 
 import contextlib
@@ -66,7 +66,8 @@ COMMANDS = {
     ),
     "completion": ("vitruvius.completion:Completion", "Print what makes your shell complete these commands."),
 }
-"""By name: where the command is, ``module:Class``, and what it does. Groups begin at those of ``GROUPS``."""
+"""Commands by name: class of the command, ``module:Class``, and its description. Groups begin at those of
+``GROUPS``."""
 
 GROUPS = {
     "generate": "Houses",
@@ -79,7 +80,7 @@ GROUPS = {
 """Titles of the groups in help, by the first command of each."""
 
 STUDY_GROUPS = {"generator": "Houses", "simulator": "Simulator", "agents": "Agents", "explorers": "Planner"}
-"""The same for studies."""
+"""Titles of the groups of studies, by the first study of each."""
 
 EXTRAS = {
     "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
@@ -99,7 +100,7 @@ EXTRAS = {
 NO_MEMORY = re.compile(
     r"out of memory|(failed|can't|[Cc]annot) (to )?(allocate|map)|allocation .{0,99}failed"
 )
-"""What the system, torch and Taichi say where they get none."""
+"""Messages of the system, torch and Taichi if they get no memory."""
 
 ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
 
@@ -120,17 +121,17 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def top(width: int | None = None) -> str:
-    """The help of ``vitruvius``, as wide as the terminal or as given."""
+    """Return the help of ``vitruvius``, as wide as the terminal or as given."""
     return help.of_table("vitruvius", ABOUT, COMMANDS, GROUPS, ENDINGS, width)
 
 
 def studies(width: int | None = None) -> str:
-    """The help of ``vitruvius bench``."""
+    """Return the help of ``vitruvius bench``."""
     return help.of_table("vitruvius bench", COMMANDS["bench"][1], STUDIES, STUDY_GROUPS, width=width)
 
 
 def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int | None = None) -> str:
-    """The help of a command, ``["generate"]`` or ``["bench", "generator"]``, with these arguments."""
+    """Return the help of a command, ``["generate"]`` or ``["bench", "generator"]``, with these arguments."""
     from vitruvius.options import options_of
 
     table = STUDIES if words[0] == "bench" else COMMANDS
@@ -142,9 +143,9 @@ def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int
 
 
 def parse(arguments: list[str]) -> Any:
-    """The command that the arguments ask for, or the end of the process by their help.
+    """Return the command that the arguments ask for, or end the process with help.
 
-    Raises ``RequestError`` for what is wrong in them.
+    Raises ``RequestError`` for wrong arguments.
     """
     from logic.errors import RequestError
     from vitruvius.options import options_of, require
@@ -158,13 +159,13 @@ def parse(arguments: list[str]) -> Any:
     if "-h" in rest or "--help" in rest:
         _print_and_end(command_help([*words, name], rest))
     kind, prog = pkgutil.resolve_name(table[name][0]), f"{prog} {name}"
-    like = kind.like(rest) if name == "train" else None  # its defaults are a preset's, or a file's
+    like = kind.like(rest) if name == "train" else None  # its defaults come from a preset or a file
     require(prog, rest, options_of(like or kind))
     return _parsed(kind[type(like.learning)] if like else kind, like, prog, rest)
 
 
 def _no_command(prog: str, arguments: Sequence[str], table: Collection[str]) -> str:
-    """What to say where the first word is no command of the table."""
+    """Return the message for a first word that is no command of the table."""
     from logic.spelling import closest, quoted, unknown
 
     name, *rest = arguments
@@ -183,7 +184,7 @@ def _no_command(prog: str, arguments: Sequence[str], table: Collection[str]) -> 
 
 
 def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
-    """What tyro makes of the arguments. Raises ``RequestError`` with the words of its box."""
+    """Return the command that tyro parses. Raises ``RequestError`` with tyro's message."""
     import tyro
 
     from logic.errors import RequestError
@@ -221,13 +222,13 @@ def _run(arguments: list[str]) -> int:
         if not extras:
             raise
         words = " ".join(arguments[: 1 + study])
-        # The agent's brings the simulator.
+        # The extra of the agent includes the simulator.
         extra = "agent" if not study and extras[0] in {"bench", "sim"} else extras[0]
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 
 def _quick(arguments: list[str]) -> str | None:
-    """What needs no command's module: help that lists commands, and the version."""
+    """Return the text for help that lists commands, or for the version; None for other arguments."""
     if arguments in ([], ["-h"], ["--help"]):
         return top()
     if arguments in (["bench"], ["bench", "-h"], ["bench", "--help"]):
@@ -255,7 +256,7 @@ def _exit_code(arguments: list[str]) -> int:
     from logic.terminal import say
 
     def failed(error: BaseException, code: int, words: str) -> int:
-        """Say it, and with --json answer it."""
+        """Print an error, and with --json also answer with it."""
         say(words)
         if "--json" in arguments:
             from vitruvius.answers.houses import encoded, failure
@@ -263,7 +264,7 @@ def _exit_code(arguments: list[str]) -> int:
             named = arguments[: 1 + (arguments[0] == "bench")]
             try:
                 print(encoded(" ".join(named), code, error=failure(error)), flush=True)
-            except OSError:  # what failed first is said already
+            except OSError:  # the first error is printed already
                 sys.stdout = None
         return code
 
@@ -292,7 +293,7 @@ def _exit_code(arguments: list[str]) -> int:
 
 
 def _what_fails() -> str:
-    """What a call of the system that names no file may be about."""
+    """Return the likely reason for an error of the system that names no file."""
     try:
         os.getcwd()
     except OSError:
@@ -305,9 +306,12 @@ def _what_fails() -> str:
 
 
 def _unwritten(error: OSError) -> int:
-    """What follows where the output cannot be written. No more is, not even as Python ends."""
+    """Return the exit code after the output cannot be written.
+
+    Nothing is written after it, even as Python ends.
+    """
     sys.stdout = None
-    if isinstance(error, BrokenPipeError):  # Its reader is gone, as in `vitruvius generate ... | head`.
+    if isinstance(error, BrokenPipeError):  # The reader is gone, as in `vitruvius generate ... | head`.
         return 0
     from logic.terminal import say
 

@@ -1,4 +1,4 @@
-"""The whole path in one command: houses from rules, an agent that learns in them, a measurement, a report."""
+"""The whole path in one command: houses from rules, an agent trained on them, its evaluation, a report."""
 
 import io
 import json
@@ -38,42 +38,41 @@ from sim.tasks.furniture import pieces_in
 from sim.tasks.words import in_words
 
 SEARCH = "home"
-"""The grammar of the houses in which a piece is sought: flats and small houses."""
+"""Grammar of the houses in which an agent searches for furniture: flats and small houses."""
 
 STAR = "family"
-"""The grammar of the houses in which targets lie in the main room: the paper's."""
+"""Grammar of the houses with targets in the main room: the paper's."""
 
 ROOMS = {SEARCH: (4, 5, 6, 7), STAR: (2, 3, 4, 5)}
-"""Rooms of the houses, in equal shares."""
+"""Numbers of rooms of the houses, in equal shares."""
 
 TRAINING, HELD_OUT = {SEARCH: 256, STAR: 512}, {SEARCH: 64, STAR: 64}
-"""Houses to learn in, and houses to be measured in."""
+"""Number of training houses, and number of held-out houses."""
 
 STEPS, SECONDS = 2_000_000, 60.0
-"""Length of the training; where the machine is slow, the clock binds and compresses the schedules."""
+"""Length of the training. On a slow machine, the time limit binds and compresses the schedules."""
 
 COMPLETION_SECONDS = 80.0
-"""Length of the training of map completion, on two cores."""
+"""Time limit of the training of map completion, in seconds, on two cores."""
 
 EPISODES = 4
-"""In each held-out house, for the difference that map completion makes: with one it is lost in noise."""
+"""Episodes in each held-out house, for the effect of map completion: with one episode, noise hides it."""
 
 GOAL = 0.49
-"""The ratio to the oracle that the agent must exceed: just above ``HUMAN_RATIO``."""
+"""Ratio to the oracle that the agent must exceed: just above ``HUMAN_RATIO``."""
 
 LINES = 5.0
-"""Seconds between the lines of progress in a pipe."""
+"""Seconds between two lines of progress in a pipe."""
 
 SHOWN = 12
-"""Plans on the contact sheet."""
+"""Number of plans on the contact sheet."""
 
 AGENT, FORESIGHT = "pqn", "foresight"
 """Names of the run's agents in all tables, plots and folders: an agent that learns to find targets in the
-main room, and the explorer with map completion, which searches for a piece of furniture.
-"""
+main room, and the explorer with map completion, which searches for furniture."""
 
 BASELINES = ("random + avoidance", "script", "explorer", "oracle")
-"""What is measured with them."""
+"""Baselines of the evaluation."""
 
 FILES = (
     "homes.jsonl",
@@ -90,13 +89,13 @@ FILES = (
     "report.html",
     "report.md",
 )
-"""What the demo writes, beside the folders of its ``RUNS``, in which are also the scores of their agents."""
+"""Files that the demo writes, besides the folders of its ``RUNS``, which also have their agents' scores."""
 
 RUNS = AGENT, FORESIGHT
-"""Folders of the two trainings: see ``agent.runs.runs``."""
+"""Folders of the two training runs: see ``agent.runs.runs``."""
 
 TITLE = "# An agent in houses that it has never seen"
-"""How the report begins."""
+"""First line of the report."""
 
 MAIN_ROOM = (
     "**Main room: learning.** In the paper's houses, rooms around a main room, the network of "
@@ -106,7 +105,7 @@ MAIN_ROOM = (
 
 
 def object_goal(piece: str) -> str:
-    """What the second part shows, in words, for the kind of piece that is sought."""
+    """Return a description of the second part, for the kind of furniture that is sought."""
     return (
         f"**Find a {piece} in homes: a planner, and a network that foresees.** `explorer` is a "
         "next-best-view planner over an occupancy map, written by hand; it learns nothing. `foresight` is "
@@ -118,10 +117,10 @@ def object_goal(piece: str) -> str:
 
 
 def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
-    """Do it all and write FILES into ``out``; 0 if the agent beats GOAL and random + avoidance, else 1.
+    """Run the demo and write FILES into ``out``; return 0 if the agent exceeds GOAL and random + avoidance.
 
-    Raises ``RequestError`` for a folder that holds something else than an older demo, ``VitruviusError`` if a
-    house fails the check or two houses are the same.
+    Otherwise returns 1. Raises ``RequestError`` for a folder with something else than an older demo,
+    ``VitruviusError`` if a house fails the check or two houses are the same.
     """
     start = perf_counter()
     _clear(out)
@@ -179,7 +178,10 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
 
 
 def _clear(out: Path) -> None:
-    """Remove an older demo: the folder never shows two. The report says from now on whose folder it is."""
+    """Remove an older demo, so that the folder never shows two.
+
+    The new report marks the folder as a demo's.
+    """
     report = out / "report.md"
     if out.exists() and any(out.iterdir()) and not (report.exists() and report.read_text().startswith(TITLE)):
         raise RequestError(f"--out {out}: holds something else than a demo: give another folder")
@@ -191,8 +193,9 @@ def _clear(out: Path) -> None:
 
 
 def banks(seed: int, report: Report) -> dict[str, tuple[list[House], list[House]]]:
-    """Of each grammar houses to learn in and houses to be measured in, by different seeds, checked, no two
-    the same.
+    """Return training houses and held-out houses of each grammar.
+
+    They have different seeds and pass the check, and no two are the same.
     """
     whole, made = sum(TRAINING.values()) + sum(HELD_OUT.values()), list[House]()
     found: dict[str, tuple[list[House], list[House]]] = {}
@@ -214,23 +217,23 @@ def banks(seed: int, report: Report) -> dict[str, tuple[list[House], list[House]
 
 
 def sought(houses: list[House]) -> tuple[str, list[str]]:
-    """The kind of piece that most of the houses have, and all kinds."""
+    """Return the kind of furniture that most of the houses have, and all kinds."""
     having = Counter(kind for house in houses for kind in pieces_in(house))
     return max(sorted(having), key=lambda kind: having[kind]), sorted(having)
 
 
 @dataclass(frozen=True)
 class Part:
-    """What an agent and the baselines did where targets lay in one kind of room."""
+    """Results of an agent and the baselines with targets in one kind of room."""
 
     result: Result
     houses: list[House]
     agent: str
     filmed: int
-    """The house of the film."""
+    """Index of the film's episode."""
 
     def film(self) -> str:
-        """What the film shows, in words."""
+        """Return a description of the film."""
         result, house = self.result, self.filmed % (len(self.result.rooms) // self.result.episodes)
         [agent], [oracle] = (result.policies[name] for name in (self.agent, "oracle"))
         shown = f"The film shows `{self.agent}` in held-out house {house}"
@@ -248,7 +251,7 @@ class Part:
 
 
 def gain(result: Result) -> str:
-    """What map completion adds to the planner, in one line."""
+    """Return the effect of map completion on the planner, in one line."""
     own, base = (result.spl(name) for name in (FORESIGHT, "explorer"))
     gain = paired_difference(own, base).signed(3)
     return f"SPL of {FORESIGHT} less explorer, paired by house, {result.episodes} episodes in each: {gain}"
@@ -263,7 +266,7 @@ def _measured(
     seed: int,
     episodes: int = 1,
 ) -> Part:
-    """Measure an agent beside the baselines, and film a typical episode; its trace lies beside the film."""
+    """Evaluate an agent and the baselines, and film a typical episode; its trace is next to the film."""
     words = in_words(mode, looks_of(houses[0]).name)
     with progress(f"measuring, {words}", LINES) as report:
         how = {"baselines": BASELINES, "episodes": episodes}
@@ -278,8 +281,9 @@ def _measured(
 
 
 def _typical(result: Result, agent: str) -> int:
-    """Of the episodes in houses with the most rooms, the one where the agent's ratio, or its SPL where it
-    found what it sought, is the median.
+    """Return the median episode of the agent in the houses with the most rooms.
+
+    The median is that of the ratio, or of the SPL among episodes in which the agent found its target.
     """
     [scores] = result.policies[agent]
     ratios = result.spl(agent)[0] if result.ends_on_pick_up else scores.targets / result.oracle.clip(1)
@@ -290,7 +294,7 @@ def _typical(result: Result, agent: str) -> int:
 
 
 def _plans(houses: list[House]) -> bytes:
-    """A contact sheet of some of the houses, as a PNG."""
+    """Return a contact sheet of some of the houses, as a PNG."""
     shown = [houses[len(houses) * place // SHOWN] for place in range(SHOWN)]
     picture = io.BytesIO()
     contact_sheet(shown, columns=4).save(picture, "PNG")
@@ -298,7 +302,7 @@ def _plans(houses: list[House]) -> bytes:
 
 
 def _verdict(result: Result) -> int:
-    """0 if the agent clearly exceeds GOAL and the random walk, else 1, said on stderr."""
+    """Return 0 if the agent clearly exceeds GOAL and the random walk; else print the reason and return 1."""
     agent, walk = result.ratio(AGENT), result.ratio("random + avoidance")
     if agent.low > max(GOAL, walk.high):
         return 0
@@ -311,7 +315,7 @@ def _verdict(result: Result) -> int:
 
 
 def _made(last: Progress, learnt: Progress) -> str:
-    """From what the agent learnt, in words."""
+    """Return a description of the training houses and of the training."""
     return (
         f"From rules, {TRAINING[SEARCH]} homes (grammar `{SEARCH}`) and {TRAINING[STAR]} of the paper's "
         f"houses (`{STAR}`) were made to learn in, and {HELD_OUT[SEARCH]} and {HELD_OUT[STAR]} by another "
@@ -327,7 +331,7 @@ def _made(last: Progress, learnt: Progress) -> str:
 def _page(
     main: Part, found: Part, words: str, last: tuple[Progress, Progress], *, seed: int, seconds: float
 ) -> str:
-    """The report, in Markdown."""
+    """Return the report, in Markdown."""
     paragraphs = (
         TITLE,
         "Some of the homes that no agent learnt in:",

@@ -1,4 +1,4 @@
-"""How help reads: commands in groups, and the options of each command in groups, at any width."""
+"""Layout of help: commands in groups, and the options of each command in groups, at any width."""
 
 import os
 import shutil
@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from vitruvius.options import Option
 
 Table = Mapping[str, tuple[str, str]]
-"""Commands by name: where each is, and what it does."""
+"""Commands by name: the class of each, and its description."""
 
 LEAST, MOST = 60, 100
-"""Columns of a page."""
+"""Smallest and largest width of a page, in columns."""
 
 INDENT, GAP = 2, 2
 """Columns before a name, and between the longest name and its sentence."""
 
 LONGEST = 22
-"""Columns of a name beside which its sentence may begin; that of a longer name begins below it."""
+"""Largest width of a name whose sentence starts on the same line, in columns; otherwise it starts below."""
 
 
 def grouped(table: Table, groups: Mapping[str, str]) -> dict[str, list[str]]:
-    """Names of commands by group. ``groups`` has the title of each by its first command in the table."""
+    """Return the names of commands by group; ``groups`` has each title by the group's first command."""
     title, found = "Commands", dict[str, list[str]]()
     for name in table:
         title = groups.get(name, title)
@@ -37,7 +37,7 @@ def grouped(table: Table, groups: Mapping[str, str]) -> dict[str, list[str]]:
 def of_table(
     prog: str, about: str, table: Table, groups: Mapping[str, str], end: str = "", width: int | None = None
 ) -> str:
-    """Help that lists commands."""
+    """Return help that lists commands."""
     width = width or columns()
     parts = [f"usage: {prog} COMMAND [OPTIONS]", "", *_wrapped(about, width, 0), ""]
     longest = max(map(len, table))
@@ -51,7 +51,7 @@ def of_table(
 
 
 def of_command(prog: str, about: str, options: Iterable["Option"], width: int | None = None) -> str:
-    """Help of one command: what it does, its arguments, its options."""
+    """Return the help of one command: description, arguments, options."""
     options, width = list(options), width or columns()
     positional = [option for option in options if option.positional]
     named = [option for option in options if not option.positional]
@@ -75,7 +75,7 @@ def of_command(prog: str, about: str, options: Iterable["Option"], width: int | 
 
 
 def sentence(option: "Option") -> str:
-    """What an option does, and what it is where it is not given."""
+    """Return an option's description, with its default."""
     hints = ["repeatable"] if option.repeated else []
     default = option.default
     if default is MISSING:
@@ -90,18 +90,18 @@ def sentence(option: "Option") -> str:
 
 
 def columns() -> int:
-    """How wide a page is: the terminal, within limits."""
+    """Return the width of a page: the terminal's, within limits."""
     return min(max(shutil.get_terminal_size().columns, LEAST), MOST)
 
 
 def _argument(option: "Option") -> str:
-    """An argument in the line of usage."""
+    """Return an argument as in the line of usage."""
     name = f"{option.metavar} ..." if option.several else option.metavar
     return name if option.default is MISSING or name.startswith("[") else f"[{name}]"
 
 
 def _name(option: "Option") -> str:
-    """As in ``--seed N``, ``--resume`` or ``--[no-]map``."""
+    """Return an option as in ``--seed N``, ``--resume`` or ``--[no-]map``."""
     if option.positional:
         return option.metavar.strip("[]")
     if option.type is bool:
@@ -110,7 +110,7 @@ def _name(option: "Option") -> str:
 
 
 def entry(name: str, text: str, longest: int, width: int) -> Iterator[str]:
-    """A name and, beside or below it, its sentence."""
+    """Yield the lines of a name and, next to it or below, its sentence."""
     indent = INDENT + longest + GAP
     lines = _wrapped(text, width, indent)
     if len(name) <= longest:
@@ -122,7 +122,7 @@ def entry(name: str, text: str, longest: int, width: int) -> Iterator[str]:
 
 
 def _wrapped(text: str, width: int, indent: int) -> list[str]:
-    """The text in lines, all of them indented; at least one."""
+    """Return the text in lines with an indent; at least one line."""
     margin = " " * indent
     text = " ".join(text.split())
     return textwrap.wrap(
@@ -131,6 +131,6 @@ def _wrapped(text: str, width: int, indent: int) -> list[str]:
 
 
 def _heading(title: str) -> str:
-    """A title, bold on a terminal that shows it: see https://no-color.org."""
+    """Return a title, bold on a terminal that shows bold: see https://no-color.org."""
     plain = not sys.stdout.isatty() or "NO_COLOR" in os.environ or os.environ.get("TERM") == "dumb"
     return title if plain else f"\x1b[1m{title}\x1b[0m"

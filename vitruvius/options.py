@@ -21,55 +21,55 @@ from logic.errors import RequestError
 from logic.spelling import closest, unknown
 
 METAVARS = {int: "N", float: "X", str: "TEXT", Path: "PATH"}
-"""What stands for a value in help, by its type."""
+"""Placeholders of values in help, by type."""
 
 DASH = "a dash is a standard stream"
-"""Marks a field, by ``Annotated``, whose value may be ``-``: the standard input, or output of ``--out``."""
+"""Mark of a field, by ``Annotated``, whose value may be ``-``: the standard input, or output of ``--out``."""
 
 Streamed = Annotated[Path, DASH]
-"""A file that may be ``-``."""
+"""Path of a file that may be ``-``."""
 
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a command, or an argument without a name."""
+    """Option of a command, or an argument without a name."""
 
     name: str
-    """The field's."""
+    """Name of the field."""
     type: Any
-    """bool, int, float, str or Path: of one value."""
+    """Type of one value: bool, int, float, str or Path."""
     help: str
-    """A sentence or more."""
+    """Description in one or more sentences."""
     group: str
-    """Title of the options that it stands among."""
+    """Title of the option's group."""
     default: Any = MISSING
     choices: tuple[str, ...] = ()
     shown: str = ""
-    """What stands for its value in help, where the type's word is not enough."""
+    """Placeholder of the value in help, if it differs from the type's."""
     positional: bool = False
     several: bool = False
-    """Whether it takes values one after the other."""
+    """True if the option takes values one after the other."""
     repeated: bool = False
-    """Whether it is given once for each value."""
+    """True if the option is given once for each value."""
     optional: bool = False
-    """Whether it takes the word None."""
+    """True if the option accepts the word None."""
     dash: bool = False
-    """Whether ``-`` is a standard stream."""
+    """True if ``-`` is a standard stream."""
 
     @property
     def flag(self) -> str:
-        """As in ``--keep-rooms``."""
+        """Flag, as in ``--keep-rooms``."""
         return "--" + self.name.replace("_", "-")
 
     @property
     def metavar(self) -> str:
-        """What stands for its value in help."""
+        """Placeholder of the value in help."""
         if self.choices and not self.shown:
             return "{" + ",".join(self.choices) + "}"
         return self.shown or (self.name.upper() if self.positional else METAVARS[self.type])
 
     def require(self, value: str) -> None:
-        """Raise ``RequestError`` for a value that it cannot have."""
+        """Raise ``RequestError`` for a value that the option cannot have."""
         if self.optional and value == "None":
             return
         shown = value if self.positional else f"{self.flag} {value}"
@@ -90,20 +90,20 @@ class Option:
 
     @property
     def writes(self) -> bool:
-        """Whether it names what is written."""
+        """True if the option names an output."""
         return self.name == "out"
 
     def _example(self) -> str:
-        """The option with a value that it may have."""
+        """Return the option with a value that it may have."""
         default = self.default if isinstance(self.default, int | float) else 3 if self.type is int else 0.5
         return f"{self.flag} {default}"
 
 
 def options_of(command: Any) -> list[Option]:
-    """The options of a command: a dataclass, or an instance of one whose values are the defaults.
+    """Return the options of a command: a dataclass, or an instance of one whose values are the defaults.
 
-    A field that holds a dataclass stands for that one's fields. A class's ``groups`` names, by the first
-    field of each, the groups that its options stand in.
+    A field that holds a dataclass stands for the fields of that dataclass. A class's ``groups`` has the
+    titles of groups of options, by the first field of each group.
     """
     found, title = list[Option](), "Options"
     kind = command if isinstance(command, type) else type(command)
@@ -120,8 +120,9 @@ def options_of(command: Any) -> list[Option]:
 
 
 def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> None:
-    """Raise ``RequestError`` for arguments that are no command's: an option that it lacks or a value that one
-    cannot have, a word too many or one that is missing.
+    """Raise ``RequestError`` for arguments that the command does not accept.
+
+    Such arguments are an unknown option, an invalid value, an extra word, or a missing word or option.
     """
     loose, given, dashes = list[str](), set[str](), list[str]()
     left = list(arguments)
@@ -158,7 +159,7 @@ def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> N
 
 
 def _named(prog: str, flag: str, options: Iterable[Option]) -> Option:
-    """The option of a flag. Raises ``RequestError`` that says what was meant."""
+    """Return the option of a flag. Raises ``RequestError`` that suggests what was meant."""
     known = {option.flag: option for option in options if not option.positional}
     off = {f"--no-{name[2:]}": option for name, option in known.items() if option.type is bool}
     found = (known | off).get(flag)
@@ -170,7 +171,7 @@ def _named(prog: str, flag: str, options: Iterable[Option]) -> Option:
 
 
 def _require_loose(prog: str, words: Sequence[str], known: Sequence[Option]) -> None:
-    """Raise ``RequestError`` for arguments without names that are too few, too many or wrong."""
+    """Raise ``RequestError`` for too few, too many or wrong arguments without names."""
     options = [option for option in known if option.positional]
     for word in words:
         flag = f"--{word.lstrip('-').partition('=')[0].casefold()}"
@@ -188,7 +189,7 @@ def _require_loose(prog: str, words: Sequence[str], known: Sequence[Option]) -> 
 
 
 def _option(name: str, hint: Any, default: Any, sentence: str, group: str) -> Option:
-    """An option from what the dataclass says of its field."""
+    """Return an option from its dataclass field."""
     marks = list[Any]()
     optional = several = False
     while origin := get_origin(hint):
@@ -226,13 +227,13 @@ def _option(name: str, hint: Any, default: Any, sentence: str, group: str) -> Op
 
 
 def _default(each: Any) -> Any:
-    """The default of a dataclass's field, or ``MISSING``."""
+    """Return the default of a dataclass's field, or ``MISSING``."""
     return each.default_factory() if each.default_factory is not MISSING else each.default
 
 
 @cache
 def _sentences(kind: type) -> dict[str, str]:
-    """What the docstrings below a dataclass's fields say, of its own and of those that it inherits."""
+    """Return the docstrings of a dataclass's fields, its own and the inherited ones, by field."""
     found: dict[str, str] = {}
     for each in reversed(kind.__mro__):
         if is_dataclass(each):
@@ -243,7 +244,7 @@ def _sentences(kind: type) -> dict[str, str]:
 
 
 def _documented(kind: ast.ClassDef) -> Iterator[tuple[ast.AnnAssign, str]]:
-    """The fields of a class, each with the docstring below it."""
+    """Yield the fields of a class, each with the docstring below it."""
     for field, following in pairwise(kind.body):
         if isinstance(field, ast.AnnAssign):
             match following:

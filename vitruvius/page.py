@@ -1,4 +1,4 @@
-"""``docs/command-line.md``: how commands are used, and the help of each: ``python -m vitruvius.page``."""
+"""Page ``docs/command-line.md``: usage and help of each command. ``python -m vitruvius.page`` prints it."""
 
 import pkgutil
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ WIDTH = 90
 
 
 def page() -> str:
-    """The page, in Markdown."""
+    """Return the page, in Markdown."""
     head = Path(__file__).with_name("command_line.md").read_text("utf-8")
     parts = [head.replace("TABLE\n", "\n".join(_table()) + "\n").rstrip(), "", *_quoted(top(WIDTH))]
     for title, names in grouped(COMMANDS, GROUPS).items():
@@ -37,7 +37,7 @@ def _quoted(text: str) -> list[str]:
 
 
 def _table() -> Iterator[str]:
-    """The keys of each command's answer."""
+    """Yield a table of the keys of each command's answer."""
     yield "| command | keys of its answer |"
     yield "|---|---|"
     for name, place in ANSWERS.items():

@@ -1,7 +1,7 @@
-"""A training run as a TOML file: ``train --print-config`` prints one, ``train --config FILE`` reads it.
+"""Training settings as a TOML file: ``train --print-config`` prints one, ``train --config FILE`` reads it.
 
-Its keys are the fields of a preset's config, and ``preset``, ``name`` and ``houses``. TOML has no
-None: the word "none" stands for it.
+Its keys are the fields of a preset's config, and ``preset``, ``name`` and ``houses``. TOML has no None: the
+word "none" stands for it.
 """
 
 import re
@@ -23,28 +23,29 @@ from vitruvius.options import Option, options_of
 NONE = "none"
 
 MOST_BYTES = 1 << 18
-"""Size of an uncompressed file, in bytes."""
+"""Largest size of an uncompressed file, in bytes."""
 
 MAX_DOTS, MAX_INTEGER = 256, 1 << 63
-"""Number of dots in a line, each of which may start a nested table, and absolute value of an integer."""
+"""Largest number of dots in a line, each of which may start a nested table, and largest absolute value of an
+integer."""
 
 BESIDE = "preset", "name", "houses"
-"""Keys that are no fields of a config."""
+"""Keys that are not fields of a config."""
 
 
 class SettingsError(VitruviusError):
-    """A TOML file of settings is absent, is none, or has a key or a value that no run can have."""
+    """Error for a TOML file of settings that is absent or malformed, or has an invalid key or value."""
 
     exit_code = 5
 
 
 def written(config: TrainConfig, options: list[Option], **beside: str | None) -> str:
-    """The file: every field with its sentence, and of ``BESIDE`` what is given."""
+    """Return the file: every field with its sentence, and the given values of ``BESIDE``."""
     import tomli_w
 
     lines = ["# vitruvius train --config FILE; options on the command line win over what is here.", ""]
     lines += [tomli_w.dumps({key: value}).strip() for key, value in beside.items() if value]
-    # As it is read again: 1 is 1.0 where a number is asked for.
+    # values as they will be read again: 1 becomes 1.0 for a field that is a float
     values, title = asdict(msgspec.convert(asdict(config), type(config))), ""
     for option in options:
         if option.name not in values:
@@ -59,10 +60,10 @@ def written(config: TrainConfig, options: list[Option], **beside: str | None) ->
 
 
 def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, str]]:
-    """The preset that a file names, its config, and what else of ``BESIDE`` it has. Another ``preset`` takes
-    the place of the file's: what the file says besides is kept.
+    """Return a file's preset, its config, and its other values of ``BESIDE``.
 
-    Raises ``SettingsError``, by file and line.
+    The argument ``preset`` replaces the file's preset; the file's other settings stay. Raises
+    ``SettingsError``, by file and line.
     """
     text = _text(path)
     for number, line in enumerate(text.splitlines(), start=1):
@@ -113,7 +114,7 @@ def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, st
 
 
 def _text(path: Path) -> str:
-    """The file's content. Raises ``SettingsError``."""
+    """Return the file's content. Raises ``SettingsError``."""
     try:
         return content_of(path, MOST_BYTES).decode()
     except OSError as error:
@@ -130,7 +131,7 @@ def _has_long_integer(value: Any) -> bool:
 
 
 def _line(text: str, key: str) -> int | None:
-    """The line, from 1, on which a key of the file's top stands."""
+    """Return the line, from 1, with a key at the top level of the file."""
     pattern = re.compile(rf"""["']?{re.escape(key)}["']?\s*(=|\.|\])""") if key else None
     lines = enumerate(text.splitlines(), start=1)
     return next((number for number, line in lines if pattern and pattern.match(line.lstrip(" \t["))), None)

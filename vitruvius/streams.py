@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 
 class _Output(io.TextIOWrapper):
-    """A standard output that knows its own errors: other calls of the system name no file either."""
+    """Standard output that records its own errors: other system calls name no file either."""
 
     error: OSError | None = None
 
@@ -19,7 +19,7 @@ class _Output(io.TextIOWrapper):
             return super().write(text)
 
     def flush(self) -> None:
-        """Write what is left."""
+        """Write the rest of the buffer."""
         with self._noted():
             super().flush()
 
@@ -33,7 +33,7 @@ class _Output(io.TextIOWrapper):
 
 
 class _Unheard(io.TextIOWrapper):
-    """A standard error where what cannot be written is not said: the exit code says how the work ended."""
+    """Standard error that drops what cannot be written: the exit code tells how the work ended."""
 
     def write(self, text: str, /) -> int:
         """Write a text, or nothing."""
@@ -42,7 +42,7 @@ class _Unheard(io.TextIOWrapper):
         return len(text)
 
     def flush(self) -> None:
-        """Write what is left, or nothing."""
+        """Write the rest of the buffer, or nothing."""
         with contextlib.suppress(OSError):
             super().flush()
 
@@ -61,7 +61,7 @@ def prepare() -> None:
             setattr(sys, f"__{name}__", getattr(sys, name))
     for name, kind in (("stdout", _Output), ("stderr", _Unheard)):
         stream = getattr(sys, name)
-        if stream is getattr(sys, f"__{name}__"):  # not one that a caller of ours has put there
+        if stream is getattr(sys, f"__{name}__"):  # not one that a caller of ours has set
             stream.flush()
             file = io.BufferedWriter(io.FileIO(stream.fileno(), "w", closefd=False))
             lines = stream.line_buffering or stream.write_through
@@ -70,14 +70,16 @@ def prepare() -> None:
 
 
 def is_of_output(error: OSError) -> bool:
-    """Whether it is the standard output that could not be written."""
+    """Return True if the error is that the standard output could not be written."""
     own = not isinstance(sys.stdout, _Output) and error.filename is None
     return own or getattr(sys.stdout, "error", None) is error
 
 
 def read_utf8() -> None:
-    """Begin again in Python's UTF-8 mode where names of files would be read as ASCII, as with ``LC_ALL=C``
-    and ``PYTHONUTF8=0``: house files and rules are UTF-8, and so are their names.
+    """Restart in Python's UTF-8 mode if names of files would be read as ASCII.
+
+    This is so with ``LC_ALL=C`` and ``PYTHONUTF8=0``. House files and rules are UTF-8, and so are their
+    names.
     """
     if codecs.lookup(sys.getfilesystemencoding()).name == "ascii":
         os.environ["PYTHONUTF8"] = "1"

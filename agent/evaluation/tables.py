@@ -14,7 +14,8 @@ from sim.tasks.tasks import PAPER_TASKS
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
 WHERE = ROOMS | {"all": "all rooms"} | {f"paper-{mode}": f"{where}, paper's" for mode, where in ROOMS.items()}
-"""Places of targets, by target mode, in words: the paper's targets lie at fixed places of its own house."""
+"""Location of the targets, by target mode, in words: the paper's targets lie at fixed places of its own
+house."""
 
 LABELS = {"paper-original": "paper, original", "paper": "paper, retrained"}
 """Labels of policies in tables, by name."""

@@ -17,7 +17,7 @@ MOST_SEED = 2**62 - 1
 """Largest seed: environments and houses count up from it, and their seeds have 64 bits."""
 
 TargetMode = Literal["main", "secondary", "mixed"]
-"""Places of targets: in the main room, in secondary rooms, or in both."""
+"""Location of the targets: in the main room, in secondary rooms, or in both."""
 
 MOST_HALF_LIVES = 64
 """Largest number of half-lives of a memory; the presets have four."""
@@ -39,8 +39,8 @@ class TrainConfig:
     }
 
     targets: str = "main"
-    """Places of targets: main, secondary, mixed or habit; or another task: module:Class, or as JSON, such as
-    '{"task": "reach", "room": "kitchen"}'."""
+    """Location of the targets: main, secondary, mixed or habit; or another task: module:Class, or as JSON,
+    such as '{"task": "reach", "room": "kitchen"}'."""
 
     world: Literal["default", "drive", "paper"] = "default"
     """Preset of the simulator. drive: bodies drive by commands, in the backend free, without an avoidance

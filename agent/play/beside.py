@@ -61,7 +61,7 @@ def _require_at_most(most: int, count: int, path: Path, what: str) -> None:
 def people_tables(
     path: Path, houses: Sequence[House], agents: Mapping[str, Sequence[Checkpoint]]
 ) -> Iterator[Table]:
-    """Yield a table for each kind of game in a file: place of targets, view of the player, and duration.
+    """Yield a table for each kind of game in a file, by target location, player's view and duration.
 
     Raises ``ResultsError`` for a game of a house that does not exist, or one whose replay differs from its
     record.

@@ -42,7 +42,7 @@ class PlayedGame(msgspec.Struct, frozen=True, kw_only=True):
     index: Annotated[int, Meta(ge=0)]
     """Index of the house in the file, from 0."""
     targets: str
-    """Places of targets, as for ``evaluate --targets``."""
+    """Location of the targets, as for ``evaluate --targets``."""
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)]
     """Seed of the episode: an evaluation with ``--seed 0`` plays house i with i."""
     view: Literal["plan", "seen"]

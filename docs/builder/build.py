@@ -1,8 +1,8 @@
-"""The documentation as a site: ``./run docs`` writes it into ``runs/docs``, to be opened as a file or served.
+"""Builder of the documentation site: ``./run docs`` writes it into ``runs/docs``, to open or to serve.
 
-Pages are Markdown files of the checkout, which read as well where they lie. Here they are copied, with all
-that they link to, and pages that are made from code are put beside them (``pages.py``). Zensical makes HTML
-of them, and fails at a link or an anchor that leads nowhere.
+Pages are Markdown files of the checkout, which also read well where they are. The builder copies them with
+everything that they link to, and adds the pages that are made from code (``pages.py``). Zensical makes HTML
+of the pages, and fails at a link or an anchor that leads nowhere.
 """
 
 import os
@@ -29,19 +29,19 @@ FENCE = re.compile(r"^\s*(```|~~~)")
 LINK = re.compile(r"(?<=\]\()(?!\w+:|#)([^)\s#]+)(#[^)]*)?(?=\))")
 ITEM = re.compile(r"^([-*]|\d+\.) ")
 SOURCES = {".lp", ".pl", ".py", ".toml"}
-"""Files that a link leads to as pages of code."""
+"""Suffixes of files that become pages of code when a page links to them."""
 HEADING = re.compile(r"<th( [^>]*)?></th>")
-"""A heading without words, which is none: Markdown's tables cannot do without a row of them."""
+"""Pattern of an empty heading cell: Markdown's tables need a row of headings."""
 STATIC = ("buttons.js", "iframe-worker.js", "site.css")
 
 
 @dataclass
 class Copy:
-    """The pages of the site, in a folder of their own, laid out as in the checkout."""
+    """Copy of the site's pages, in a folder of their own, laid out as in the checkout."""
 
     folder: Path
     done: set[Path] = field(default_factory=set)
-    """What has been copied or is being copied, from the checkout's root."""
+    """Paths that have been copied or are being copied, from the checkout's root."""
 
     def page(self, path: Path) -> None:
         """Copy a Markdown file, or make the page that has this path, and copy all that it links to."""
@@ -50,7 +50,7 @@ class Copy:
         self.write(path, "\n".join(_outside_code(text, lambda line: self.line(path, line))))
 
     def line(self, page: Path, line: str) -> str:
-        """A line of a page with links that lead to pages of the site; what is code has none."""
+        """Return a line of a page with links to pages of the site; code has no links."""
 
         def leads(link: re.Match[str]) -> str:
             return self.link(page, link[1]) + (link[2] or "")
@@ -59,14 +59,14 @@ class Copy:
         return "`".join(part if place % 2 else LINK.sub(leads, part) for place, part in enumerate(parts))
 
     def link(self, page: Path, address: str) -> str:
-        """The address on the site of what a page links to, which is copied."""
+        """Copy what a page links to, and return its address on the site."""
         path = Path(os.path.normpath(page.parent / address))
         if path.is_absolute() or path.parts[:1] == ("..",):
             raise RequestError(f"{page}: the link {address} leads out of the project")
         return os.path.relpath(self.copy(path, page), page.parent)
 
     def copy(self, path: Path, page: Path) -> Path:
-        """Copy a file or folder that a page links to; the path of its page, or of the file itself."""
+        """Copy a file or folder that a page links to; return the path of its page, or of the file itself."""
         if (self.folder / path).is_file():  # copied, or a picture that a page made
             return path
         made = path.as_posix() in MADE
@@ -87,7 +87,7 @@ class Copy:
         return target
 
     def listing(self, path: Path) -> None:
-        """Write the page of a folder, and copy what lies in it."""
+        """Write the page of a folder, and copy the files in it."""
         self.write(path / "index.md", listing(ROOT / path, self.line))
 
     def source(self, path: Path) -> None:
@@ -106,9 +106,9 @@ class Copy:
 
 
 def _outside_code(text: str, change: Callable[[str], str]) -> Iterator[str]:
-    """The lines of a page, changed outside blocks of code, and a blank line before each list.
+    """Yield the lines of a page, changed outside blocks of code, with a blank line before each list.
 
-    GitHub needs none where a list follows a paragraph, Python's Markdown does.
+    GitHub needs no blank line between a paragraph and a list; Python's Markdown does.
     """
     code, before = False, ""
     for line in text.splitlines():
@@ -124,14 +124,14 @@ def _outside_code(text: str, change: Callable[[str], str]) -> Iterator[str]:
 
 
 def pages_of(nav: list) -> Iterator[str]:
-    """The pages that a navigation of Zensical names."""
+    """Yield the pages that a navigation of Zensical names."""
     for entry in nav:
         for value in entry.values():
             yield from pages_of(value) if isinstance(value, list) else [value]
 
 
 def build(out: Path) -> None:
-    """Write the site into a folder, which it replaces. Raises ``RequestError`` for a page's fault."""
+    """Write the site into a folder, which it replaces. Raises ``RequestError`` for an error in a page."""
     if out.exists() and not (out / "sitemap.xml").exists():
         raise RequestError(f"--out {out}: this is there already, and is no site that could be replaced")
     config = (HERE / "zensical.toml").read_text()

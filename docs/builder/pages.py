@@ -1,4 +1,4 @@
-"""Pages that are made from code when the site is built, so that they cannot drift from it."""
+"""Pages that the build makes from code, so that they always match it."""
 
 import ast
 import json
@@ -27,16 +27,16 @@ AGENT = (
         "agent.evaluation.result",
     ),
 )
-"""What programs of a user's own take from ``agent``, as those in ``examples/`` do."""
+"""Modules that users' programs import from ``agent``, as those in ``examples/`` do."""
 
 
 def fenced(text: str, language: str = "text") -> str:
-    """A block of code, whatever fences it has in it."""
+    """Return a block of code, whatever fences it contains."""
     return f"````{language}\n{text.strip()}\n````\n"
 
 
 def schema(_: Path) -> str:
-    """The JSON Schema of a house, a table for each of its objects."""
+    """Return the page of the JSON Schema of a house, with a table for each of its objects."""
     objects = json.loads((ROOT / "docs" / "house.schema.json").read_text())["$defs"]
     page = [
         "# Schema of house files",
@@ -67,7 +67,7 @@ def _default(field: str, kind: dict[str, Any], owner: dict[str, Any]) -> str:
 
 
 def _kind(kind: dict[str, Any]) -> str:
-    """What a value may be, in words."""
+    """Return the type of a value, in words."""
     words = {
         "$ref": lambda: _link(kind["$ref"].rpartition("/")[2]),
         "anyOf": lambda: " or ".join(map(_kind, kind["anyOf"])),
@@ -100,7 +100,7 @@ def _bounds(kind: dict[str, Any], least: str, most: str) -> str:
 
 
 def package(name: str, about: str, *more: str) -> Callable[[Path], str]:
-    """The docstrings of all that a package exports, and of some of its modules."""
+    """Return a function that makes a page of the docstrings of a package's exports and of some modules."""
 
     def page(_: Path) -> str:
         names = [_identifier(name, each) for each in import_module(name).__all__]
@@ -110,18 +110,18 @@ def package(name: str, about: str, *more: str) -> Callable[[Path], str]:
 
 
 def modules(name: str, about: str, *names: str) -> Callable[[Path], str]:
-    """The docstrings of some modules."""
+    """Return a function that makes a page of the docstrings of some modules."""
     return lambda _: "\n\n".join([f"# Python: {name}", about, *(f"::: {each}" for each in names), ""])
 
 
 def _identifier(package: str, name: str) -> str:
-    """Where a class or function is defined: a package may have a module of the same name."""
+    """Return the module path of a class or function: a package may have a module of the same name."""
     value = getattr(import_module(package), name)
     return f"{value.__module__}.{name}" if isinstance(value, type | FunctionType) else f"{package}.{name}"
 
 
 def notebook(path: Path) -> Callable[[Path], str]:
-    """A notebook that is run from top to bottom while the site is built, as a page with its pictures."""
+    """Return a function that runs a notebook from top to bottom and makes a page of it, with its pictures."""
 
     def page(folder: Path) -> str:
         cells = enumerate(executed(ROOT / path).cells)
@@ -134,7 +134,7 @@ def notebook(path: Path) -> Callable[[Path], str]:
 
 
 def executed(path: Path) -> Any:
-    """A notebook with the outputs of all its cells, run in a folder of their own; fails where one does."""
+    """Return a notebook with the outputs of all its cells, run in a new folder; fail if a cell fails."""
     import nbformat
     from nbclient import NotebookClient
     from traitlets.config import Config
@@ -142,14 +142,14 @@ def executed(path: Path) -> Any:
     cells = nbformat.read(path, as_version=4)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     with TemporaryDirectory() as folder:
-        # Through sockets in the folder: no port, on which others might listen.
+        # Sockets in the folder: other users could listen on a port.
         sockets = Config(KernelManager={"transport": "ipc", "ip": f"{folder}/kernel"})
         where = {"metadata": {"path": folder}}
         return NotebookClient(cells, config=sockets, timeout=300, resources=where).execute()
 
 
 def _cell(number: int, cell: Any, folder: Path) -> str:
-    """A cell as Markdown; its pictures become files in the folder."""
+    """Return a cell as Markdown; its pictures become files in the folder."""
     if cell.cell_type == "markdown":
         return f"{cell.source}\n\n"
     outputs = (_output(f"cell-{number}-{each}", output, folder) for each, output in enumerate(cell.outputs))
@@ -157,7 +157,7 @@ def _cell(number: int, cell: Any, folder: Path) -> str:
 
 
 def _output(name: str, output: Any, folder: Path) -> str:
-    """What a cell shows, of all its forms the one that pages show best."""
+    """Return a cell's output in the form that pages show best."""
     data = output.get("data", {})
     pictures = {"image/svg+xml": "svg", "image/png": "png"}
     for kind in data.keys() & pictures.keys():
@@ -171,13 +171,13 @@ def _output(name: str, output: Any, folder: Path) -> str:
 
 
 def source(path: Path, text: str) -> str:
-    """A file of code as a page."""
+    """Return a file of code as a page."""
     language = {".lp": "prolog", ".pl": "prolog", ".py": "python", ".toml": "toml"}[path.suffix]
     return f"---\ntitle: {path.name}\n---\n# `{path}`\n\n{fenced(text, language)}"
 
 
 def listing(folder: Path, line: Callable[[Path, str], str]) -> str:
-    """A folder as a page: its files and what each says of itself."""
+    """Return a folder as a page: its files, each with the first line of its description."""
     path = folder.relative_to(ROOT)
     files = [line(path / "index.md", item) for item in _items(folder)]
     return f"# `{path}/`\n\n| file | |\n|---|---|\n" + "\n".join(files) + "\n"
@@ -201,4 +201,4 @@ MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
     "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),
 }
-"""By path: the page, made for a folder into which pictures may go."""
+"""Pages by path; each function makes a page, and may write pictures into the folder that it gets."""

@@ -1,1 +1,1 @@
-"""What commands print with ``--json``."""
+"""Answers of commands with ``--json``."""

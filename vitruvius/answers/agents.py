@@ -1,4 +1,4 @@
-"""What the commands print with ``--json``, by name, and ``vitruvius schema``: see ``houses.py``."""
+"""Answers of the commands with ``--json``, by name, and ``vitruvius schema``: see ``houses.py``."""
 
 import json
 import pkgutil
@@ -23,27 +23,28 @@ ANSWERS = {
     "record": "vitruvius.answers.houses:Written",
     "export": "vitruvius.answers.houses:Written",
 }
-"""Where the type of a command's answer is, ``module:Class``."""
+"""Type of each command's answer, as ``module:Class``."""
 
 
 class Trained(msgspec.Struct, frozen=True):
-    """Of ``train``: the checkpoint, and the last report of the run (``agent.learning.learner.Progress``)."""
+    """Answer of ``train``: the checkpoint, and the last report (``agent.learning.learner.Progress``)."""
 
     agent: str
     steps: int
     seconds: float
     targets: float
-    """Picked up per 1500 steps while learning."""
+    """Targets picked up per 1500 steps in training."""
     simulator: float
-    """Steps a second of the simulator alone; ``learner`` of all else."""
+    """Steps per second of the simulator alone; ``learner`` has those of the rest."""
     learner: float
     held_out: float | None = None
     """Mean targets in an episode in held-out houses, in the best evaluation; null without evaluations."""
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema of what any command prints with ``--json``: for each an object with its answer's type,
-    or with an error.
+    """Return the JSON Schema of the output of any command with ``--json``.
+
+    For each command it has an object with the type of its answer, or with an error.
     """
     kinds = {name: pkgutil.resolve_name(place) for name, place in ANSWERS.items()}
     pattern = "#/$defs/{name}"
@@ -76,13 +77,13 @@ class Schema:
     """Print the JSON Schema of a house, docs/house.schema.json, of a brief, or of what commands print."""
 
     answers: bool = False
-    """Of what commands print with --json: docs/answers.schema.json."""
+    """Print the schema of what commands print with --json: docs/answers.schema.json."""
 
     brief: bool = False
-    """Of a brief: docs/brief.schema.json."""
+    """Print the schema of a brief: docs/brief.schema.json."""
 
     def run(self) -> int:
-        """Print it, indented."""
+        """Print the schema, indented."""
         from logic.house.records import schema as of_house
         from logic.request.brief import schema as of_brief
 

@@ -1,7 +1,8 @@
-"""What commands print with ``--json``: one object on the standard output, whatever comes out.
+"""Answers of commands with ``--json``: one object on the standard output, whatever happens.
 
-``format``, ``command`` and ``exit_code`` are always there; ``answer`` is what the command found, ``error``
-why it found nothing, and one of the two is null. ``docs/answers.schema.json`` is their JSON Schema.
+``format``, ``command`` and ``exit_code`` are always present. ``answer`` is the result of the command,
+``error`` the reason why there is none; one of the two is null. ``docs/answers.schema.json`` is their JSON
+Schema.
 """
 
 from typing import Any
@@ -17,8 +18,10 @@ FORMAT = "vitruvius-answer-1"
 
 
 class Failure(msgspec.Struct, frozen=True):
-    """Why there is no answer: ``kind`` names an error of ``logic.errors``, or ``Interrupted``, ``OSError``
-    or ``Fault``; the place is a grammar's, the conflict of a request that no house satisfies.
+    """Reason why there is no answer.
+
+    ``kind`` names an error of ``logic.errors``, or ``Interrupted``, ``OSError`` or ``Fault``. The place is
+    that of an error in a grammar; the reasons are the conflict of a request that no house satisfies.
     """
 
     kind: str
@@ -34,7 +37,7 @@ class Failure(msgspec.Struct, frozen=True):
 
 
 class Violations(msgspec.Struct, frozen=True):
-    """What is wrong with a house, by its index in the file."""
+    """Violations of a house, by its index in the file."""
 
     house: int
     violations: list[str]
@@ -50,7 +53,7 @@ class Checked(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Linted(msgspec.Struct, frozen=True):
-    """Of ``lint``."""
+    """Answer of ``lint``: the findings in a grammar."""
 
     grammar: str
     errors: int
@@ -59,8 +62,10 @@ class Linted(msgspec.Struct, frozen=True):
 
 
 class Explained(msgspec.Struct, frozen=True):
-    """Of ``explain``: a request, and the conflict if it is not ``satisfiable``; or ``why`` a part of a house
-    is as it is.
+    """Answer of ``explain``.
+
+    It has a request, and the conflict if the request is not ``satisfiable``; or the reason ``why`` a part of
+    a house is as it is.
     """
 
     satisfiable: bool | None = None
@@ -75,7 +80,7 @@ class Explained(msgspec.Struct, frozen=True):
 
 
 class Layouts(msgspec.Struct, frozen=True):
-    """The number of layouts, of the rooms or of a type's furniture; where not ``exact``, there are more."""
+    """Number of layouts, of the rooms or of a type's furniture; there are more if it is not ``exact``."""
 
     name: str
     layouts: int
@@ -83,7 +88,7 @@ class Layouts(msgspec.Struct, frozen=True):
 
 
 class Generated(msgspec.Struct, frozen=True):
-    """Of ``generate``: where the houses are, or the houses themselves where there is no ``out``."""
+    """Answer of ``generate``: the place of the houses, or the houses themselves without ``out``."""
 
     out: str | None
     made: int
@@ -93,22 +98,21 @@ class Generated(msgspec.Struct, frozen=True):
     start: int
     houses: list[dict[str, Any]] = []
     broken: list[str] = []
-    """With ``--nearest``, the lines of the brief that the houses break, and what they keep in their place; or
-    how rooms of the plan differ.
-    """
+    """With ``--nearest``, the lines of the brief that the houses break, with what the houses keep instead; or
+    the changes to rooms of the plan."""
     counted: list[Layouts] = []
-    """With ``--count-layouts``, in place of houses."""
+    """With ``--count-layouts``, the counts; there are no houses then."""
 
 
 class Differences(msgspec.Struct, frozen=True):
-    """What changed in a house, by its index in both files."""
+    """Changes of a house, by its index in both files."""
 
     house: int
     changes: list[Change]
 
 
 class Drawn(msgspec.Struct, frozen=True):
-    """Of ``draw``: the files, and with ``--diff`` what changed."""
+    """Answer of ``draw``: the files, and with ``--diff`` the changes."""
 
     files: list[str]
     differences: list[Differences] = []
@@ -121,17 +125,17 @@ class Written(msgspec.Struct, frozen=True):
 
 
 def encoded(command: str, exit_code: int, answer: Any = None, error: Failure | None = None) -> str:
-    """An answer as a line of JSON; numbers that are no finite ones are null."""
+    """Return an answer as a line of JSON; numbers that are not finite are null."""
     record = {"format": FORMAT, "command": command, "exit_code": exit_code}
     record |= {"answer": answer, "error": error}
     try:
         return msgspec.json.encode(record).decode()
-    except UnicodeEncodeError:  # by a name of a file that is no UTF-8
+    except UnicodeEncodeError:  # a file's name that is not UTF-8
         return msgspec.json.encode(_escaped(msgspec.to_builtins(record))).decode()
 
 
 def _escaped(value: Any) -> Any:
-    """A value of JSON whose texts are UTF-8, other bytes of names escaped as messages have them."""
+    """Return a JSON value whose texts are UTF-8; other bytes of names are escaped as in messages."""
     if isinstance(value, dict):
         return {_escaped(key): _escaped(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
@@ -140,7 +144,7 @@ def _escaped(value: Any) -> Any:
 
 
 def failure(error: BaseException) -> Failure:
-    """What is said of an error."""
+    """Return the record of an error."""
     if isinstance(error, VitruviusError):
         return msgspec.convert(to_record(error), Failure)
     kind = "Interrupted" if isinstance(error, KeyboardInterrupt) else type(error).__name__

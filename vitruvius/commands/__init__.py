@@ -1,1 +1,1 @@
-"""The commands: a dataclass each, whose fields are its options."""
+"""Commands: one dataclass each, whose fields are its options."""

@@ -1,4 +1,4 @@
-"""What commands share: options that are given several times, answers and warnings as they are printed."""
+"""Common parts of commands: repeated options, answers and warnings in their printed form."""
 
 import re
 import warnings
@@ -15,7 +15,7 @@ Repeated = tyro.conf.UseAppendAction
 
 
 def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
-    """``("bedroom=2", "hall=..1")`` as ``{"bedroom": 2, "hall": (0, 1)}``."""
+    """Return ``{"bedroom": 2, "hall": (0, 1)}`` for ``("bedroom=2", "hall=..1")``."""
     from logic.request.request import from_option
 
     counts = {}
@@ -37,18 +37,18 @@ def require_plan(plan: Path | None, unit: str | None, snap: float, storey: str |
 
 
 def print_line(text: str) -> None:
-    """Print a line that is whole, also where a signal ends the command while it is read."""
+    """Print a whole line, even if a signal ends the command meanwhile."""
     with heeded_after():
         print(text, flush=True)
 
 
 def print_answer(command: str, answer: Any, exit_code: int = 0) -> None:
-    """Print what a command found as ``--json`` has it: see ``vitruvius.answers.houses``."""
+    """Print a command's answer in the form of ``--json``: see ``vitruvius.answers.houses``."""
     from vitruvius.answers.houses import encoded
 
     print_line(encoded(command, exit_code, answer))
 
 
 def say_warnings() -> None:
-    """Print a warning as ``lint`` does, without the line of Python that it came by."""
+    """Print warnings as ``lint`` does, without the line of Python that caused them."""
     warnings.showwarning = lambda message, *_: say(str(message))

@@ -1,4 +1,4 @@
-"""``vitruvius demo``: its options. Cheap to import; what it does is in ``vitruvius.demo``."""
+"""Options of ``vitruvius demo``. Cheap to import; ``vitruvius.demo`` does the work."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,19 +8,19 @@ from logic.request.request import MOST, whole
 
 @dataclass(frozen=True)
 class Demo:
-    """Rules to houses to a trained agent and its report, in a few minutes."""
+    """Generate houses, train an agent on them and write its report, in a few minutes."""
 
     out: Path = Path("runs/demo")
     """Folder for the report and all that it shows."""
 
     seed: int = 0
-    """Seeds the houses, those to learn in and those to be measured in, and the training."""
+    """Seed of the training, of the houses to train on, and of the houses to evaluate on."""
 
     def run(self) -> int:
-        """Do it all; 1 if the agent does not clearly beat the random walk and the paper's human's ratio."""
+        """Run the demo; return 1 unless the agent clearly beats the random walk and the human's ratio."""
         from logic.house.files import require_folder
         from vitruvius.demo import demo
 
-        whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses are made with twice the seed, and one more
+        whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses use twice the seed, and one more
         require_folder(self.out)
         return demo(self.out, self.seed)

@@ -1,4 +1,4 @@
-"""``vitruvius evaluate``: its options, and what it does.
+"""Options and work of ``vitruvius evaluate``.
 
 Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
 """
@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Measure agents in houses that they have not seen, beside the paper's agent, by its authors' weights and
-    trained again, and the baselines: random + avoidance, a script, the explorer (the planner alone), a
-    searcher that knows the house, and the shortest-path oracle. All meet the same starts and targets.
+    """Evaluate agents in houses that they have not seen, and compare them with the baselines.
+
+    The baselines are the paper's agent (by its authors' weights, and trained again), random + avoidance, a
+    script, the explorer (the planner alone), a searcher that knows the house, and the shortest-path oracle.
+    All meet the same starts and targets.
     """
 
     groups: ClassVar = {
@@ -41,26 +43,26 @@ class Evaluate:
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Checkpoints, or names of agents that come with the project (pqn, map-completion, search, paper,
-    paper-original). Checkpoints that differ in their training seed alone are runs of one agent. None:
-    the references alone."""
+    paper-original). Checkpoints that differ only in their training seed are runs of one agent. Without
+    agents, the command evaluates the references alone."""
 
     houses: Streamed = Path(banks.NAME)
-    """Houses to measure in: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to 10
-    rooms), large-test-v1 or home-large-test-v1 (8 to 12), the paper's house, paper-house, or a house file.
-    An object goal is played in those that have the piece, and free floor beside it."""
+    """Houses to evaluate on: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to
+    10 rooms), large-test-v1 or home-large-test-v1 (8 to 12), the paper's house, paper-house, or a house file.
+    An object goal is played in the houses that have the furniture, with free floor next to it."""
 
     targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Where targets lie: main, secondary, mixed (or all), habit, or another task as for train; in the
-    paper's house paper-main, paper-secondary and paper-mixed too. By default main, secondary and mixed, one
+    """Location of the targets: main, secondary, mixed (or all), habit, or another task as for train; in the
+    paper's house also paper-main, paper-secondary and paper-mixed. By default main, secondary and mixed, one
     after the other."""
 
     seed: int = 0
-    """Seeds starts and targets, the same for every policy."""
+    """Seed of starts and targets, the same for every policy."""
 
     backend: str = "continuous"
     """Backend of the simulator: continuous, grid (for houses made with --cell), free, or module:Class. free
     is for agents that drive (train --preset pqn-free). Its baselines are a random drive, a pursuit of visible
-    targets, the explorer, and the true path, which knows house and target; figures are shares of the true
+    targets, the explorer, and the true path, which knows house and target; figures are ratios to the true
     path's."""
 
     world: Literal["default", "long", "noisy", "paper"] = "default"
@@ -69,7 +71,7 @@ class Evaluate:
     oracle and true path. paper: a collision ends the episode."""
 
     episodes: int = 1
-    """Episodes in each house."""
+    """Number of episodes in each house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """Your own class, module:Class, that the task of an agent or a game may name. Files may name no other
@@ -77,31 +79,31 @@ class Evaluate:
 
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
     """Scores of external agents in the same houses, seed and targets, to show in the tables: the
-    evaluation.json of --out, or what an example's --out writes."""
+    evaluation.json of --out, or the file of an example's --out."""
 
     beside: Path | None = None
-    """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
-    play the same episodes."""
+    """Games that people played in these houses (vitruvius play), to compare with agents and baselines in the
+    same episodes."""
 
     engine: Literal["ray"] | None = None
-    """Play by Ray, on this machine or on a cluster (docs/scale.md): each place of the targets is a task, and
-    each 256 houses of a larger bank. No figure changes."""
+    """Play by Ray, on this machine or on a cluster (docs/scale.md). Each mode of targets is a task; a larger
+    bank has one task for each 256 houses. The figures stay the same."""
 
     address: str | None = None
-    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here and
-    ends with the command."""
+    """Address of Ray's cluster: HOST:PORT, or auto for the one of this machine. By default the command starts
+    a cluster here and ends it."""
 
     out: Path | None = None
     """Folder for evaluation.json, evaluation.md, evaluation.png and report.html."""
 
     replace: bool = False
-    """Write over another evaluation in the folder."""
+    """Overwrite another evaluation in the folder."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): all figures, and each house's."""
 
     def run(self) -> int:
-        """Print the tables, or the JSON."""
+        """Evaluate, and print the tables or the JSON."""
         from agent.learning.simulator import allow_named, require_asked_task, require_task
         from sim.allowed import is_class_name
 
@@ -135,7 +137,7 @@ class Evaluate:
         require_folder(self.out)
         if self.beside:
             replayable(self.beside)  # reports an invalid file before the evaluation starts
-        torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
+        torch.set_num_threads(1)  # batches are a few hundred: a second thread only costs
         agents = by_name(self.agents)
         require_motion(agents, self.backend)
         for name in () if drives else PAPERS:
@@ -200,7 +202,7 @@ class Evaluate:
         return 0
 
     def _require_same(self, file: Path, bank: "ScoredBank", modes: Sequence[str]) -> None:
-        """Raise ``RequestError`` where a file holds another evaluation: to repeat one is no loss."""
+        """Raise ``RequestError`` if a file holds another evaluation; the same one may be repeated."""
         from agent.evaluation.scores import ScoreError, load
         from logic.house.replacing import require_free
 
@@ -222,10 +224,11 @@ class Evaluate:
 
 
 def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
-    """The checkpoints of each agent: runs of one agent differ in nothing but their training seeds. An agent
-    whose name is taken by another config is named for its folder too.
+    """Return the checkpoints of each agent, by name.
 
-    Raises ``CheckpointError`` for a file that is none, ``RequestError`` where that name is taken as well.
+    Runs of one agent differ only in their training seeds. If two configs share a name, the later agent's name
+    includes its folder. Raises ``CheckpointError`` for a malformed file, ``RequestError`` if that name is
+    taken, too.
     """
     from agent.runs import checkpoint
 

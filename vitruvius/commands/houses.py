@@ -1,4 +1,4 @@
-"""``vitruvius check``, ``draw`` and ``convert``: what is done with files of houses."""
+"""Commands on house files: ``vitruvius check``, ``draw`` and ``convert``."""
 
 import json
 from dataclasses import dataclass
@@ -28,25 +28,27 @@ OTHERS = "; ".join(f"{name}: {each.words}" for name, each in FORMATS.items()) + 
 
 @dataclass(frozen=True)
 class Check:
-    """Check houses by plain geometry, independently of the rules that made them. Houses count from 0. The
-    check judges promises only, not window lengths and not your own rules in a grammar (docs/house-file.md).
+    """Check houses by plain geometry, independently of the rules that made them.
+
+    Houses count from 0. The check judges promises only, not window lengths and not your own rules in a
+    grammar (docs/house-file.md).
     """
 
     file: tyro.conf.Positional[Streamed]
     """House file, or - for the standard input."""
 
     promises: Annotated[str | None, tyro.conf.arg(metavar="FILE|GRAMMAR"), DASH] = None
-    """Judge by other promises than the houses' own: a JSON file that replaces some of them, as
+    """Promises to judge by instead of the houses' own: a JSON file that replaces some of them, as
     {"door_clearance": 0.9, "passage": 0.9}, or a grammar, by its name or folder (docs/house-file.md)."""
 
     clear_front: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="PIECE")] = ()
-    """A piece type that is used from its front: 0.42 m must be free there."""
+    """Furniture type that is used from its front: 0.42 m must be free there."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): each house and its violations."""
 
     def run(self) -> int:
-        """Print a line for each violation; 1 if there is any."""
+        """Check the houses and print a line for each violation; return 1 if there is any."""
         from msgspec.structs import replace
 
         from logic import HouseSet, check, load
@@ -84,8 +86,10 @@ class Check:
 
 @dataclass(frozen=True)
 class Draw:
-    """Draw plans of houses and a contact sheet; to a scale on paper (--scale), or what differs between two
-    files of houses (--diff).
+    """Draw plans of houses and a contact sheet.
+
+    The plans can have a scale on paper (--scale), or show the differences between two files of houses
+    (--diff).
     """
 
     groups: ClassVar = {
@@ -103,37 +107,37 @@ class Draw:
     """Folder for the pictures."""
 
     format: Literal["svg", "png", "pdf"] = "svg"
-    """What the plans are written as; a PDF is one file, with a page for each."""
+    """Format of the plans; a PDF is one file, with a page for each plan."""
 
     replace: bool = False
-    """Lose what else the folder holds by the names of the pictures, if anything."""
+    """Overwrite files in the folder that have the names of the pictures."""
 
     one_scale: bool = False
-    """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
+    """Draw all houses to one scale, so that their sizes compare; by default each is as large as fits."""
 
     palette: Literal["colour", "distinct", "grey"] = "colour"
-    """colour: each room type has its own; distinct: colours that the colour-blind tell
-    apart; grey: for print, types differ in their grey or their pattern."""
+    """Colours. colour: one for each room type; distinct: colours that people with colour blindness can
+    distinguish; grey: for print, types differ in their grey or their pattern."""
 
     grammar: str | None = None
-    """A shipped grammar's name, or a directory of rules: its looks.json says which colours and symbols types
-    have. By default the houses' own, where it is a shipped one."""
+    """Name of a shipped grammar, or a directory of rules, whose looks.json has the colours and symbols of
+    types. By default the houses' own grammar, if it is a shipped one."""
 
     scale: str | None = None
-    """Draw each house on a page of true millimetres, to this scale, as in 1:50."""
+    """Scale on a page, as in 1:50: each house is drawn in true millimetres."""
 
     paper: Literal["A4", "A3", "A2", "A1", "A0"] | None = None
-    """With --scale: the size of the pages; by default for each house the smallest that holds it."""
+    """Paper size for --scale; by default the smallest that holds the house, for each house."""
 
     diff: Streamed | None = None
-    """Another house file: draw what came, went and moved from each house of the first to the one at its place
-    in this one."""
+    """Another house file: draw what was added, removed and moved from each house of the first file to the
+    house with the same index in this one."""
 
     json: bool = False
-    """Print one answer as JSON: the names of the files, and with --diff what changed."""
+    """Print one answer as JSON: the names of the files, and with --diff the changes."""
 
     def run(self) -> int:
-        """Write a picture of each house, numbered from 0 as in the file, and one of all."""
+        """Write a picture of each house, numbered from 0 as in the file, and a picture of all."""
         from logic import load
         from logic.house.files import require_folder
         from logic.house.replacing import alone_in, require_drawn
@@ -147,7 +151,7 @@ class Draw:
             return self._drawn(houses, others)
 
     def _drawn(self, houses: "Sequence[House]", others: "Sequence[House]") -> int:
-        """Write what is asked for."""
+        """Write the requested pictures."""
         from logic.drawing.draw import draw
 
         if self.diff is not None:
@@ -165,7 +169,7 @@ class Draw:
         return 0
 
     def _answer(self, files: "Sequence[Path]", differences: "Sequence[Differences]" = ()) -> None:
-        """Remove what an earlier run drew beside it, and print what was drawn, if it is asked for."""
+        """Remove the pictures of an earlier run, and print the answer if it is requested."""
         from vitruvius.answers.houses import Drawn
 
         _remove_others(self.out, files)
@@ -173,7 +177,7 @@ class Draw:
             print_answer("draw", Drawn([str(file) for file in files], list(differences)))
 
     def _require(self) -> None:
-        """Refuse options that say nothing together."""
+        """Raise ``RequestError`` for options that exclude each other."""
         from logic.errors import RequestError
 
         if self.paper and not self.scale:
@@ -200,7 +204,7 @@ class Draw:
         return 0
 
     def _changes(self, *pairs: "Sequence[House]") -> int:
-        """Write a picture of what changed for each pair of houses, and print the changes."""
+        """Write a picture of the changes of each pair of houses, and print the changes."""
         from logic.drawing.difference import diff_drawing
         from logic.drawing.draw import encoded
         from logic.errors import RequestError
@@ -231,20 +235,21 @@ class Draw:
 
 @dataclass(frozen=True)
 class Convert:
-    """Write houses of any format as a house file of today, or in the format of another tool."""
+    """Write houses of any format as a house file of the present format, or in the format of another tool."""
 
     file: tyro.conf.Positional[Streamed]
     """House file, or - for the standard input."""
 
     out: Streamed
-    """The new house file (.jsonl, .jsonl.gz, or .json for one house), or - for the standard output; for other
+    """New house file (.jsonl, .jsonl.gz, or .json for one house), or - for the standard output; for other
     formats a folder."""
 
     to: Annotated[Format, tyro.conf.arg(metavar="FORMAT", help=OTHERS)] = "vitruvius-2"
-    """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house."""
+    """Format. vitruvius-2: a house file, whose houses simulate as before. The others write a file for each
+    house."""
 
     replace: bool = False
-    """Lose what else the new files hold, if anything."""
+    """Overwrite new files that have other content."""
 
     json: bool = False
     """Print one answer as JSON: the names of the files."""
@@ -283,7 +288,10 @@ class Convert:
         return 0
 
     def _print(self) -> int:
-        """Write the houses to the standard output. Raises ``RequestError`` where it takes several files."""
+        """Write the houses to the standard output.
+
+        Raises ``RequestError`` if the format needs several files.
+        """
         from logic import load
         from logic.errors import RequestError
 
@@ -297,7 +305,7 @@ class Convert:
 
 
 def _remove_others(folder: Path, written: "Sequence[Path]") -> None:
-    """Remove the pictures or files of an earlier run with more houses, and say so."""
+    """Remove the pictures or files of an earlier run with more houses, and print their number."""
     from logic.house.replacing import remove_others
 
     if number := remove_others(folder, written):

@@ -1,4 +1,4 @@
-"""``vitruvius info``: what a file, a folder or a name is."""
+"""Command ``vitruvius info``: it describes a file, a folder or a name."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -24,20 +24,20 @@ TITLES = {
     "grammar": "grammar, for vitruvius generate --grammar",
     "settings": "settings, for vitruvius train --preset or --config",
 }
-"""What each kind is called."""
+"""Title of each kind."""
 
 HIDDEN = {"kind", "name", "config"}
-"""Fields that are for programs."""
+"""Fields that only programs read."""
 
 ALIKE = {"formats", "topologies", "grammars"}
-"""Counts of houses, which say nothing where all are alike."""
+"""Counts of houses that are left out if all houses are alike."""
 
 LARGE = {"houses", "shards", "there", "bytes", "parameters", "steps", "of_steps", "games", "length"}
 """Numbers that are grouped by thousands."""
 
 
 class About(msgspec.Struct, frozen=True):
-    """Of ``info``: all that the name is; a path is one thing, and a name may be several."""
+    """Answer of ``info``: all that the name stands for; a path is one thing, a name may be several."""
 
     found: list[Kind]
 
@@ -57,7 +57,7 @@ class Info:
     """Print one answer as JSON (docs/command-line.md)."""
 
     def run(self) -> int:
-        """Print what it is."""
+        """Print the description."""
         say_warnings()
         found: list[Any] = recognised(self.thing)
         if self.json:
@@ -68,7 +68,7 @@ class Info:
 
 
 def _text(record: dict[str, Any]) -> str:
-    """What is known of a thing, a row for each of its fields."""
+    """Return the description of a thing, with a row for each of its fields."""
     rows = [(key.replace("_", " "), _words(key, value)) for key, value in record.items() if key not in HIDDEN]
     rows = [(key, printable(words)) for key, words in rows if words]
     longest = max(len(key) for key, _ in rows)
@@ -77,7 +77,7 @@ def _text(record: dict[str, Any]) -> str:
 
 
 def _words(key: str, value: Any) -> str:
-    """A value as people read it; empty where there is nothing to say."""
+    """Return a value in words; empty if there is nothing to say."""
     match value:
         case bool():
             words = "yes" if value else "no"
@@ -99,7 +99,7 @@ def _words(key: str, value: Any) -> str:
 
 
 def _inner(value: Any) -> str:
-    """A value within another."""
+    """Return a value within another, in words."""
     if isinstance(value, dict):
         return f"({_words('', value)})"
     return f"{value:g}" if isinstance(value, float) else str(value)

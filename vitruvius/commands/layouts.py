@@ -1,4 +1,4 @@
-"""``vitruvius generate --count-layouts``."""
+"""Work of ``vitruvius generate --count-layouts``."""
 
 import time
 from typing import Any
@@ -12,7 +12,7 @@ from vitruvius.commands.common import counts
 
 
 def count_layouts(command: Any) -> int:
-    """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
+    """Print the number of layouts of the rooms and of each type's furniture; return 4 if too many."""
     from logic import count_layouts as layouts
     from vitruvius.answers.houses import Layouts
 

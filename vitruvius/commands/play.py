@@ -1,4 +1,4 @@
-"""``vitruvius play``: its options, and what it does. Cheap to import, as the other commands are."""
+"""Options and work of ``vitruvius play``. Cheap to import, as the other commands are."""
 
 import os
 import sys
@@ -34,39 +34,40 @@ class Play:
     """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
 
     house: int | None = None
-    """Which house of the file, from 0; by default all, one after the other."""
+    """Index of the house in the file, from 0; by default all houses, one after the other."""
 
     targets: str = "main"
-    """Where targets lie: main, secondary, mixed, or another task, as for evaluate; paper-main and so on in
-    the paper's house."""
+    """Location of the targets: main, secondary, mixed, or another task, as for evaluate; paper-main and so on
+    in the paper's house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """Your own class, module:Class, that the task of the agent or a game may name. Files may name no other
     class of yours. Vitruvius imports the module, which runs its code."""
 
     seed: int = 0
-    """House i is played with the start and the targets of seed + i, as evaluate plays it."""
+    """Seed: house i has the start and the targets of seed + i, as in evaluate."""
 
     view: Literal["plan", "seen"] = "plan"
-    """What you see: the whole plan with the target, or only what the robot's rays have reached."""
+    """View of the player: the whole plan with the target, or only what the robot's rays have reached."""
 
     race: Path | None = None
-    """An agent to race, beside you in the same house to the same targets: a checkpoint or a released one."""
+    """Agent to race, next to you in the same house to the same targets: a checkpoint or a released agent."""
 
     seconds: float = 15.0
-    """How long a game lasts. Its 1500 steps are spread over it: 100 a second in the paper's 15 seconds."""
+    """Duration of a game in seconds. Its 1500 steps are spread over it: 100 a second in the paper's 15
+    seconds."""
 
     player: str = ""
-    """Your name in the results."""
+    """Name of the player in the results."""
 
     out: Path = Path("games.jsonl")
-    """File of results, to which each game is added when it is over."""
+    """File of results, to which each game is added at its end."""
 
     replay: Path | None = None
-    """Show the games of a file of results instead of playing."""
+    """File of results whose games to show, instead of a new game."""
 
     def run(self) -> int:
-        """Play the houses, or show games."""
+        """Play the houses, or replay games."""
         from agent.learning.simulator import allow_named, require_asked_task
         from agent.play.results import ENDINGS, load, require_games
         from logic.house.files import require_file
@@ -143,17 +144,17 @@ class Play:
 
 
 DISPLAYS = {"x11": "DISPLAY", "wayland": "WAYLAND_DISPLAY"}
-"""SDL's drivers on Linux, and the variables that say where their displays are."""
+"""Drivers of SDL on Linux, and the variables that name their displays."""
 
 
 def opened() -> "GameWindow":
-    """The window. Raises ``MissingProgram`` where there is no display."""
+    """Return the window. Raises ``MissingProgram`` without a display."""
     import pygame
 
     from agent.play.window import GameWindow
 
     if sys.platform == "linux" and not os.environ.get("SDL_VIDEODRIVER"):
-        # Left to itself SDL takes a driver that draws where nobody sees it, and the game waits for ever.
+        # By default SDL may choose a driver without a visible display, and the game waits for ever.
         drivers = [driver for driver, variable in DISPLAYS.items() if os.environ.get(variable)]
         if not drivers:
             raise _no_display(f"neither {' nor '.join(DISPLAYS.values())} is set")

@@ -1,4 +1,4 @@
-"""``vitruvius playground``: its options, and what it does. Cheap to import, as the other commands are."""
+"""Options and work of ``vitruvius playground``. Cheap to import, as the other commands are."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +14,10 @@ class Playground:
     """
 
     out: Path | None = None
-    """Write the page into this folder instead, which must be new or empty."""
+    """Folder to write the page into, instead of serving it; the folder must be new or empty."""
 
     port: int = 0
-    """Port of the address; 0 for any that is free."""
+    """Port of the address; 0 for any free port."""
 
     open: bool = False
     """Open the address in this machine's browser."""

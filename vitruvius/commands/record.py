@@ -1,4 +1,4 @@
-"""``vitruvius record``: its options, and what it does. Cheap to import."""
+"""Options and work of ``vitruvius record``. Cheap to import."""
 
 import re
 from dataclasses import dataclass
@@ -16,13 +16,14 @@ from vitruvius.commands.common import print_answer
 from vitruvius.options import Streamed
 
 MOST_CELLS = 64
-"""Environments in a mosaic at most."""
+"""Largest number of environments in a mosaic."""
 
 
 @dataclass(frozen=True)
 class Record:
-    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one. Or write a
-    trace of its episode, which the page of vitruvius report plays.
+    """Film an agent in a house: its rays, its trail and its targets, next to its map if it has one.
+
+    The command can also write a trace of the episode, which the page of vitruvius report plays.
     """
 
     groups: ClassVar = {"house": "The episode", "out": "The film"}
@@ -34,40 +35,41 @@ class Record:
     """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
 
     house: int = 0
-    """Which house of the file, from 0."""
+    """Index of the house in the file, from 0."""
 
     targets: str = "main"
-    """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
+    """Location of the targets: main, secondary, mixed, or another task, module:Class or JSON."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """Your own class, module:Class, that the task of the agent may name. Files may name no other class of
     yours. Vitruvius imports the module, which runs its code."""
 
     seed: int = 0
-    """Seeds the start and the targets."""
+    """Seed of the start and the targets."""
 
     steps: int = 1500
-    """How many steps of the episode to film."""
+    """Number of steps of the episode to film."""
 
     out: Path = Path("episode.gif")
-    """The film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
+    """Film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
 
     replace: bool = False
-    """Lose what the file holds, if anything."""
+    """Overwrite a file that has other content."""
 
     mosaic: str | None = None
-    """Film many environments side by side, as in 4x3: columns and rows. The first is in the house of
-    --house, the others in those after it, from the file's first again where there are fewer; without maps."""
+    """Columns and rows of environments that are filmed side by side, as in 4x3. The first is in the house of
+    --house, the others in the houses after it, from the file's first again if there are fewer; without
+    maps."""
 
     stride: int = 4
     """Steps between frames."""
 
     width: int | None = None
-    """Pixels of the house's longer side, and of the map's: 480; in a mosaic, of each house: 960 by its
-    columns, at least 120."""
+    """Length of the house's longer side, and of the map's, in pixels: 480. In a mosaic, of each house: 960
+    divided by its columns, at least 120."""
 
     json: bool = False
-    """Print one answer as JSON: the film's name."""
+    """Print one answer as JSON: the name of the film."""
 
     def run(self) -> int:
         """Write the film."""
@@ -128,7 +130,7 @@ class Record:
         return 0
 
     def _mosaic(self) -> tuple[int, int] | None:
-        """Columns and rows of a mosaic, if one is asked for."""
+        """Return columns and rows of a mosaic, or None without one."""
         if self.mosaic is None:
             return None
         found = re.fullmatch(r"(\d{1,2})x(\d{1,2})", self.mosaic.strip())

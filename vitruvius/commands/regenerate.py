@@ -1,4 +1,4 @@
-"""``vitruvius regenerate``: rows of a set are made again."""
+"""Command ``vitruvius regenerate``: it generates rows of a set again."""
 
 import json
 from dataclasses import dataclass
@@ -14,22 +14,22 @@ from vitruvius.options import Streamed
 
 @dataclass(frozen=True)
 class Regenerate:
-    """Make rows of a set again, from what they say and the rules that travel with the set."""
+    """Generate rows of a set again, from their provenance and the rules in the set."""
 
     groups: ClassVar = {"row": "Which rows, and by which rules"}
 
     file: tyro.conf.Positional[Streamed]
-    """A set's folder, a file of rows (Parquet or JSON Lines), or - for rows as JSON Lines."""
+    """Folder of a set, a file of rows (Parquet or JSON Lines), or - for rows as JSON Lines."""
 
     row: tuple[int, ...] = ()
-    """Which rows, from 0, as in --row 3 57; without it, all."""
+    """Indices of the rows, from 0, as in --row 3 57; by default all."""
 
     grammar: str | None = None
-    """The rules, where rows come without their set: a folder, or a shipped grammar's name; by default the
-    shipped one that they name."""
+    """Rules for rows that come without their set: a folder, or the name of a shipped grammar; by default the
+    shipped grammar that the rows name."""
 
     def run(self) -> int:
-        """Print the houses; 1 where one is another house than its row's."""
+        """Print the houses; return 1 if one differs from its row's."""
         from logic.dataset.regenerate import regenerated
         from logic.house.house import House
 

@@ -1,4 +1,4 @@
-"""``vitruvius report``: its options, and what it does. Cheap to import."""
+"""Options and work of ``vitruvius report``. Cheap to import."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,20 +9,20 @@ import tyro
 
 @dataclass(frozen=True)
 class Report:
-    """A run as one HTML file: plans to filter, learning curves, figures with intervals, episodes to play.
+    """Write a run as one HTML file: plans, learning curves, figures with intervals, and episodes to play.
 
-    It needs no network and no other file. demo, train, evaluate --out and bench write one too.
+    The file needs no network and no other file. demo, train, evaluate --out and bench write one, too.
     """
 
     folder: tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="RUN")]]
-    """Folder of a run: what demo, train, evaluate --out or bench wrote; also one of house files, or of traces
-    (vitruvius record --out RUN/NAME.trace.json)."""
+    """Folder of a run, which demo, train, evaluate --out or bench wrote; or a folder of house files, or of
+    traces (vitruvius record --out RUN/NAME.trace.json)."""
 
     out: Path | None = None
-    """The file; by default report.html in the folder."""
+    """File to write; by default report.html in the folder."""
 
     replace: bool = False
-    """Lose what the file holds, if anything else; the folder's own report is written again without it."""
+    """Overwrite a file that is not a report; the folder's own report is always written again."""
 
     def run(self) -> int:
         """Write the file."""

@@ -1,4 +1,4 @@
-"""``vitruvius lint`` and ``explain``: what is wrong with rules, and what they say of a request or a house."""
+"""Commands ``vitruvius lint`` and ``explain``: mistakes in rules; rules behind a request or a house."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,22 +17,22 @@ from vitruvius.options import Streamed
 
 @dataclass(frozen=True)
 class Explain:
-    """Say why no house satisfies a request (--rooms), or why a house is as it is (HOUSES --why R3.bed)."""
+    """Explain why no house satisfies a request (--rooms), or why a house is so (HOUSES --why R3.bed)."""
 
     groups: ClassVar = {"why": "A part of a house", "rooms": "A request", "grammar": "Rules, limits, answer"}
 
     file: tyro.conf.Positional[Annotated[Streamed | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
-    """House file: explain a part of a house in it."""
+    """House file: the command explains a part of a house in it."""
 
     why: str | None = None
-    """The part: a room (R3) or a piece (R3.bed, R3.bed2 for the second); of a star a door (R3.door) or main;
-    of a plan a door (R1-R3), the entrance, a window (R3.window) or a whole unit (U1)."""
+    """Part to explain: a room (R3) or a piece (R3.bed, R3.bed2 for the second); of a star a door (R3.door) or
+    main; of a plan a door (R1-R3), the entrance, a window (R3.window) or a whole unit (U1)."""
 
     house: int = 0
     """Index of the house in the file, counted from 0."""
 
     rooms: int | None = None
-    """Number of rooms, 1 to 128, not counted a main room as in family."""
+    """Number of rooms, 1 to 128, without the main room in family."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
     """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
@@ -41,36 +41,37 @@ class Explain:
     """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
 
     brief: Streamed | None = None
-    """JSON file (docs/briefs.md): what is wanted of rooms, each by its name."""
+    """JSON file (docs/briefs.md): requirements on rooms, each by its name."""
 
     plan: Streamed | None = None
-    """A house file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC, with all
+    """House file of one house, GeoJSON, or a plan of HouseExpo, ResPlan, CubiCasa5K, IMDF or IFC, with all
     rooms in their places."""
 
     plan_unit: str | None = None
-    """Of a plan that is no house file: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02; by default
-    what the file says, or m."""
+    """Unit of a plan that is not a house file: m, dm, cm, mm, ft, in, or metres per unit, as in 0.02; by
+    default the file's unit, or m."""
 
     snap: float = 0.01
-    """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
+    """Distance in metres within which edges of the plan's rooms become one wall; the command prints what it
+    moves."""
 
     storey: str | None = None
     """Name of the storey to read, for a plan with several storeys."""
 
     cell: float = 0.0
-    """Side of a grid's cell in metres; 0 for none."""
+    """Side of a grid's cells in metres; 0 for no grid."""
 
     grammar: str | None = None
-    """A shipped grammar's name, or a directory of rules; family, or the house's own."""
+    """Name of a shipped grammar, or a directory of rules; by default family, or the house's own grammar."""
 
     seconds: float = 60.0
-    """Most seconds."""
+    """Time limit in seconds."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): the reasons."""
 
     def run(self) -> int:
-        """Print the reasons; 1 where a request has a house after all."""
+        """Print the reasons; return 1 if a request has a house after all."""
         from logic import Unsatisfiable, generate
         from vitruvius.answers.houses import Explained
 
@@ -112,7 +113,7 @@ class Explain:
         return 1
 
     def _generate(self) -> str:
-        """The command that makes a house of the request."""
+        """Return the command that generates a house of the request."""
         asked = {"--grammar": self.grammar, "--rooms": self.rooms, "--brief": self.brief, "--plan": self.plan}
         words = [(flag, value) for flag, value in asked.items() if value is not None]
         words += [("--type", each) for each in self.type] + [("--piece", each) for each in self.piece]
@@ -162,19 +163,19 @@ class Explain:
 
 @dataclass(frozen=True)
 class Lint:
-    """Find the mistakes in rule files that clingo and Prolog pass over."""
+    """Find the mistakes in rule files that clingo and Prolog do not report."""
 
     grammar: tyro.conf.Positional[str] = "family"
-    """A shipped grammar's name, or a directory of rules."""
+    """Name of a shipped grammar, or a directory of rules."""
 
     seconds: float = 60.0
-    """Most seconds."""
+    """Time limit in seconds."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): all findings."""
 
     def run(self) -> int:
-        """Print a line for each finding; 1 if any is an error."""
+        """Print a line for each finding; return 1 if any is an error."""
         from logic import lint
         from vitruvius.answers.houses import Linted
 

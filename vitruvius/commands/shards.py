@@ -1,4 +1,4 @@
-"""``vitruvius generate --shard K/N``: shards of a set of houses, and the set as a whole with the last one."""
+"""Shards of a set of houses: the work of ``vitruvius generate --shard K/N``."""
 
 import re
 import time
@@ -21,7 +21,7 @@ from logic.workers.series import HouseSeries
 
 
 def make_shards(command: Any, asked: str) -> int:
-    """Make the shards that are asked for and not there, and with the last one the manifest."""
+    """Make the requested shards that do not exist, and after the last one the manifest."""
     began = time.monotonic()
     folder, parts = _require(command, asked)
     series = series_of(**command.asked(command.brief, command.plan))
@@ -40,7 +40,7 @@ def make_shards(command: Any, asked: str) -> int:
 
 
 def _require(command: Any, asked: str) -> tuple[Path, int]:
-    """The set's folder, and how many shards it has. Raises ``RequestError`` for what no set can have."""
+    """Return the set's folder, and its number of shards. Raises ``RequestError`` for invalid options."""
     found = re.fullmatch(r"(all|\d+)/(\d+)", asked)
     if not found:
         raise RequestError(f"--shard {asked}: say which of how many, from 0, as in --shard 3/8 or all/8")
@@ -55,12 +55,12 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     if command.workers is not None:
         whole("workers", command.workers, 1)
     if command.files == "parquet":
-        schema()  # before the work, where pyarrow is missing
+        schema()  # an error before the work if pyarrow is missing
     return command.out.resolve() if command.engine else command.out, parts
 
 
 def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard]]:
-    """What the set is of, and its shards. Raises ``RequestError`` for what no set can have."""
+    """Return the set's description, and its shards. Raises ``RequestError`` for invalid options."""
     sizes = {"train": command.count, "validation": command.validation, "test": command.test}
     houses = {split: whole(split, number, 0) for split, number in sizes.items() if number}
     whole(
@@ -90,7 +90,7 @@ def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard
 
 
 def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Cluster | None) -> int:
-    """Make shards that are not there, one after the other or as tasks; how many."""
+    """Make shards that do not exist, one after the other or as tasks; return their number."""
     number = 0
     with counting(sum(len(shard.indices) for shard in shards), "houses") as advance:
         if cluster:
@@ -109,7 +109,7 @@ def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Clu
 
 
 def _completed(folder: Path, of: Set, each: Mapper) -> str:
-    """Complete the set if all its shards are there; in words, what it is then."""
+    """Complete the set if all its shards exist; return its state in words."""
     if (left := len(missing(folder, of))) or (manifest := complete(folder, of, each)) is None:
         return f"{numbered(left, 'shard')} of the set {'is' if left == 1 else 'are'} missing yet."
     return f"The set is whole: {numbered(manifest.houses, 'house')}, {numbered(manifest.limits, 'limit')}."

@@ -1,4 +1,4 @@
-"""``vitruvius train`` and ``export``: their options, and what they do.
+"""Options and work of ``vitruvius train`` and ``export``.
 
 The commands import torch, taichi and the modules that need them only when they run, so that help is fast.
 """
@@ -31,7 +31,7 @@ else:
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 MOST_RUNS = 1000
-"""Number of runs of one command."""
+"""Largest number of runs of one command."""
 
 HELD_OUT = 64
 """Default number of held-out houses, from the split validation of a set."""
@@ -39,9 +39,10 @@ HELD_OUT = 64
 
 @dataclass(frozen=True)
 class Train(Generic[Kind]):
-    """Train an agent in houses. Its checkpoint, learning curve and metrics lie in one folder.
+    """Train an agent in houses. Its checkpoint, learning curve and metrics are in one folder.
 
-    Several processes learn as one:
+    Several processes can train together:
+
     python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
     """
 
@@ -52,9 +53,9 @@ class Train(Generic[Kind]):
     }
 
     houses: tyro.conf.Positional[Streamed | None] = None
-    """House file to learn in (vitruvius generate makes one). Or the folder of a set: the run holds 128 houses
+    """House file to train on (vitruvius generate makes one). Or the folder of a set: the run holds 128 houses
     of its split train at a time, for 3000 steps of each environment. Or a grammar and a number of rooms, such
-    as home:rooms=4..10: the run generates the houses while it learns. By default 32 houses that come with
+    as home:rooms=4..10: the run generates the houses during training. By default 32 houses that come with
     Vitruvius; for preset paper the paper's house, paper-house."""
 
     out: Path = Path("runs/train")
@@ -103,7 +104,7 @@ class Train(Generic[Kind]):
     """Name of the agent in tables; by default the preset's name."""
 
     learning: Annotated[Kind, tyro.conf.arg(name="")] = field(default_factory=PQNConfig)  # pyright: ignore
-    """How to learn."""
+    """Settings of the training."""
 
     @staticmethod
     def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
@@ -131,7 +132,7 @@ class Train(Generic[Kind]):
         return Train(houses, preset=preset, name=beside.get("name"), learning=replace(learning, sim=kept))
 
     def run(self) -> int:
-        """Train to the end; the run is saved every half minute on the way."""
+        """Train to the end; the run is saved every half minute."""
         if self.print_config:
             houses = str(self.houses) if self.houses else None
             beside = {"preset": self.preset, "name": self.name, "houses": houses}
@@ -159,7 +160,7 @@ class Train(Generic[Kind]):
         return 0
 
     def _houses(self) -> Any:
-        """Return the houses that the agent learns in: a list, a set or a stream."""
+        """Return the training houses: a list, a set or a stream."""
         from agent.banks import require_training
         from logic import HouseSet, HouseStream
         from logic.dataset.sets import SET
@@ -248,13 +249,13 @@ class Export:
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     out: Path = Path("agent.onnx")
-    """The file."""
+    """ONNX file to write."""
 
     replace: bool = False
     """Overwrite a file that has other content."""
 
     json: bool = False
-    """Print one answer as JSON: the file's name."""
+    """Print one answer as JSON: the name of the file."""
 
     def run(self) -> int:
         """Write the file."""

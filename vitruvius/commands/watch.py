@@ -1,4 +1,4 @@
-"""``vitruvius watch``: its options, and what it does. Cheap to import, as the other commands are."""
+"""Options and work of ``vitruvius watch``. Cheap to import, as the other commands are."""
 
 import secrets
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from logic.errors import RequestError
 
 @dataclass(frozen=True)
 class Watch:
-    """Show in a browser what a grammar makes, redrawn whenever one of its files is saved. Ctrl-C ends it.
+    """Show the houses of a grammar in a browser, redrawn whenever one of its files is saved. Ctrl-C ends it.
 
     The page is served to this machine alone, at an address with a random token.
     """
 
     grammar: tyro.conf.Positional[str] = "home"
-    """A shipped grammar's name, or a directory of rules."""
+    """Name of a shipped grammar, or a directory of rules."""
 
     port: int = 0
-    """Port of the address; 0 for any that is free."""
+    """Port of the address; 0 for any free port."""
 
     open: bool = False
     """Open the address in this machine's browser."""
 
     seconds: float = 20.0
-    """Most seconds for a house, and for an answer about one."""
+    """Time limit in seconds for a house, and for an answer about a house."""
 
     def run(self) -> int:
         """Serve the page until Ctrl-C."""

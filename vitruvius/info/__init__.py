@@ -1,1 +1,1 @@
-"""What a file, a folder or a name is: houses, a grammar, an agent, a run."""
+"""Description of files, folders and names: houses, a grammar, an agent, a run."""

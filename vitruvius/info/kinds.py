@@ -1,4 +1,4 @@
-"""What ``vitruvius info`` knows, a type for each kind of thing; ``kind`` names it in JSON."""
+"""Descriptions of ``vitruvius info``, a type for each kind of thing; ``kind`` names it in JSON."""
 
 from typing import Any
 
@@ -6,60 +6,60 @@ import msgspec
 
 
 class Named(msgspec.Struct, frozen=True, tag_field="kind", kw_only=True):
-    """What all kinds have."""
+    """Fields of all kinds."""
 
     name: str
-    """As it was given."""
+    """Name or path as the user gave it."""
 
 
 class Houses(Named, tag="houses", frozen=True):
-    """A house file, or a frozen bank."""
+    """House file, or a frozen bank."""
 
     houses: int
     formats: dict[str, int]
     topologies: dict[str, int]
     rooms: tuple[int, int]
-    """Fewest and most in a house, as requests count them."""
+    """Fewest and most rooms in a house, as requests count them."""
     types: dict[str, int]
     pieces: dict[str, int]
     grammars: dict[str, int]
-    """Houses by grammar, each with the start of its hash."""
+    """Number of houses by grammar, each with the start of its hash."""
     seeds: tuple[int, ...]
     versions: dict[str, str]
     checksum: str
     """``agent.banks.bank_hash``."""
     bank: str | None = None
-    """The frozen bank whose houses these are."""
+    """Frozen bank with the same houses."""
     stopped: str | None = None
-    """Why the series ended early."""
+    """Reason why the series ended early."""
 
 
 class Plan(Named, tag="plan", frozen=True):
-    """GeoJSON or another program's plan, for ``generate --plan``."""
+    """Plan for ``generate --plan``: GeoJSON, or a plan of another program."""
 
     format: str
     rooms: int
     types: dict[str, int]
     size: tuple[float, float]
-    """Metres, east and south."""
+    """Size in metres, east and south."""
 
 
 class SetOfHouses(Named, tag="set", frozen=True):
-    """A folder of ``generate --shard``."""
+    """Set of houses: a folder of ``generate --shard``."""
 
     splits: dict[str, int]
-    """Houses that it is to hold."""
+    """Number of houses of the complete set, by split."""
     whole: bool
-    """Whether it has a manifest; without it some shards may be there."""
+    """True if the set has a manifest; without it some shards may exist."""
     shards: int
     there: int
-    """Shards that are there."""
+    """Number of shards that exist."""
     limits: int | None
-    """Rows without a house; None where the set is not whole."""
+    """Number of rows without a house; None if the set is not complete."""
     bytes: int
-    """Of the shards that are there."""
+    """Size of the existing shards, in bytes."""
     grammars: dict[str, int]
-    """Houses by grammar, with the start of its hash: one."""
+    """Number of houses by grammar, with the start of its hash; there is one grammar."""
     request: dict[str, Any]
     seed: int
     checksum: str | None
@@ -68,24 +68,24 @@ class SetOfHouses(Named, tag="set", frozen=True):
 
 
 class Agent(Named, tag="agent", frozen=True):
-    """A checkpoint."""
+    """Checkpoint of an agent."""
 
     agent: str
     format: str
     readable: bool
-    """Whether this version plays it."""
+    """True if this version can play the agent."""
     algorithm: str
     steps: int
     parameters: int
     targets: str
     houses_checksum: str
-    """``bank_hash`` of those that it learnt in."""
+    """``bank_hash`` of the training houses."""
     command: str
     config: dict[str, Any]
 
 
 class Run(Named, tag="run", frozen=True):
-    """A folder of ``train``."""
+    """Training run: a folder of ``train``."""
 
     preset: str
     algorithm: str
@@ -94,7 +94,7 @@ class Run(Named, tag="run", frozen=True):
     finished: bool
     seconds: float
     targets: float | None
-    """Picked up per 1500 steps at the last report."""
+    """Targets picked up per 1500 steps at the last report."""
     houses: int
     houses_checksum: str
     command: str
@@ -114,12 +114,12 @@ class Games(Named, tag="games", frozen=True):
     raced: list[str]
     houses: int
     taken: tuple[str, str]
-    """The first and the last."""
+    """Times of the first and the last game."""
     versions: dict[str, str]
 
 
 class Scores(Named, tag="scores", frozen=True):
-    """Figures of ``evaluate``: the oracle ratio of each policy by where targets lay."""
+    """Figures of ``evaluate``: the oracle ratio of each policy by location of the targets."""
 
     bank: str
     houses: int
@@ -130,7 +130,7 @@ class Scores(Named, tag="scores", frozen=True):
 
 
 class Trace(Named, tag="trace", frozen=True):
-    """An episode, step by step."""
+    """Trace of an episode, step by step."""
 
     format: str
     agent: str
@@ -138,29 +138,29 @@ class Trace(Named, tag="trace", frozen=True):
     seed: int
     length: int
     targets: int
-    """How many appeared."""
+    """Number of targets that appeared."""
 
 
 class Grammar(Named, tag="grammar", frozen=True):
-    """A folder of rules."""
+    """Grammar: a folder of rules."""
 
     folder: str
     topology: str
     checksum: str
     lines: dict[str, int]
-    """Of each of its files, and of those that they include."""
+    """Number of lines of each of its files, and of the files that they include."""
     shipped: bool
 
 
 class Settings(Named, tag="settings", frozen=True):
-    """A TOML file for ``train --config``, or a preset."""
+    """Settings: a TOML file for ``train --config``, or a preset."""
 
     preset: str
     algorithm: str
     steps: int
     targets: str
     changed: dict[str, str]
-    """What is not as in the preset."""
+    """Settings that differ from the preset."""
 
 
 Kind = Houses | SetOfHouses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Settings

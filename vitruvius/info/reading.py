@@ -1,4 +1,4 @@
-"""What is in a file that ``recognise`` knows, as one of ``kinds``. Nothing of it runs."""
+"""Reader of files that ``recognise`` knows, as one of ``kinds``. It runs no code from them."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -40,22 +40,22 @@ from vitruvius.info.kinds import (
 )
 
 MOST_TEXT, MAX_METRICS_BYTES = 1 << 20, 1 << 28
-"""Bytes to read of ``config.json`` and of the end of a run's reports; size of the file of reports."""
+"""Bytes to read of ``config.json`` and of the end of a run's reports; largest size of the file of reports."""
 
 
 class UnknownFileError(VitruviusError):
-    """A file or folder is absent, or is nothing that we know."""
+    """Error for a file or folder that is absent, or of an unknown kind."""
 
     exit_code = 5
 
 
 def _counted(words: Iterable[str]) -> dict[str, int]:
-    """How many there are of each, most first."""
+    """Return the number of each word, most frequent first."""
     return dict(Counter(words).most_common())
 
 
 def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) -> Houses:
-    """Houses of a file or a bank; ``stopped`` is why the series ended early."""
+    """Return the description of a file's or bank's houses; ``stopped``: why the series ended early."""
     checksum = bank_hash(houses)
     origins = [house.provenance for house in houses if house.provenance]
     numbers = [len(house.counted) for house in houses]
@@ -78,7 +78,7 @@ def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) 
 
 
 def read_set_of_houses(name: str, folder: Path) -> SetOfHouses:
-    """A set by its description and its manifest, without its rows."""
+    """Return the description of a set, from its own description and its manifest, without its rows."""
     of = read_set(folder)
     assert of is not None, "it is known by its description"
     manifest = read_manifest(folder)
@@ -100,7 +100,7 @@ def read_set_of_houses(name: str, folder: Path) -> SetOfHouses:
 
 
 def read_plan(name: str, found: Sketch | dict[str, Any]) -> Plan:
-    """A plan of another program, or of GeoJSON. Raises ``UnknownFileError`` for what is none."""
+    """Return the description of a plan. Raises ``UnknownFileError`` for a file that is no plan."""
     format_ = found.format if isinstance(found, Sketch) else "GeoJSON"
     try:
         rooms = (
@@ -116,7 +116,7 @@ def read_plan(name: str, found: Sketch | dict[str, Any]) -> Plan:
 
 
 def read_agent(name: str, path: Path) -> Agent:
-    """A checkpoint by its header alone."""
+    """Return the description of a checkpoint, from its header alone."""
     try:
         require_sizes(path)
         with opened(path, MOST_BYTES, unpack=False) as file:
@@ -144,7 +144,7 @@ def read_agent(name: str, path: Path) -> Agent:
 
 
 def read_run(name: str, path: Path) -> Run:
-    """A folder of ``train``. Raises ``UnknownFileError`` for another ``config.json``."""
+    """Return the description of a training run. Raises ``UnknownFileError`` for another ``config.json``."""
     try:
         record = from_json(content_of(path / "config.json", MOST_TEXT), Any)
         config, houses = record["config"], record["houses"]
@@ -171,7 +171,7 @@ def read_run(name: str, path: Path) -> Run:
 
 
 def _last_report(path: Path) -> dict[str, Any]:
-    """The last whole line of a run's reports; empty before the first."""
+    """Return the last whole line of a run's reports; empty before the first."""
     if not path.is_file():
         return {}
     with opened(path, MAX_METRICS_BYTES, unpack=False) as file:
@@ -184,7 +184,7 @@ def _last_report(path: Path) -> dict[str, Any]:
 
 
 def read_games(name: str, path: Path) -> Games:
-    """Results of ``play``. Raises ``ResultsError`` where they are damaged."""
+    """Return the description of results of ``play``. Raises ``ResultsError`` if they are damaged."""
     games = load_games(path)
     taken = sorted(game.taken for game in games)
     return Games(
@@ -202,7 +202,7 @@ def read_games(name: str, path: Path) -> Games:
 
 
 def read_scores(name: str, record: dict[str, Any]) -> Scores:
-    """Figures of ``evaluate``. Raises ``UnknownFileError`` for those of another version."""
+    """Return the description of scores. Raises ``UnknownFileError`` for those of another version."""
     try:
         bank = record["bank"]
         ratios = {
@@ -229,7 +229,7 @@ def read_scores(name: str, record: dict[str, Any]) -> Scores:
 
 
 def read_trace(name: str, record: dict[str, Any]) -> Trace:
-    """A trace, by its header. Raises ``UnknownFileError`` for one of another version."""
+    """Return the description of a trace, by its header. Raises ``UnknownFileError`` for another version."""
     try:
         words = {key: record[key] for key in ("format", "agent", "mode", "seed", "length")}
         return msgspec.convert(
@@ -240,7 +240,7 @@ def read_trace(name: str, record: dict[str, Any]) -> Trace:
 
 
 def read_grammar(name: str, folder: str | Path) -> Grammar:
-    """A shipped grammar or a folder of rules."""
+    """Return the description of a shipped grammar or a folder of rules."""
     found = find(folder)
     files = sorted({*found.own, *found.prolog}, key=lambda file: (file.parent != found.directory, file))
     return Grammar(
@@ -254,7 +254,7 @@ def read_grammar(name: str, folder: str | Path) -> Grammar:
 
 
 def read_settings(name: str, preset: str, config: TrainConfig) -> Settings:
-    """A preset's config, with what is not as in the preset."""
+    """Return the description of a config, with its differences from the preset."""
     changed = {key: str(getattr(config, key)) for key in differences(config, PRESETS[preset])}
     return Settings(
         name=name,

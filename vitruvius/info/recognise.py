@@ -1,4 +1,4 @@
-"""What a path or a name is: by how a file begins. ``reading`` then says what is in it; nothing of it runs."""
+"""Recognition of a path or a name, by a file's first bytes. ``reading`` then reads it; no code of it runs."""
 
 import tempfile
 from codecs import BOM_UTF8
@@ -38,13 +38,13 @@ from vitruvius.info.reading import (
 )
 
 MOST_BYTES = 1 << 28
-"""What is read of a JSON file that holds no houses, unpacked."""
+"""Largest size of an unpacked JSON file without houses that is read, in bytes."""
 
 
 def recognised(name: str) -> list[Kind]:
-    """All that a path or a name is: ``paper`` is a grammar, an agent and a preset.
+    """Return all that a path or a name stands for: ``paper`` is a grammar, an agent and a preset.
 
-    Raises ``UnknownFileError`` for what is nothing we know, and each kind's own error for what is damaged.
+    Raises ``UnknownFileError`` for an unknown kind, and each kind's own error for a damaged file.
     """
     if Path(name) == STANDARD:
         with tempfile.NamedTemporaryFile() as copy:
@@ -67,7 +67,7 @@ def recognised(name: str) -> list[Kind]:
 
 
 def _named(name: str) -> Iterator[Kind]:
-    """What comes with Vitruvius by this name."""
+    """Yield the descriptions of what comes with Vitruvius by this name."""
     if name in BANKS:
         yield read_houses(name, load(benchmark_path(name)))
     if name == PAPER_HOUSE:
@@ -82,7 +82,7 @@ def _named(name: str) -> Iterator[Kind]:
 
 
 def _folder(name: str, path: Path) -> Kind:
-    """A set, a run or a grammar."""
+    """Return the description of a set, a run or a grammar."""
     if (path / SET).is_file():
         return read_set_of_houses(name, path)
     if (path / "config.json").is_file():
@@ -98,7 +98,7 @@ def _folder(name: str, path: Path) -> Kind:
 
 
 def _file(name: str, path: Path) -> Kind:
-    """By how it begins; by its name where that says more."""
+    """Return the description of a file, by its first bytes, or by its name if that is more specific."""
     try:
         with opened(path, MOST_HOUSES, unpack=False) as file:
             start = file.read(16)
@@ -128,7 +128,7 @@ def _file(name: str, path: Path) -> Kind:
 
 
 def _sketch(name: str, content: bytes, record: Any) -> Sketch | None:
-    """Another program's plan."""
+    """Return another program's plan, or None."""
     try:
         return sketch(content, record)
     except RequestError as error:
@@ -136,7 +136,10 @@ def _sketch(name: str, content: bytes, record: Any) -> Sketch | None:
 
 
 def _json(name: str, path: Path) -> Kind:
-    """A house file, or another of ours that is JSON, by the first line or by the whole."""
+    """Return the description of a house file or of another JSON file of ours.
+
+    The first line identifies the file, or else the whole file does.
+    """
     content = _content(name, path).removeprefix(BOM_UTF8)
     first, _, _ = content.partition(b"\n")
     record: Any = None
@@ -170,7 +173,10 @@ def _json(name: str, path: Path) -> Kind:
 
 
 def _plan(name: str, path: Path, content: bytes, record: Any) -> Kind | None:
-    """A plan for ``generate``; where it is none, the houses that ``load`` reads; None for another file."""
+    """Return the description of a plan for ``generate``, or None for another file.
+
+    A file that is no plan may hold houses that ``load`` reads.
+    """
     try:
         plan = _sketch(name, content, record) or (is_geojson(record) and record)
         return read_plan(name, plan) if plan else None
