@@ -1,1 +1,1 @@
-"""The state of all environments, and the kernel that steps it: rewards, resets, targets."""
+"""State of all environments, and the kernel that steps it: rewards, resets, targets."""

@@ -1,27 +1,27 @@
-"""The fewest actions to a target, as kernels look them up: what ``sim.world.geodesic`` has found."""
+"""Look-up of the fewest actions to a target in kernels; ``sim.world.geodesic`` computes them."""
 
 from sim.runtime import ti
 
 TILE_BITS, PROFILE_BITS = 3, 20
 TILE = 1 << TILE_BITS
-"""Places along a tile of a field of distances, and bits of a profile's number: ``sim.world.geodesic``."""
+"""Places along a tile of a distance field, and bits of a profile's number: see ``sim.world.geodesic``."""
 
 MOST_DISTANCE = (1 << (32 - PROFILE_BITS)) - 1
-"""Least distance of a tile, at most."""
+"""Largest value of a tile's smallest distance."""
 
 NOT_YET = -2
-"""In place of the distance to a target that is new."""
+"""Placeholder for the distance to a target that is new."""
 
 FIELD = 6
-"""Numbers of an environment's field: where its tiles begin, first i and j, tiles in a column; then the tile
-where the body was last and what it is, so that most looks read one number.
-"""
+"""Number of integers of an environment's field: index of its first tile, first i and j, and tiles in a
+column. Then the tile of the body's last place and that tile's entry, so that most look-ups read only one
+number."""
 Fields = ti.types.ndarray(ti.types.vector(FIELD, ti.i32), 1)
 
 
 @ti.func
 def look_up(world: ti.template(), e, cell):
-    """The fewest actions from a cell to the target of an environment, -1 where no path leads there."""
+    """Return the fewest actions from a cell to the target of an environment, or -1 if no path leads there."""
     field = world.fields[e]
     found, at = -1, tile_of(field, cell)
     if field[0] >= 0:
@@ -37,14 +37,14 @@ def look_up(world: ti.template(), e, cell):
 
 @ti.func
 def tile_of(field, cell):
-    """Where the tile of a cell is."""
+    """Return the index of the tile of a cell."""
     bits = ti.static(TILE_BITS)
     return field[0] + ((cell[0] - field[1]) >> bits) * field[3] + ((cell[1] - field[2]) >> bits)
 
 
 @ti.func
 def pose_of(field, entry, cell):
-    """Where the pose of a cell is among profiles, in its tile's."""
+    """Return the index in ``profiles`` of a cell's pose, in the profile of its tile."""
     bits, last = ti.static(TILE_BITS), ti.static(TILE - 1)
     i, j = (cell[0] - field[1]) & last, (cell[1] - field[2]) & last
     number = entry & ti.static((1 << PROFILE_BITS) - 1)
@@ -53,6 +53,9 @@ def pose_of(field, entry, cell):
 
 @ti.func
 def touch(world: ti.template(), e, cell):
-    """Read what ``look_up`` reads next, most often; any number."""
+    """Read the value that ``look_up`` most likely reads next, to bring it into the cache.
+
+    The returned number has no meaning.
+    """
     field = world.fields[e]
     return ti.cast(world.profiles[pose_of(field, field[5], cell)], ti.i32)

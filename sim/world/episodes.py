@@ -1,8 +1,9 @@
-"""What happens to one environment: episodes, targets and rewards, as functions of its state.
+"""Episodes, targets and rewards of one environment, as functions of its state.
 
-How bodies move and what they see is the backend's. Every random number is Philox's word for (seed of the
-environment, episode, counter): counter 0 is the episode's house and start, counter k its k-th target. So none
-depends on how many environments there are, on how often others reset, or, for targets, on the agent.
+The backend defines how bodies move and what they see. Every random number is Philox's word for (seed of the
+environment, episode, counter): counter 0 gives the episode's house and start, counter k its k-th target.
+Therefore random numbers do not depend on the number of environments or on the resets of others. Targets do
+not depend on the agent either.
 """
 
 from typing import Any, NamedTuple, cast
@@ -22,14 +23,14 @@ from sim.world.surroundings import Surroundings
 from sim.world.varying import Varying
 
 TRIES = 32
-"""Samples until a place that should lie apart from another is taken as it comes."""
+"""Largest number of samples for a place with a minimum distance to another; the last sample is accepted as it
+is."""
 
 HOUSE, TIME, FOUND, OVER, NUMBER, SEED = range(3, 9)
-"""Where these are among the whole numbers of an environment's state, after the cell's three; the number is
-the episode's, and the seed is two of them.
-"""
+"""Indices of these values among the integers of an environment's state, after the cell's three. ``NUMBER`` is
+the number of the episode. ``SEED`` has two integers."""
 WHOLES = SEED + 2
-"""Whole numbers of a state."""
+"""Number of integers of a state."""
 
 HEADER = 7
 """Number of integers in a house's header of the table ``places``: origin of the lattice (x, y as float32
@@ -45,14 +46,14 @@ Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
 
 class States(NamedTuple):
-    """The states of environments."""
+    """States of environments."""
 
     reals: Reals
     wholes: Wholes
 
 
 class WorldArrays(NamedTuple):
-    """All that a step may read and write: see ``World``."""
+    """Arrays that a step may read and write: see ``World``."""
 
     numbers: Floats
     indices: Ints
@@ -85,18 +86,18 @@ class WorldArrays(NamedTuple):
 
 
 def _record(name: str, *fields: str) -> Any:
-    """Return the record of some of these arrays: to set an argument takes time at each launch."""
+    """Return a record type with some of these arrays. Fewer arguments make each launch faster."""
     kinds = [(field, WorldArrays.__annotations__[field]) for field in fields]
     return NamedTuple(name, kinds)  # pyright: ignore[reportArgumentType]
 
 
 PlainArrays = _record("PlainArrays", "numbers", "indices", "places", "doorways", "pushes", "reals", "wholes")
-"""What a step reads of the houses, and the states of the environments."""
+"""Arrays of the houses that a step reads, and the states of the environments."""
 
 RememberingArrays = _record(
     "RememberingArrays", *PlainArrays._fields, "memory", "last_memory", "surroundings", "rooms"
 )
-"""The same, and what terms keep and see."""
+"""``PlainArrays``, and the arrays that terms keep and see."""
 
 
 State = ti.types.struct(
@@ -106,7 +107,7 @@ State = ti.types.struct(
     house=ti.i32,
     time=ti.i32,  # steps in this episode
     found=ti.i32,  # targets picked up in this episode, and one
-    over=ti.i32,  # whether the episode has ended
+    over=ti.i32,  # 1 if the episode has ended
     episode=ti.i32,
     seed=ti.u64,
 )
@@ -114,7 +115,7 @@ State = ti.types.struct(
 
 @ti.func
 def loaded(states: ti.template(), e):
-    """An environment's state."""
+    """Return an environment's state."""
     real, whole = states.reals[e], states.wholes[e]
     low = ti.cast(ti.bit_cast(whole[ti.static(SEED)], ti.u32), ti.u64)
     high = ti.cast(ti.bit_cast(whole[ti.static(SEED + 1)], ti.u32), ti.u64)
@@ -133,7 +134,7 @@ def loaded(states: ti.template(), e):
 
 @ti.func
 def store(states: ti.template(), e, state):
-    """Write an environment's state, but for its seed."""
+    """Write an environment's state, except its seed."""
     states.reals[e] = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
     seed = states.wholes[e]
     states.wholes[e] = ti.Vector(
@@ -146,7 +147,7 @@ def store(states: ti.template(), e, state):
 
 @ti.data_oriented
 class Episodes(Observing):
-    """One environment's step and reset, for a configuration and a backend."""
+    """Step and reset of one environment, for a configuration and a backend."""
 
     def __init__(
         self,
@@ -179,8 +180,9 @@ class Episodes(Observing):
 
     @ti.func
     def advance(self, world: ti.template(), e, state, action):
-        """One step but for sight: the state, what it earned (f32), and picked up, terminated, truncated,
-        blocked (i32).
+        """Move the body and the episode by one step, without sight.
+
+        Returns the state, the reward (f32), and picked up, terminated, truncated, blocked (i32).
         """
         origin, cell, blocked, door = self.move(world, e, state, action)
         if ti.static(self.config.most("slip") > 0):
@@ -244,21 +246,24 @@ class Episodes(Observing):
                 state = self.sample_target(world, state, ti.static(self.apart))
                 distance = self.aim(world, e, state)
         if ti.static(self.terms.progress != 0):
-            # A distance that is not known yet is taken off by ``settle``.
+            # ``settle`` subtracts a distance that is not known yet.
             left = ti.select(terminated, 0, ti.max(0, distance))
             earned += self.progress(ti.cast(ti.max(0, before), ti.f32), ti.cast(left, ti.f32))
         return state, earned, picked, terminated, truncated, blocked
 
     @ti.func
     def progress(self, before, after):
-        """What a step earns from one distance to another, actions (f32)."""
+        """Return the reward of a step between two distances to the target, in actions (f32)."""
         return ti.static(float(self.terms.progress)) * (
             before - ti.static(float(self.terms.discount)) * after
         )
 
     @ti.func
     def aim(self, world: ti.template(), e, state):
-        """Take the field of a new target, if there is one by now; the distance to it, or ``NOT_YET``."""
+        """Look up the field of a new target, if it exists yet.
+
+        Return the distance to the target, or ``NOT_YET``.
+        """
         distance = NOT_YET
         if ti.static(self.knows_distance):
             corner, step = self.point(world, 1 + HEADER * state.house), ti.static(self.config.step)
@@ -307,8 +312,10 @@ class Episodes(Observing):
 
     @ti.func
     def move(self, world: ti.template(), e, state, action):
-        """The origin and the cell that an action leads to, whether something is in the way (i32), and which
-        closed door is, -1 for none. Nothing is changed.
+        """Return the result of an action without any change of the state.
+
+        The result is the new origin and cell, 1 if something blocks the way (i32), and the closed door in the
+        way, or -1.
         """
         origin, cell, blocked, door = state.origin, state.cell, 0, -1
         if ti.static(self.config.drives and self.config.varies("speed", "acceleration", "width")):
@@ -340,14 +347,14 @@ class Episodes(Observing):
 
     @ti.func
     def push(self, world: ti.template(), e, door):
-        """Walk at a closed door for a step; -1 for none."""
+        """Push a closed door for one step; ``door`` is -1 for none."""
         if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
             if door >= 0:
                 self.doors.push(world, e, door)
 
     @ti.func
     def begin(self, world: ti.template(), e, state, house):
-        """The next episode, in the given house, or a sampled one if that is negative."""
+        """Begin the next episode in the given house; a negative house means a sampled one."""
         state.episode += 1
         state.house = house
         if house < 0:
@@ -370,18 +377,18 @@ class Episodes(Observing):
 
     @ti.func
     def point(self, world: ti.template(), at):
-        """Two float32 of the places."""
+        """Return two float32 values of the table ``places``."""
         return ti.Vector([ti.bit_cast(world.places[at + k], ti.f32) for k in range(2)])
 
     @ti.func
     def close_doors(self, world: ti.template(), e, state):
-        """Close the doors of an environment's house as its episode begins."""
+        """Close the doors of an environment's house at the beginning of an episode."""
         if ti.static(self.config.closed_doors > 0):
             self.doors.close(world, e, state.house, state.origin, state.cell)
 
     @ti.func
     def sample_start(self, world: ti.template(), state):
-        """Sample where an episode starts, not on its first target."""
+        """Sample a start that is not on the first target."""
         at = 1 + HEADER * state.house
         first, count, given = world.places[at + 2], world.places[at + 3], world.places[at + 6]
         corner, turn, searching = state.origin, 0, 1
@@ -396,7 +403,7 @@ class Episodes(Observing):
 
     @ti.func
     def sample_target(self, world: ti.template(), state, apart):
-        """Sample the next target, not within ``apart`` metres of the last along both axes."""
+        """Sample the next target, farther than ``apart`` metres from the last one along at least one axis."""
         state.found += 1
         at = 1 + HEADER * state.house
         first, count = world.places[at + 4], world.places[at + 5]
@@ -426,11 +433,11 @@ class Episodes(Observing):
 
     @ti.func
     def random(self, state, counter, turn):
-        """The random words of this environment's episode for a counter, at a turn of sampling again."""
+        """Return the random words of the episode for a counter and the number of the sampling attempt."""
         words = ti.Vector([state.episode, counter, turn, EPISODE])
         return philox(state.seed, ti.cast(words, ti.u64))
 
     @ti.func
     def overlaps(self, origin, cell, target):
-        """Whether the body overlaps a target's square (i32); touching is not overlapping."""
+        """Return 1 if the body overlaps a target's square (i32); touching is not overlapping."""
         return self.body.overlaps(origin, cell, target, ti.static(self.config.target / 2))

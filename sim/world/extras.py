@@ -1,4 +1,4 @@
-"""What is observed beside rays: bumps, the last action, odometry, the goal and the distance to it."""
+"""Parts of an observation other than rays: collisions, last action, odometry, and distance to the goal."""
 
 from typing import Any
 
@@ -13,16 +13,18 @@ from sim.world.varying import Varying
 
 @ti.data_oriented
 class Extras:
-    """Writes what ``Config.observe`` asks for."""
+    """Writer of the parts of an observation that ``Config.observe`` names."""
 
     def __init__(self, config: Config, body: Any, varying: Varying) -> None:
-        """For a configuration, and the body that is at the eye of it."""
+        """Take a configuration and the body of its backend."""
         self.config, self.body, self.varying = config, body, varying
 
     @ti.func
     def notice(self, world: ti.template(), e, state, action, blocked):
-        """Write what is observed beside rays, see ``Config.observe``, after an action; -1: none yet. Bodies
-        that drive are asked for their speeds, whatever the action.
+        """Write the parts of an observation other than rays after an action; see ``Config.observe``.
+
+        ``action`` is -1 at the start of an episode. Speeds are read from the body's state, whatever the
+        action.
         """
         at = e * ti.static(self.config.extra_numbers)
         if ti.static("bump" in self.config.observe):
@@ -63,8 +65,9 @@ class Extras:
 
     @ti.func
     def odometer(self, world: ti.template(), e, state, action, blocked):
-        """The pose (metres forward and left of the start, radians) by the body's own account: the sum of the
-        moves that it made and that nothing was in the way of, with their errors.
+        """Return the pose that the body estimates itself: metres forward and left of the start, and radians.
+
+        The estimate is the sum of the body's unblocked moves with their errors.
         """
         pose = world.odometer[e]
         if action < 0:

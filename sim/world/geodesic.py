@@ -1,5 +1,5 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
-"""The fewest actions from a pose to its target, from distance fields that all environments share.
+"""Fewest actions from a pose to its target, from distance fields that all environments share.
 
 A field has the distances from all poses of a house's lattice to one target. A search backwards from all poses
 that pick up the target computes the field when an environment first has the target. Other environments use
@@ -7,11 +7,11 @@ the same field. A field is stored in tiles of 8 x 8 places. A tile has its small
 a profile. A profile has the difference to the smallest distance for each pose. Profiles repeat in a field and
 among fields, so a distance takes two look-ups and little memory.
 
-    fields    for each environment: where the tiles of its field begin, first i and j, tiles in a column, and
+    fields    for each environment: index of its field's first tile, first i and j, tiles in a column, and
               the tile where the body was last
-    tiles     fields, one after the other; least distance << 20 | number of a profile
-    profiles  512 numbers each, by column, row and heading; -1 where no path leads from
-    distance  for each environment, in actions; -1 where no path leads to its target
+    tiles     fields, one after the other; smallest distance << 20 | number of a profile
+    profiles  512 numbers each, by column, row and heading; -1 if no path leads to the target from there
+    distance  for each environment, in actions; -1 if no path leads to its target
     pending   1 if an environment has a target without a field; its distance is -2 until ``settle``
     slots     for each house the index of its first place, its columns and its rows; then for each place the
               number of the field of a target there, -1 for none
@@ -31,26 +31,26 @@ from sim.world.distance_field import FIELD, MOST_DISTANCE, NOT_YET, PROFILE_BITS
 from sim.world.episodes import HOUSE, Episodes, Steps
 
 AT_ONCE = 16
-"""Searches at a time: they take 50 bytes a pose."""
+"""Number of searches that run together; each takes 50 bytes per pose."""
 
 PROFILE = TILE * TILE * 8
-"""Numbers of a profile."""
+"""Number of values of a profile."""
 
 MOST_BYTES = 1 << 30
 """Memory beyond which fields and surveys are discarded, except those in use."""
 
 FAR = 1 << 15
-"""More actions than any path takes."""
+"""Distance that is longer than any path, in actions."""
 
 Key = tuple[int, bytes]
-"""Of a field: the house, and the places of its lattice and its target."""
+"""Key of a field: the house, and the coordinates of its lattice's origin and of its target."""
 
 Searches = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 Goals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
 
 
 def distance_arrays(num_envs: int, asked: bool) -> dict[str, Array]:
-    """A world's arrays of distances; where nobody asks for them, arrays that nothing reads."""
+    """Return a world's arrays of distances, or arrays of one unused number if no distances are asked for."""
     count = num_envs if asked else 1
     return {
         "fields": Array(ti.i32, count, FIELD),
@@ -65,16 +65,16 @@ def distance_arrays(num_envs: int, asked: bool) -> dict[str, Array]:
 
 
 class Distances:
-    """The fields of a world, and the distances of its environments."""
+    """Distance fields of a world, and the distances of its environments."""
 
     def __init__(self, world: Any) -> None:
-        """Of a ``World``: fields are found as environments need them."""
+        """Take a ``World``. Fields are computed when environments need them."""
         self.world, self.kernels = world, _kernels(start(), world.kernels.episodes)
         self._numbers: dict[int, int] = {}
         self._arrays: dict[str, Array] = {}
 
     def forget(self) -> None:
-        """Forget all fields, as those of another bank, and let all environments wait for theirs."""
+        """Discard all fields, because the bank has changed, and mark each environment's field as missing."""
         self._known: dict[Key, tuple[int, ...]] = {}
         self._surveys: dict[Key, tuple[Lattice, np.ndarray]] = {}
         self._used = 0
@@ -91,9 +91,9 @@ class Distances:
         self.world.replace_array("slots", Array.of(slots))
 
     def wait(self) -> None:
-        """Let all environments wait for their fields, as their states are others."""
+        """Mark the fields of all environments as missing, because their states have changed."""
         arrays = self.world.arrays
-        # As ``Episodes.aim`` has it: profile 0 is there, and is read before a field is known (``touch``).
+        # As in ``Episodes.aim``: profile 0 exists, and ``touch`` reads it before a field is known.
         nothing = np.array([-1, 0, 0, 0, -1, 0], np.int32)
         arrays["fields"].fill(np.tile(nothing, (len(arrays["distance"].numpy()), 1)))
         arrays["distance"].fill(np.full(arrays["distance"].shape, NOT_YET, np.int32))
@@ -107,11 +107,11 @@ class Distances:
 
     @property
     def fields(self) -> int:
-        """How many fields there are."""
+        """Number of fields."""
         return len(self._known)
 
     def settle(self) -> None:
-        """Find the distances of environments with new targets."""
+        """Compute the distances of environments with new targets."""
         arrays = self.world.arrays
         if not arrays["pending"].numpy()[0]:
             return
@@ -120,7 +120,7 @@ class Distances:
         self.world.run("settle")
 
     def _provide(self) -> None:
-        """Give fields to environments that wait for them."""
+        """Assign fields to the environments that wait for them."""
         arrays = self.world.arrays
         fields = arrays["fields"].numpy()
         house, reals = arrays["wholes"].numpy()[:, HOUSE], arrays["reals"].numpy()
@@ -141,8 +141,9 @@ class Distances:
         arrays["fields"].fill(fields)
 
     def _surveyed(self, key: Key) -> tuple[Lattice, np.ndarray]:
-        """The lattice of a field, and what a body can do at its places, in whole tiles with a border
-        where it cannot be.
+        """Return the lattice of a field, and the possible moves at its places.
+
+        The table of moves has whole tiles, with a border in which the body cannot be.
         """
         house, at = key[0], (key[0], key[1][:8])
         if at not in self._surveys:
@@ -154,7 +155,7 @@ class Distances:
         return self._surveys[at]
 
     def _find(self, keys: Sequence[Key]) -> None:
-        """Find some fields, and keep them."""
+        """Compute some fields and keep them."""
         surveys = [self._surveyed(key) for key in keys]
         arrays, count = self._scratch(max(moves.size for _, moves in surveys)), len(keys)
         places, tiles = arrays["moves"].shape[0] // AT_ONCE, arrays["least"].shape[0] // AT_ONCE
@@ -188,7 +189,7 @@ class Distances:
             self._used += columns * height
 
     def _scratch(self, places: int) -> dict[str, Array]:
-        """What searches write, for lattices of this number of places."""
+        """Return the arrays that searches write, for lattices with this number of places."""
         if not self._arrays or self._arrays["moves"].shape[0] < AT_ONCE * places:
             self._arrays = {
                 "moves": Array(ti.u16, AT_ONCE * places),
@@ -202,7 +203,7 @@ class Distances:
         return self._arrays
 
     def _take(self, key: Key, row: tuple[int, ...]) -> None:
-        """Let a field be found by its key, and in kernels by its target's place, if it is on the lattice."""
+        """Register a field under its key, and for kernels at its target's place if that is on the lattice."""
         number, self._known[key] = len(self._known), row
         self._write("known", number, np.array([row], np.int32))
         lattice = self.world.lattices[key[0]]
@@ -213,7 +214,7 @@ class Distances:
             self._write("slots", int(begin + place[0] * rows + place[1]), np.array([number], np.int32))
 
     def _keep(self, found: dict[str, Array], which: np.ndarray, start_: int) -> None:
-        """Keep the profiles of some tiles that were found, from a number on."""
+        """Keep the profiles of some of the tiles that searches found, numbered from ``start_`` on."""
         if len(which) == 0:
             return
         if start_ + len(which) > 1 << PROFILE_BITS:
@@ -224,7 +225,7 @@ class Distances:
         self._write("profiles", start_ * PROFILE, made.numpy())
 
     def _write(self, name: str, at: int, values: np.ndarray) -> None:
-        """Write into an array of the world's, which becomes twice as long where it must."""
+        """Write into an array of the world, which doubles its length if necessary."""
         array = self.world.arrays[name]
         if at + len(values) > array.shape[0]:
             length = max(2 * array.shape[0], at + len(values))
@@ -243,7 +244,7 @@ class Distances:
 
 
 def _keys(house: np.ndarray, reals: np.ndarray) -> list[Key]:
-    """The keys of fields in these houses (n,), of lattices and targets as in states' reals (n, 4)."""
+    """Return the keys of fields for houses (n,), with lattices and targets as in the states' reals (n, 4)."""
     rows = np.ascontiguousarray(reals).view("V16").ravel().tolist()
     return list(zip(house.tolist(), rows, strict=True))
 
@@ -257,7 +258,10 @@ def _kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @ti.func
     def found(steps: ti.template(), queue: ti.template(), base, tail, pose, further):
-        """Note a pose's distance and queue it, if the body can be there and it is new; the queue's end."""
+        """Record a pose's distance and queue it, if the body can be there and the pose is new.
+
+        Return the queue's end.
+        """
         if steps[base + pose] == -1:
             steps[base + pose] = ti.cast(further, ti.i16)
             queue[base + tail] = pose
@@ -268,8 +272,9 @@ def _kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
     def spread(
         moves: Shorts, steps: Steps, queue: Ints, searches: Searches, goals: Goals, least: Ints, hashes: Words
     ):
-        """Find the distances from all poses to each search's target, and what its tiles are: the least
-        distance, and a number that tells profiles apart.
+        """Compute the distances from all poses to each search's target.
+
+        Also write each tile's smallest distance, and a hash that distinguishes profiles.
         """
         ti.loop_config(block_dim=1)
         for s in range(searches.shape[0]):
@@ -327,7 +332,7 @@ def _kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @kernel
     def keep(steps: Steps, searches: Searches, least: Ints, which: Ints, made: Steps):
-        """Write the profiles of tiles by their numbers among all searches' tiles."""
+        """Write the profiles of the tiles ``which``, numbered among the tiles of all searches."""
         for k in range(which.shape[0]):
             count, places = least.shape[0] // searches.shape[0], steps.shape[0] // searches.shape[0]
             s, tile = which[k] // count, which[k] % count

@@ -1,7 +1,8 @@
-"""What is compiled for many environments: reset, step, and what reads their state.
+"""Kernels that reset and step many environments, and that read their states.
 
-A kernel knows the configuration and the backend; houses and states are arrays that it is given. So what is
-compiled once serves every world of a configuration, and banks are swapped at no cost but their packing.
+A kernel is compiled for a configuration and a backend; houses and states are arrays that it takes as
+arguments. So one compilation serves every world of a configuration, and changing the bank costs only its
+packing.
 """
 
 from functools import cache
@@ -29,14 +30,15 @@ TERMINATED, TRUNCATED, BLOCKED, FINAL_BLOCKED = range(4)
 """Rows of ``step``'s flags. Only ``SAME_STEP`` has the last row, for the last move of an ended episode."""
 
 NEXT_STEP, SAME_STEP, DISABLED = range(3)
-"""What follows an episode's end: the next step begins another episode, or the same one does, or none."""
+"""Behaviour after an episode's end: the next step begins another episode, the same step does, or none
+begins."""
 
 SAMPLE, KEEP = -1, -2
-"""In place of a house's number: sample one; do not begin an episode."""
+"""Placeholders for a house's number: sample a house; do not begin an episode."""
 
 
 class Kernels(NamedTuple):
-    """What is compiled for a configuration."""
+    """Kernels and functions compiled for a configuration."""
 
     backend: Backend
     episodes: Episodes
@@ -50,8 +52,9 @@ class Kernels(NamedTuple):
 
 @cache
 def _backend(program: Any, make: type[Backend], config: Config, lanes: int) -> Backend:
-    """The backend of a configuration, one for all that is compiled for it: kernels of its own, as those that
-    survey houses, are then compiled once for all modes.
+    """Return the backend of a configuration, which all its kernels share.
+
+    Kernels of the backend itself, such as those that survey houses, are then compiled once for all modes.
     """
     return make(config, lanes)
 
@@ -94,7 +97,7 @@ def kernels(
 
     @ti.func
     def show(pose: ti.template(), target: ti.template(), house: ti.template(), e, state):
-        """Write an environment's row of what ``describe`` tells."""
+        """Write an environment's row of the results of ``describe``."""
         eye = backend.body.eye(state.origin, state.cell)
         pose[3 * e], pose[3 * e + 1] = eye[0], eye[1]
         pose[3 * e + 2] = backend.body.heading(state.cell)
@@ -129,9 +132,10 @@ def kernels(
 
     @kernel
     def reset(world: Arrays, option_wholes: Options, option_reals: Reals, observation: Observation):
-        """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
-        ``option_reals`` (E, 4): origin, with the cell that is the rest of ``option_wholes``, and target; what
-        is NaN is sampled.
+        """Begin the next episode of all environments whose house is not ``KEEP``.
+
+        ``option_wholes`` (E, 4) has the house, then the cell. ``option_reals`` (E, 4) has the origin of that
+        cell, and the target. Values that are NaN are sampled.
         """
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
@@ -171,7 +175,7 @@ def kernels(
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
             if ti.static(all_rays):
-                # What the next environment looks up comes from memory while this one steps.
+                # While this environment is stepped, memory delivers the values that the next one looks up.
                 after = loaded(world, ti.min(e + 1, world.reals.shape[0] - 1))
                 prefetched[e] = backend.prefetch(
                     world.numbers, world.indices, after.house, after.origin, after.cell
@@ -233,8 +237,9 @@ def kernels(
 
     @kernel
     def describe(states: States, pose: Floats, target: Floats, house: Ints):
-        """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), the targets' centres (E, 2), metres,
-        and the houses (E,).
+        """Write the eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,).
+
+        Poses and centres are in metres, headings in radians in [0, 2 pi).
         """
         ti.loop_config(serialize=serial)
         for e in range(states.reals.shape[0]):
@@ -242,7 +247,7 @@ def kernels(
 
     @kernel
     def peek(world: WorldArrays, targets: Floats):
-        """Write each environment's target and the next ones, (E, count, 2), metres."""
+        """Write each environment's current and next targets, (E, count, 2), metres."""
         for e in range(world.reals.shape[0]):
             state, count = loaded(world, e), targets.shape[0] // (2 * world.reals.shape[0])
             for k in range(count):
@@ -252,7 +257,10 @@ def kernels(
 
     @kernel
     def stand(numbers: Floats, indices: Ints, origins: Floats, cells: Ints, free: Ints):
-        """Whether bodies can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
+        """Write 1 for each cell (n, 4) (house, i, j, heading) in which a body can be, else 0.
+
+        The cells are counted from ``origins`` (n, 2), metres.
+        """
         for k in range(free.shape[0]):
             origin = ti.Vector([origins[2 * k], origins[2 * k + 1]])
             cell = ti.Vector([cells[4 * k + 1], cells[4 * k + 2], cells[4 * k + 3]])
@@ -260,7 +268,7 @@ def kernels(
 
     @kernel
     def settle(world: WorldArrays, reward: Floats):
-        """Take in the distances to new targets, now that their fields are there."""
+        """Update the distances to new targets, after their fields have been computed."""
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
             if ti.static(episodes.knows_distance):  # noqa: SIM102 - decided as it is compiled

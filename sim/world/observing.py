@@ -1,4 +1,4 @@
-"""What is observed: rays and what their sensor makes of them, late or not, and what is noted beside them."""
+"""Observations: rays, their sensor with its errors and latency, and the other parts."""
 
 import math
 from typing import Any
@@ -15,7 +15,7 @@ from sim.world.varying import Varying
 
 @ti.data_oriented
 class Observing:
-    """One environment's observation, from its state."""
+    """Observation of one environment, computed from its state."""
 
     config: Config
     backend: Any
@@ -28,8 +28,9 @@ class Observing:
 
     @ti.func
     def notice(self, world: ti.template(), e, state, action, blocked):
-        """Write what is observed beside rays after an action, -1 as an episode begins; and note where the
-        body and its target are, if they are seen later.
+        """Write the parts of an observation other than rays after an action; -1 at the start of an episode.
+
+        With latency, also record the places of the body and its target, which are observed later.
         """
         self.extras.notice(world, e, state, action, blocked)
         if ti.static(self.config.latency > 0):
@@ -44,7 +45,10 @@ class Observing:
 
     @ti.func
     def late(self, world: ti.template(), e, state):
-        """The state with the body and the target where they are seen."""
+        """Return the state with the observed places of the body and the target.
+
+        With latency, the observed places are earlier ones.
+        """
         if ti.static(self.config.latency > 0):
             kept = ti.static(self.config.latency + 1)
             at = e * kept + (state.time + 1) % kept
@@ -55,8 +59,9 @@ class Observing:
 
     @ti.func
     def look(self, world: ti.template(), e, now, ray, lanes: ti.template(), observation: ti.template()):
-        """Write what ``lanes`` rays see, from number ``ray`` on: ``Config.columns``, the angle in units of
-        359 degrees, the distance in those of the range.
+        """Write the values of ``lanes`` rays, from number ``ray`` on, as in ``Config.columns``.
+
+        The angle is in units of 359 degrees, and the distance in units of the range.
         """
         state = self.late(world, e, now)
         distance, kind = self.seen(world, e, state, ray, lanes)
@@ -99,7 +104,10 @@ class Observing:
 
     @ti.func
     def seen(self, world: ti.template(), e, state, ray, lanes: ti.template()):
-        """What ``lanes`` rays hit, see ``Backend.see``; where their directions have errors, in those."""
+        """Return the distances and kinds of ``lanes`` rays, with errors of their directions.
+
+        The results are those of ``Backend.see``.
+        """
         off = ti.Vector([0.0 for _ in range(ti.static(lanes))])
         if ti.static(self.config.angle_noise > 0):
             for r in range(ti.static(lanes)):
@@ -125,12 +133,12 @@ class Observing:
 
     @ti.func
     def write(self, observation: ti.template(), ray, column: ti.template(), number):
-        """Write a number into a ray's column, see ``Config.columns``."""
+        """Write a number into a column of a ray: see ``Config.columns``."""
         observation[ray + ti.static(self.config.column(column))] = number
 
     @ti.func
     def disturbed(self, state, ray, distance, kind, noise, dropout):
-        """What a ray's sensor makes of a hit: a normal error, by Box and Muller, or nothing at all."""
+        """Apply the sensor's errors to a ray: a normal error of the distance, or no hit at all."""
         counter = ti.Vector([state.episode, state.time, ray, SENSOR])
         words = philox(state.seed, ti.cast(counter, ti.u64))
         if ti.static(self.config.most("noise") > 0):

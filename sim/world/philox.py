@@ -1,6 +1,7 @@
-"""Random numbers that are a function of a key and a counter: no state, so no order of sampling to keep.
+"""Random numbers as a function of a key and a counter.
 
-Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
+There is no state, so the order of sampling is irrelevant. The generator is Philox4x32-10 of Salmon et al.,
+"Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
 """
 
 import math
@@ -8,7 +9,7 @@ import math
 from sim.runtime import ti
 
 EPISODE, SENSOR, WHEELS, ODOMETER, DIRECTION, VARIED = range(6)
-"""What a random number is for: the fourth word of its counter."""
+"""Purposes of random numbers: the fourth word of the counter."""
 
 MASK = 0xFFFFFFFF
 Words = ti.types.vector(4, ti.u64)
@@ -16,9 +17,9 @@ Words = ti.types.vector(4, ti.u64)
 
 @ti.func
 def philox(key, counter: Words) -> Words:
-    """Four random 32-bit words, each in a u64, of a 64-bit key and a counter of four 32-bit words.
+    """Return four random 32-bit words, each in a u64, for a 64-bit key and a counter of four 32-bit words.
 
-    Words stay below 2^32 in 64 bits, so that no product overflows and Taichi's checks stay quiet.
+    Words stay below 2^32 in 64 bits, so that no product overflows and Taichi's checks report nothing.
     """
     mask = ti.u64(MASK)
     k0, k1 = key & mask, key >> ti.u64(32)
@@ -32,18 +33,18 @@ def philox(key, counter: Words) -> Words:
 
 @ti.func
 def below(word, bound):
-    """A number in 0..bound-1 from a random 32-bit word, uniform but for less than bound / 2^32."""
+    """Return a number in 0..bound-1 from a random 32-bit word, uniform except for less than bound / 2^32."""
     return ti.cast((word * ti.cast(bound, ti.u64)) >> ti.u64(32), ti.i32)
 
 
 @ti.func
 def uniform(word):
-    """A float32 in [0, 1) from a random 32-bit word: its upper 24 bits."""
+    """Return a float32 in [0, 1) from a random 32-bit word: its upper 24 bits."""
     return ti.cast(word >> ti.u64(8), ti.f32) * ti.static(2.0**-24)
 
 
 @ti.func
 def normal(words):
-    """A float32 of the standard normal distribution from two random words, by Box and Muller."""
+    """Return a standard normal float32 from two random words (Box-Muller)."""
     size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
     return size * ti.cos(ti.static(2 * math.pi) * uniform(words[1]))

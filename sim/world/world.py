@@ -1,4 +1,4 @@
-"""The state of E environments over a bank of houses: the arrays that their kernels read and write."""
+"""State of E environments over a bank of houses: the arrays that their kernels read and write."""
 
 from collections.abc import Sequence
 from functools import cached_property, partial
@@ -23,8 +23,8 @@ from sim.world.kernels import NEXT_STEP, SAME_STEP, SAMPLE, kernels
 from sim.world.surroundings import surroundings
 
 STATE = "reals", "wholes"
-"""Arrays that a step depends on and that are not the bank's. Where doors are closed also ``pushes``, which
-is as long as the bank's doors ask for."""
+"""Arrays that a step depends on, without those of the bank. With closed doors there is also ``pushes``, whose
+length depends on the doors of the bank."""
 
 GUIDE = "next_wholes", "next_reals"
 """Arrays of options for episodes that begin automatically."""
@@ -33,14 +33,14 @@ TABLES = "numbers", "indices", "places"
 """Arrays of the bank."""
 
 FEW = 64
-"""Environments that one thread steps sooner than several."""
+"""Largest number of environments that one thread steps faster than several threads."""
 
 MOST_PLACES, MOST_ALONG = 1 << 26, 1 << 16
-"""Largest number of places of a house's lattice, which a survey holds in memory, and of places along an axis,
-which have 16 bits."""
+"""Largest number of places of a house's lattice, because a survey keeps the places in memory, and largest
+number of places along an axis, because it has 16 bits."""
 
 BATCH = 256
-"""Houses that are surveyed at a time: it bounds the memory that packing takes."""
+"""Number of houses that are surveyed together; it bounds the memory of packing."""
 
 
 class PackedHouses(NamedTuple):
@@ -146,17 +146,17 @@ class World:
         self.launches: dict[str, Launch] = {}
 
     def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
-        """Load another bank, and another task if ``targets`` names one; nothing is compiled.
-        Reset all environments before they are stepped again.
+        """Load another bank, and another task if ``targets`` names one. Nothing is compiled.
 
-        Raises ``ValueError``, and keeps the bank that it has, where a house cannot be used.
+        Reset all environments before the next step. Raises ``ValueError``, and keeps the current bank, if a
+        house cannot be used.
         """
         self.take(self.packed(houses, targets))
 
     def packed(self, houses: Sequence[House], targets: Targets | None = None) -> PackedHouses:
-        """A bank, and a task, to be taken later; in any thread, while others step.
+        """Return a packed bank and task for ``take``. Any thread may pack while other threads step.
 
-        Raises ``ValueError`` where a house cannot be used.
+        Raises ``ValueError`` if a house cannot be used.
         """
         check_lengths(houses)
         wanted = self.task if targets is None else task(targets)
@@ -175,7 +175,7 @@ class World:
         return PackedHouses(list(houses), bank, wanted, *self._places(houses, bank, wanted), about)
 
     def take(self, loaded: PackedHouses) -> None:
-        """Go on in houses that were packed. Nothing is compiled."""
+        """Continue with the houses and the task that ``packed`` returned. Nothing is compiled."""
         self.houses, self.bank, self.task, self.lattices, self.places, about = loaded
         bank = self.bank
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
@@ -192,7 +192,7 @@ class World:
             launch.bind(self.arrays)
 
     def replace_array(self, name: str, array: Array) -> None:
-        """Take another array of the same kind for one that kernels read."""
+        """Replace an array that kernels read by another array of the same kind."""
         self.arrays[name] = array
         self._bind()
 
@@ -222,7 +222,7 @@ class World:
     def _lattice(
         self, house: House, bank: Bank, index: int, task: AnyTask
     ) -> tuple[Lattice, np.ndarray | None]:
-        """The lattice over house ``index`` of a bank, and its cell (i, j, heading) where a task starts."""
+        """Return the lattice over house ``index`` of a bank, and the start cell (i, j, heading)."""
         shape, pose = bank.geometries[index], task.pose(house) if isinstance(task, FixedTask) else None
         if pose is None:
             return self.backend.lattice(shape), None
@@ -232,8 +232,11 @@ class World:
         return Lattice(corner, through.pitch, through.shape), cell[0] - (*through.first, 0)
 
     def _table(self) -> Array:
-        """Places as kernels read them: the number of houses, their headers, then starts and targets of each:
-        see ``HEADER``.
+        """Return the table ``places`` for kernels.
+
+        It has the number of houses, their headers, then the starts and targets of each house.
+
+        ``HEADER`` explains the headers.
         """
         count = len(self.places)
         header = np.zeros((count, HEADER), np.int32)
@@ -258,7 +261,10 @@ class World:
             self.distances.settle()
 
     def seed(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
-        """Give the chosen (E,) bool environments their seeds (E,) uint64; their next episode is number 0."""
+        """Set the seeds (E,) uint64 of the ``chosen`` (E,) bool environments.
+
+        Their next episode is number 0.
+        """
         wholes = self.arrays["wholes"].numpy()
         wholes[chosen, NUMBER] = -1
         wholes[chosen, SEED:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
@@ -291,10 +297,10 @@ class World:
     def place(
         self, house: np.ndarray, pose: np.ndarray, bank: Bank | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (E, 3) in houses (E,) of a bank, this world's or another, as origins (E, 2) float32 and cells
-        (E, 3) int32.
+        """Return poses (E, 3) in houses (E,) as origins (E, 2) float32 and cells (E, 3) int32.
 
-        Raises ``ValueError`` for a pose where the body cannot be.
+        ``bank``: the bank of the houses, by default this world's. Raises ``ValueError`` for a pose where the
+        body cannot be.
         """
         bank = bank or self.bank
         origin, cell = self.backend.place(bank, house, pose)
@@ -319,10 +325,11 @@ class World:
     def describe(
         self, last: bool = False, stepped: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,): copies.
+        """Return copies of the eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,).
 
-        ``last``: as they were when the latest episode ended, where the same step begins the next.
-        ``stepped``: right after a step, which has told already where there are few.
+        ``last``: return the state at the end of the latest episode, if the same step begins the next one.
+        ``stepped``: True right after a step; for few environments the step has then described the state
+        already.
         """
         if last:
             self._describe_last()
@@ -333,12 +340,12 @@ class World:
 
     @cached_property
     def _describe_last(self) -> Launch:
-        """It reads nothing of a bank, so it stays bound."""
+        """Launch that describes the last states. It reads no array of the bank, so it stays bound."""
         last = {"reals": self.arrays["last_reals"], "wholes": self.arrays["last_wholes"]}
         return Launch(self.kernels.describe, self.arrays | last)
 
     def targets(self, count: int) -> np.ndarray:
-        """The target of each environment and the next ones, (E, count, 2), metres."""
+        """Return the current and the next targets of each environment, (E, count, 2), metres."""
         arrays = self.arrays | {"targets": Array(ti.f32, self.num_envs * count * 2)}
         Launch(self.kernels.peek, arrays)()
         return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
@@ -355,8 +362,9 @@ class World:
 
     @property
     def open_doors(self) -> np.ndarray:
-        """Which doors of its house, in the order of ``Geometry.doors``, are open in each environment, (E, D)
-        bool; beyond a house's last door False.
+        """Mask of the open doors of each environment, (E, D) bool, in the order of ``Geometry.doors``.
+
+        Entries after a house's last door are False.
         """
         house = self.state["wholes"][:, HOUSE]
         count = np.array([len(shape.doors) for shape in self.bank.geometries])[house]
