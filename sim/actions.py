@@ -1,13 +1,13 @@
-"""The actions of a body, as environments number them."""
+"""Actions of a body, by their numbers in environments."""
 
 LEFT, RIGHT, FORWARD = range(3)
-"""Turn left by 45 degrees, turn right, one step forward."""
+"""Turn left by 45 degrees, turn right by 45 degrees, and one step forward."""
 
 ACTION_NAMES = "turn left", "turn right", "forward"
-"""In words."""
+"""Names of the actions."""
 
 ACTIONS = len(ACTION_NAMES)
-"""How many there are."""
+"""Number of actions."""
 
 HEADINGS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
-"""Steps east and south that ``forward`` makes at each of the eight headings."""
+"""Steps east and south of ``forward``, for each of the eight headings."""

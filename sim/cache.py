@@ -1,19 +1,21 @@
-"""Where Taichi keeps compiled kernels: a folder that can be written, also without a home."""
+"""Folder in which Taichi keeps compiled kernels; it must be writable even without a home directory."""
 
 import os
 import tempfile
 from pathlib import Path
 
 VARIABLE = "XDG_CACHE_HOME"
-"""Where programs keep what they can make again; without it ``.cache`` in the home."""
+"""Environment variable with the folder of files that programs can recreate. The default is ``.cache`` in the
+home."""
 
 
 def provide() -> bool:
-    """Leave the variable as it is where its folder, or the home's, can be written. Else let it name one of
-    this user's among the temporary files, and if there is none say so: nothing is to be kept then.
+    """Provide a writable cache folder, and return True if Taichi can keep kernels in it.
 
-    Taichi aborts the process without a home, and as it ends where it cannot write its kernels. Containers and
-    services are like that.
+    If the folder that ``VARIABLE`` or the home names is writable, the variable stays as it is. Otherwise the
+    variable is set to this user's folder among the temporary files. Without a temporary folder the function
+    returns False. Taichi aborts the process if there is no home, and at exit if it cannot write its kernels.
+    This happens in containers and services.
     """
     named = os.environ.get(VARIABLE)
     home = os.environ.get("HOME")
@@ -21,7 +23,7 @@ def provide() -> bool:
     keeps = bool(usual and usual.is_absolute() and _writable(usual))
     try:
         temporary = tempfile.gettempdir()
-    except FileNotFoundError:  # There is none. Taichi's libraries ask for its name as they are imported.
+    except FileNotFoundError:  # There is no such folder. Taichi's libraries ask for its name on import.
         tempfile.tempdir = str(usual) if keeps else os.path.abspath(os.sep)
         if not keeps:
             os.environ[VARIABLE] = tempfile.tempdir
@@ -34,10 +36,10 @@ def provide() -> bool:
 
 
 def _writable(folder: Path) -> bool:
-    """Whether files can be written in a folder, which is made if it is not there."""
+    """Return True if files can be written in a folder, which is created if it does not exist."""
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder, buffering=0) as file:  # permissions do not say it all
+        with tempfile.TemporaryFile(dir=folder, buffering=0) as file:  # permissions alone are not enough
             file.write(b".")
     except OSError:
         return False

@@ -1,4 +1,4 @@
-"""What the body, its eye, its task and its episodes are like. Metres and degrees."""
+"""Configuration of the body, its sensor and its episodes. Lengths in metres, angles in degrees."""
 
 from dataclasses import dataclass, field, replace
 from math import isclose
@@ -12,33 +12,35 @@ from sim.fields import Derived, settle
 
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
-"""The paper's lengths are in pixels, 8.5 to a foot."""
+"""Length of a pixel of the original program in metres: 8.5 pixels are a foot. The paper's lengths are in
+pixels."""
 
 MOST_RAYS = 1024
-"""Memory of environments and networks grows with their rays: 360, a degree apart, look all around."""
+"""Largest number of rays. The memory of environments and networks grows with it; 360 rays, a degree apart,
+cover all directions."""
 
 MOST_KINDS = 64
-"""Kinds of pieces that an observation tells apart at most."""
+"""Largest number of kinds of furniture that an observation distinguishes."""
 
 LEAST_SPACING = 0.1
 """Smallest angle between rays on a lattice, in degrees: a table has a row for each direction."""
 
 MOST_ANGLE_NOISE = 45
-"""Degrees."""
+"""Largest standard deviation of a ray's direction, in degrees."""
 
 DEVIATIONS = 4.0
-"""Standard deviations at which the error of a ray's direction is cut."""
+"""Number of standard deviations at which the error of a ray's direction is clipped."""
 
 MOST_LATENCY = 255
-"""Steps: poses are kept for so long."""
+"""Largest latency, in steps: environments keep the poses of so many past steps."""
 
 MOST_PUSHES = 255
-"""Steps that a door may take to open: they are counted in 8 bits."""
+"""Largest number of steps that a door may take to open, because doors count them in 8 bits."""
 
 
 RAYS = "rays"
 EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, "speed": 2}
-"""What can be observed beside rays, and how many numbers each is: see ``Config.observe``."""
+"""Parts of an observation other than rays, with the number of values of each: see ``Config.observe``."""
 
 VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration", "width"
 """Names for ``Config.varied``, whose values may be random in each episode."""
@@ -47,82 +49,94 @@ SHARES = "dropout", "slip", "speed", "acceleration", "width"
 """Names of ``VARIABLE`` whose values are at most 1."""
 
 MEMORY = "memory"
-"""Part of an observation with the numbers that the task's terms keep."""
+"""Name of the part of an observation with the values that the task's terms keep."""
 
 OBSERVABLE = RAYS, *EXTRAS, MEMORY
 
 SENSOR = "sensor"
-"""In a field's metadata: it says what a body senses, which an agent takes along to where it is measured."""
+"""Key in the metadata of a field that describes the sensor. Evaluation copies these fields from the agent's
+training config."""
 
 
 def sensed(default: Any) -> Any:
-    """A field of the sensor."""
+    """Return a dataclass field that describes the sensor."""
     return field(default=default, metadata={SENSOR: True})
 
 
 @dataclass(frozen=True)
 class Config:
-    """What environments are like. The defaults are the paper's lengths; ``PAPER`` has its quirks too."""
+    """Configuration of an environment.
+
+    The defaults are the paper's lengths; ``PAPER`` adds its other rules.
+    """
 
     body: tuple[float, float] = (8 * PIXEL, 8 * PIXEL)
-    """Side of the axis-aligned square body, metres: at the headings along an axis, and on a diagonal."""
+    """Side of the axis-aligned square body in metres, as two values: at headings along an axis, and at
+    diagonal headings."""
 
     eye: tuple[float, float] = cast(Any, None)
-    """Offset of the eye, metres both east and south from the body's north-west corner: at the headings along
-    an axis, and on a diagonal. By default the eye is in the middle of the body."""
+    """Offset of the eye from the body's north-west corner, in metres, the same east and south. Two values: at
+    headings along an axis, and at diagonal headings. By default the eye is in the middle of the body."""
 
     step: float = 2 * PIXEL
-    """How far ``forward`` goes along an axis, metres; on a diagonal it goes as far along both axes."""
+    """Distance that ``forward`` covers at headings along an axis, in metres. At diagonal headings it covers
+    this distance along both axes."""
 
     in_cells: bool = False
-    """Whether the body fills a cell of a grid and goes from cell to cell: the grid backend sets it."""
+    """True if the body fills a cell of a grid and moves from cell to cell; the grid backend sets this
+    field."""
 
     collision: Literal["swept", "original"] = "swept"
-    """The rule that blocks a move: ``swept``, what the body touches on its way, or the ``original``
-    program's, which looks at the new place only and forgets which wall a door is in."""
+    """Rule that blocks a move. ``swept`` blocks it if the body touches anything on its way. ``original`` is
+    the rule of the original program, which checks only the new place and ignores which wall a door is in."""
 
     ends_on_collision: bool = False
-    """Whether a blocked move ends the episode."""
+    """True if a blocked move ends the episode."""
 
     rays: int = sensed(40)
     """Number of rays."""
 
     first_ray: float = sensed(58.5)
-    """Degrees from the heading to ray 0, counter-clockwise. 58.5 makes 40 rays mirror-symmetric."""
+    """Angle from the heading to ray 0, in degrees counter-clockwise. At 58.5 degrees, 40 rays are
+    mirror-symmetric."""
 
     ray_spacing: float = sensed(3)
     """Degrees from a ray to the next ray, clockwise. The value must divide 45, as 3 or 22.5 does, so that the
     table of directions is small; the backend ``free`` accepts any value."""
 
     range: float = sensed(220 * PIXEL)
-    """How far a ray sees, metres."""
+    """Range of a ray, in metres."""
 
     sees_angle: bool = sensed(False)
-    """Whether an observation begins with each ray's absolute direction."""
+    """True if an observation begins with the absolute direction of each ray."""
 
     sees_kind: bool = sensed(False)
-    """Whether an observation says for each ray if it ends on a wall and if on a piece, before the target;
-    where doors are closed, after these, also if on one of them."""
+    """True if an observation has, for each ray before the target, one value for "ends on a wall" and one for
+    "ends on furniture". With closed doors, a third value follows: "ends on a door"."""
 
     closed_doors: int = 0
-    """Steps of walking at a closed door until it opens for the rest of the episode: all doors between rooms
-    begin an episode closed. 0: doorways are open."""
+    """Number of steps that a body must push a closed door before it opens for the rest of the episode. All
+    doors between rooms are closed when an episode begins. 0: doorways are always open."""
 
     kinds: tuple[str, ...] = sensed(())
-    """Kinds of pieces that an observation tells apart: of each, before the distance, whether the ray ends on
-    such a piece. One at least must be in some house of the bank."""
+    """Kinds of furniture that an observation distinguishes. For each kind, before the distance, an
+    observation says if the ray ends on such furniture. Some house of the bank must have at least one of these
+    kinds."""
 
     noise: float = sensed(0.0)
-    """Standard deviation of each distance, metres: normal, cut to 0 and the range."""
+    """Standard deviation of each measured distance, in metres. The error is normal; the distance is clipped
+    to 0 and the range."""
 
     angle_noise: float = sensed(0.0)
-    """Standard deviation of each ray's direction, degrees: normal, cut at four of them; ``free`` alone."""
+    """Standard deviation of each ray's direction, in degrees. The error is normal, clipped at four standard
+    deviations. Only for the backend ``free``."""
 
     dropout: float = sensed(0.0)
-    """The probability that a ray returns nothing, as if there were nothing in its range."""
+    """Probability that a ray returns nothing, as if nothing were in its range."""
 
     latency: int = sensed(0)
-    """Steps by which rays and the target are seen late: at an episode's begin, as they were then."""
+    """Delay of rays and target, in steps. In the first steps of an episode, the observation shows the first
+    state."""
 
     observe: tuple[str, ...] = sensed((RAYS,))
     """Parts of an observation. ``rays``: the sensor. ``bump``: 1 if the last move was blocked.
@@ -134,22 +148,23 @@ class Config:
     keep."""
 
     flat: bool = sensed(False)
-    """Whether an observation is one row of numbers, in the order of ``observe``."""
+    """True if an observation is one flat array, in the order of ``observe``."""
 
     drift: float = sensed(0.0)
-    """Standard deviation of the errors of which ``odometry`` is the sum, as a share of each step and turn."""
+    """Standard deviation of the errors that accumulate in ``odometry``, as a fraction of each step and
+    turn."""
 
     memory: int = 0
     """Number of values that the task's terms keep; environments set this field."""
 
     drives: bool = False
-    """Whether bodies move freely: the backend ``free`` sets it."""
+    """True if bodies move continuously; the backend ``free`` sets this field."""
 
     drive: Drive = field(default_factory=Drive)
-    """How bodies move in the backend ``free``."""
+    """Limits of the motion in the backend ``free``."""
 
     slip: float = 0.0
-    """The probability that an action does nothing, and that nothing says so."""
+    """Probability that an action is silently ignored."""
 
     varied: tuple[tuple[str, float, float], ...] = ()
     """Domain randomisation: fields with a uniformly random value in each episode, as ("noise", 0.0, 0.05).
@@ -162,14 +177,14 @@ class Config:
     """Side of the square target, metres."""
 
     steps: int = 1500
-    """Steps until an episode is truncated: the paper's 15 s."""
+    """Number of steps after which an episode is truncated; the default is the paper's 15 s."""
 
     geodesic: bool = False
-    """Whether infos say how many actions a shortest path to the target takes, as ``distance``."""
+    """True if infos have ``distance``, the number of actions of a shortest path to the target."""
 
     random_start: bool = True
-    """Whether an episode starts anywhere free in the main room with any heading, or always at the free
-    place nearest to the main room's middle, heading north."""
+    """True if an episode starts at a random free place in the main room, with a random heading. Otherwise it
+    starts at the free place nearest to the main room's middle, heading north."""
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for impossible values."""
@@ -239,14 +254,14 @@ class Config:
         return any(name in names for name, *_ in self.varied)
 
     def require_lattice(self, who: str) -> None:
-        """Raise ``ValueError`` where bodies move freely, which is not for who counts steps on a lattice."""
+        """Raise ``ValueError`` if bodies move continuously: the caller ``who`` counts steps on a lattice."""
         if self.drives:
             raise ValueError(
                 f"{who} counts steps on a lattice: take the backend continuous or grid, not free"
             )
 
     def require_few_directions(self) -> None:
-        """Raise ``ValueError`` where rays have more directions than a table of eight headings can serve."""
+        """Raise ``ValueError`` if rays have too many directions for a table of eight headings."""
         if not (self.ray_spacing >= LEAST_SPACING and isclose(45 / self.ray_spacing, self.rays_in_a_turn)):
             raise ValueError(
                 f"ray_spacing is {self.ray_spacing:g} degrees: it must divide 45 and be at least "
@@ -262,13 +277,14 @@ class Config:
 
     @property
     def ray_angles(self) -> np.ndarray:
-        """The rays' directions (R,) float64: radians from the heading, counter-clockwise."""
+        """Directions of the rays, (R,) float64, in radians counter-clockwise from the heading."""
         return np.deg2rad(self.first_ray - self.ray_spacing * np.arange(self.rays))
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """What an observation says of each ray, in this order; ``is target`` is the last. ``Episodes.look``
-        writes it, in numbers from 0 to 1 but for the angle: see ``single_spaces``.
+        """Names of the values of each ray in an observation, in their order; ``is target`` is the last.
+
+        ``Episodes.look`` writes the values. They are from 0 to 1, except the angle: see ``single_spaces``.
         """
         return (
             *(("angle",) if self.sees_angle else ()),
@@ -280,7 +296,7 @@ class Config:
         )
 
     def column(self, name: str) -> int:
-        """Where an observation says this of each ray: see ``columns``."""
+        """Return the index of a column among ``columns``."""
         return self.columns.index(name)
 
     @property
@@ -290,41 +306,41 @@ class Config:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What is observed beside rays."""
+        """Names of the parts of an observation other than rays."""
         return tuple(name for name in self.observe if name != RAYS)
 
     @property
     def extra_numbers(self) -> int:
-        """How many numbers that is."""
+        """Number of values of the parts other than rays."""
         return sum(map(self.numbers_of, self.extras))
 
     def numbers_of(self, name: str) -> int:
-        """How many numbers a part is that is observed beside rays."""
+        """Return the number of values of a part other than rays."""
         return {**EXTRAS, "speed": len(self.drive.low), MEMORY: self.memory}[name]
 
     def extra(self, name: str) -> int:
-        """Where a part begins among these numbers."""
+        """Return the index of a part's first value among the values of all parts other than rays."""
         before = self.extras[: self.extras.index(name)]
         return sum(map(self.numbers_of, before))
 
     @property
     def knows_distance(self) -> bool:
-        """Whether the distance to the target is asked for."""
+        """True if infos or observations have the distance to the target."""
         return self.geodesic or "geodesic" in self.observe
 
     @property
     def notes_hits(self) -> bool:
-        """Whether a backend must say of a ray that it ends on a wall, or on a piece and of which kind."""
+        """True if a backend must report what each ray ends on: a wall, or a kind of furniture."""
         return self.sees_kind or bool(self.kinds)
 
     @property
     def sees_doors(self) -> bool:
-        """Whether an observation says for each ray if it ends on a closed door."""
+        """True if an observation says for each ray if it ends on a closed door."""
         return self.sees_kind and self.closed_doors > 0
 
 
 DEFAULT = Config()
-"""Environments for which nothing else is asked."""
+"""Configuration without any options."""
 
 PAPER = replace(
     DEFAULT,
@@ -336,19 +352,20 @@ PAPER = replace(
     sees_angle=True,
     random_start=False,
 )
-"""The original program, as measured (its ray casting is made exact: it cut hits to whole pixels)."""
+"""The original program, as measured. Ray casting is exact here; the original rounded hits to whole pixels."""
 
 NOISY = replace(DEFAULT, noise=0.02, dropout=0.02, slip=0.01)
-"""A sensor and wheels such as cheap ones are."""
+"""Noise of cheap sensors and wheels."""
 
 LONG = replace(DEFAULT, steps=3000)
 """Episodes for houses of 8 to 12 rooms."""
 
 DOORS = replace(DEFAULT, closed_doors=4, sees_kind=True)
-"""All doors between rooms are closed at first, and rays tell a door from a wall."""
+"""Doors between rooms that are closed at first, and rays that distinguish a door from a wall."""
 
 DRIVE = replace(DEFAULT, drive=Drive(commands=COMMANDS))
-"""In the backend ``free``: left, right and forward, as agents of three actions know them, and bows."""
+"""Discrete commands in the backend ``free``: left, right and forward, as for agents of three actions, and
+curves."""
 
 PRESETS = {
     "default": DEFAULT, "doors": DOORS, "drive": DRIVE, "long": LONG, "noisy": NOISY, "paper": PAPER,

@@ -1,4 +1,4 @@
-"""How a body drives where it moves freely: the limits of its speeds, and what it can be told to do."""
+"""Motion of a body in the backend ``free``: the limits of its speeds, and its commands."""
 
 from dataclasses import dataclass
 from math import hypot, isfinite, pi
@@ -7,63 +7,69 @@ from typing import Literal
 from sim.fields import settle
 
 MOST_COMMANDS = 1024
-"""Commands that a discrete action chooses from at most."""
+"""Largest number of commands that a discrete action chooses from."""
 
 SPEED, TURN_SPEED = 0.7, 3.0
-"""Metres and radians a second: of bodies about as fast as those that make a step of 0.07 m in 0.1 s."""
+"""Default speeds, in metres and radians per second. They are about as fast as bodies on the lattice, which
+take a step of 0.07 m in 0.1 s."""
 
 THREE = (0.0, TURN_SPEED), (0.0, -TURN_SPEED), (SPEED, 0.0)
-"""Turn left, turn right and forward, in the order of the lattice's actions: for agents of three actions."""
+"""Turn left, turn right and forward, in the order of the lattice's actions, for agents of three actions."""
 
 PARTS = (1 << 20) - 1
-"""Of a greatest speed: where bodies drive sideways, speeds and what is told are whole numbers of them."""
+"""Number of parts of a greatest speed. If bodies drive sideways, speeds and commands are whole numbers of
+parts."""
 
 COMMANDS = (
     *THREE,
     *((SPEED, turn) for most in (0.4, 1.0, 2.0, TURN_SPEED) for turn in (most, -most)),
     *((speed, turn) for speed, most in ((SPEED / 2, TURN_SPEED), (0.0, 1.0)) for turn in (most, -most)),
 )
-"""And forward in bows, wide to narrow, in a narrow one at half speed, and slow turns: each to both sides."""
+"""``THREE``, then forward in curves from wide to narrow, then narrow curves at half speed, then slow turns;
+each to both sides."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """The motion of the backend ``free``: a disc, as wide as ``Config.body``, that is told a forward speed v
-    and a turn rate w, or where it drives ``sideways`` a speed forward, one to the left, and a turn rate (vx,
-    vy, w), and comes as near to them as its limits let it. Metres, radians, seconds.
+    """Motion in the backend ``free``, for a disc as wide as ``Config.body``. Metres, radians, seconds.
+
+    A command is a forward speed v and a turn rate w. If the disc drives ``sideways``, a command is a speed
+    forward, a speed to the left, and a turn rate (vx, vy, w). The disc approaches the commanded speeds as
+    fast as its limits allow.
     """
 
     time_step: float = 0.1
-    """Seconds of a step."""
+    """Duration of a step, in seconds."""
 
     speed: float = SPEED
-    """The greatest speed forward, m/s."""
+    """Largest speed forward, m/s."""
 
     reverse: float = 0.0
-    """The greatest speed backward, m/s."""
+    """Largest speed backward, m/s."""
 
     sideways: float = 0.0
-    """The greatest speed to either side, m/s; above 0 a body drives in all directions as it turns."""
+    """Largest speed to either side, m/s. Above 0, a body drives in all directions, independently of its
+    heading."""
 
     turn_speed: float = TURN_SPEED
-    """The greatest turn rate, either way, rad/s."""
+    """Largest turn rate, either way, rad/s."""
 
     acceleration: float = 2.0
-    """How fast v changes at most, m/s², or vx and vy each; ``inf`` for at once."""
+    """Largest change of v, or of vx and vy each, in m/s². ``inf``: speeds change at once."""
 
     turn_acceleration: float = 12.0
-    """How fast w changes at most, rad/s²; ``inf`` for at once."""
+    """Largest change of w, in rad/s². ``inf``: the turn rate changes at once."""
 
     at_contact: Literal["slide", "stop"] = "slide"
-    """What a body does that touches something: it goes on along it, or stays there."""
+    """Motion of a body that touches an obstacle: it slides along the obstacle, or stops."""
 
     commands: tuple[tuple[float, ...], ...] = ()
-    """Pairs (v, w), or (vx, vy, w), that a discrete action chooses from; without them an action is any in a
-    ``Box``.
-    """
+    """Pairs (v, w), or triples (vx, vy, w), that a discrete action chooses from. Without commands, an action
+    is any value of a ``Box``."""
 
     clips: bool = False
-    """Whether an action beyond the ``Box`` becomes the nearest in it; else it is refused. NaN always is."""
+    """True if an action outside the ``Box`` is clipped to the ``Box``. Otherwise it is an error. NaN is
+    always an error."""
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for impossible values."""
@@ -88,39 +94,39 @@ class Drive:
                 raise ValueError(f"drive: command {pair}: {self.names} within the greatest speeds")
 
     def allows(self, command: tuple[float, ...]) -> bool:
-        """Whether a command is within the greatest speeds."""
+        """Return True if a command is within the largest speeds."""
         if len(command) != len(self.high) or not all(map(isfinite, command)):
             return False
         return all(low <= each <= high for low, each, high in zip(self.low, command, self.high, strict=True))
 
     @property
     def names(self) -> str:
-        """The numbers of a command."""
+        """Names of the values of a command."""
         return "(vx, vy, w)" if self.sideways else "(v, w)"
 
     @property
     def low(self) -> tuple[float, ...]:
-        """The least of each number of a command."""
+        """Smallest value of each number of a command."""
         aside = (-self.sideways,) * (self.sideways > 0)
         return 0.0 - self.reverse, *aside, -self.turn_speed
 
     @property
     def high(self) -> tuple[float, ...]:
-        """The greatest of each number of a command."""
+        """Largest value of each number of a command."""
         return self.speed, *((self.sideways,) * (self.sideways > 0)), self.turn_speed
 
     @property
     def part(self) -> tuple[float, ...]:
-        """Of each number of a command, the part of which it is a whole number: see ``PARTS``."""
+        """Unit of each number of a command; commands are whole multiples of it: see ``PARTS``."""
         most = zip(self.low, self.high, strict=True)
         return tuple(max(-low, high, 1e-9) / PARTS for low, high in most)
 
     @property
     def travel(self) -> float:
-        """Metres that a step goes at most."""
+        """Largest distance that a body covers in a step, in metres."""
         return hypot(max(self.speed, self.reverse), self.sideways) * self.time_step
 
     def require_heading(self, who: str) -> None:
-        """Raise ``ValueError`` for bodies that drive sideways, which is not for who drives as they head."""
+        """Raise ``ValueError`` if bodies drive sideways, for a caller ``who`` that only drives forward."""
         if self.sideways:
             raise ValueError(f"{who} drives where its body heads: take a drive without sideways")

@@ -1,4 +1,4 @@
-"""Pictures of an environment from above, and films of them."""
+"""Pictures of an environment from above, and films of it."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -27,59 +27,61 @@ BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
 TARGET, TARGET_EDGE, TARGET_RAY = (245, 178, 45), (183, 118, 8), (224, 122, 20)
 
 SHARP = DENSITY
-"""Everything is drawn this much larger and then reduced: smooth lines."""
+"""Factor by which everything is drawn larger before it is reduced, so that lines are smooth."""
 
 LEAST_NAME = 9.0
-"""Pixels: a room too small for its name in such letters has none."""
+"""Smallest height of a room's name, in pixels. A room that is too small for such a name shows none."""
 
 MARGIN, CAPTION = 16, 30
-"""Pixels around the house, and for the line of text below it."""
+"""Margin around the house and height of the caption below it, in pixels."""
 
 FILMS = (".gif", ".mp4")
-"""How the names of films end."""
+"""File name endings of films."""
 
 WIDTH = 720
-"""Pixels of a picture's longer side."""
+"""Default longer side of a picture, in pixels."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a picture shows. Metres and radians."""
+    """Contents of a picture. Metres and radians."""
 
     house: House
     config: Config
     pose: np.ndarray
     """(3,) x, y and heading of the eye."""
     target: np.ndarray
-    """(2,) its centre."""
+    """(2,) centre of the target."""
     distance: np.ndarray
-    """(R,) how far each ray goes."""
+    """(R,) length of each ray."""
     is_target: np.ndarray
-    """(R,) bool: whether it ends on the target."""
+    """(R,) bool: True for rays that end on the target."""
     step: int
     found: int
-    """Targets picked up in this episode."""
+    """Number of targets picked up in this episode."""
     task: str
-    """What is to be done, in words, as the house calls its rooms and pieces."""
+    """The task in words, with the house's names of rooms and furniture."""
     others: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     """Centres of the other targets, (n, 2), metres."""
 
 
 class Camera:
-    """Looks at one environment: each ``shoot`` draws it as it is, and the way it has come since the first."""
+    """Camera for one environment: ``shoot`` draws its state, with the path since the first picture."""
 
     def __init__(
         self, envs: VectorEnv, index: int = 0, width: int = WIDTH, frame: tuple[int, int] | None = None
     ) -> None:
-        """Look at a ``HouseVectorEnv``. Pictures are ``width`` pixels wide, those of high houses as high; a
-        ``frame`` (width, height) in pixels holds them all, with the house in its middle.
+        """Take pictures of environment ``index`` of a ``HouseVectorEnv``.
+
+        The longer side of a picture is ``width`` pixels. With a ``frame`` (width, height) in pixels, all
+        pictures have this size, with the house in the middle.
         """
         self.envs, self.index, self.width, self.frame = envs, index, width, frame
         self.trail: list[tuple[float, float]] = []
         self._plan: tuple[House, Image.Image] | None = None
 
     def shoot(self) -> Image.Image:
-        """Draw the environment; a new episode begins a new trail."""
+        """Draw the environment. A new episode begins a new trail."""
         scene: Scene = cast(Any, self.envs.unwrapped).scene(self.index)
         if scene.step == 0:
             self.trail.clear()
@@ -91,7 +93,7 @@ class Camera:
 
 
 def caption(scene: Scene) -> str:
-    """The line below a picture; the task ends it, where a narrow picture cuts it off."""
+    """Return the caption of a picture. The task is last, because a narrow picture cuts off the end."""
     counts = f"step {scene.step} of {scene.config.steps}    {numbered(scene.found, 'target')}"
     return f"{counts}    {scene.task}"
 
@@ -108,7 +110,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
 
     points = [view.at(x, y) for x, y in trail]
     recent = len(points)
-    for k in range(recent - 1):  # the way fades as it gets old, but never away
+    for k in range(recent - 1):  # old parts of the trail fade, but stay visible
         strength = 60 + int(150 * max(0.0, 1 - (recent - k) / 400))
         draw.line([points[k], points[k + 1]], (*TRAIL, strength), max(SHARP, view.px(0.035)))
 
@@ -132,20 +134,23 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
 
 
 def largest(houses: Sequence[House], width: int = WIDTH) -> tuple[int, int]:
-    """Width and height in pixels of a frame that holds the pictures of all these houses."""
+    """Return the width and height, in pixels, of a frame that contains the pictures of all these houses."""
     across, along = np.max([View(house, width).shown for house in houses], axis=0)
     return int(across), int(along)
 
 
 def framed(image: Image.Image, size: tuple[int, int]) -> Image.Image:
-    """A picture in the middle of a larger one of ``size`` (width, height)."""
+    """Return a picture of ``size`` (width, height) with a smaller picture in its middle."""
     whole = Image.new("RGB", size, PAPER)
     whole.paste(image, ((size[0] - image.width) // 2, (size[1] - image.height) // 2))
     return whole
 
 
 def mosaic(frames: Sequence[np.ndarray], columns: int | None = None) -> np.ndarray:
-    """Pictures of one size side by side in rows, (height, width, 3) uint8; about as many rows as columns."""
+    """Return pictures of one size side by side in rows, (height, width, 3) uint8.
+
+    By default there are about as many rows as columns.
+    """
     columns = columns or int(np.ceil(np.sqrt(len(frames))))
     rows = -(-len(frames) // columns)
     whole = np.full((rows, columns, *frames[0].shape), PAPER, np.uint8)
@@ -154,7 +159,7 @@ def mosaic(frames: Sequence[np.ndarray], columns: int | None = None) -> np.ndarr
 
 
 def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
-    """The body, a square or a disc, with an arrow that points where it heads."""
+    """Draw the body, a square or a disc, with an arrow in the direction of its heading."""
     heading = float(scene.pose[2])
     diagonal = round(heading / (np.pi / 4)) % 2
     corner, side = scene.pose[:2] - scene.config.eye[diagonal], scene.config.body[diagonal]
@@ -170,9 +175,7 @@ def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
 
 
 def plan(house: House, size: int) -> Image.Image:
-    """Draw a house as plans show it, ``SHARP`` times larger than it will be shown; without the leaves of
-    doors.
-    """
+    """Draw the floor plan of a house, ``SHARP`` times larger than shown, without the leaves of doors."""
     view = View(house, size)
     width, height = view.shown
     drawing = Drawing(width, height, background(house, view.frame, LEAST_NAME))
@@ -180,8 +183,9 @@ def plan(house: House, size: int) -> Image.Image:
 
 
 def require_film(path: str | Path) -> None:
-    """Raise ``ValueError`` for a file whose name ends in none of ``FILMS``: nothing else is written. And
-    ``ModuleNotFoundError`` for an MP4 without the extra ``film``.
+    """Raise ``ValueError`` unless the file name ends in one of ``FILMS``.
+
+    Raises ``ModuleNotFoundError`` for an MP4 if the extra ``film`` is not installed.
     """
     if Path(path).suffix.lower() not in FILMS:
         example = Path(path).with_suffix(".gif") if Path(path).name else Path(path, "film.gif")
@@ -191,12 +195,11 @@ def require_film(path: str | Path) -> None:
 
 
 def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int = 25) -> Path:
-    """Write frames of one size as an animated GIF that loops, or as an MP4 (H.264); the last one stays for a
-    second.
+    """Write frames of one size as a looping animated GIF or as an MP4 (H.264).
 
-    One palette serves all frames of a GIF, so they are kept until the last one; those of an MP4 are not.
-    Raises ``ValueError`` where there is no frame, or for a file of another form, and ``ModuleNotFoundError``
-    for an MP4 without the extra ``film``.
+    The last frame stays for a second. All frames of a GIF share one palette, so the function keeps them in
+    memory; it does not keep those of an MP4. Raises ``ValueError`` if there is no frame or for another file
+    type, and ``ModuleNotFoundError`` for an MP4 if the extra ``film`` is not installed.
     """
     require_film(path)
     pictures = (frame if isinstance(frame, Image.Image) else Image.fromarray(frame) for frame in frames)
@@ -244,10 +247,10 @@ def _mp4(frames: Iterator[Image.Image], fps: int) -> bytes:
 
 
 class View:
-    """From metres to the pixels of a picture that holds the whole house."""
+    """Conversion of metres to the pixels of a picture that contains the whole house."""
 
     def __init__(self, house: House, size: int) -> None:
-        """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
+        """Prepare a picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
         west, north, east, south = drawn_extent(house)
         width, height = east - west, south - north
         scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
@@ -256,14 +259,14 @@ class View:
         self.size = SHARP * self.shown[0], SHARP * self.shown[1]
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """A point's pixels."""
+        """Return the pixel coordinates of a point."""
         across, down = self.frame.at(float(x), float(y))
         return SHARP * across, SHARP * down
 
     def box(self, west: float, north: float, east: float, south: float) -> list[float]:
-        """A box's pixels."""
+        """Return the pixel coordinates of a box."""
         return [*self.at(west, north), *self.at(east, south)]
 
     def px(self, metres: float) -> int:
-        """A length in whole pixels, at least one."""
+        """Return a length in whole pixels, at least one."""
         return max(1, round(SHARP * metres * self.frame.scale))

@@ -1,6 +1,7 @@
-"""A house as the simulator meets it: boxes that stop rays and bodies, whatever its topology.
+"""Geometry of a house for the simulator: boxes that stop rays and bodies, for any topology.
 
-Walls stand once, and the doors between rooms are cut out of them. The doors to the outside are shut.
+A wall between two rooms is a single wall, and the doors between rooms are cut out of it. Doors to the outside
+are closed.
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,16 +17,16 @@ Box = tuple[float, float, float, float]
 """(west, north, east, south), metres."""
 
 TOLERANCE = 1e-6
-"""Metres: lines nearer than this are one line."""
+"""Largest distance between two lines that count as one line, in metres."""
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """A house in rows of (x, y, half width, half height): a box's centre and half its sides, metres.
+    """A house as rows of (x, y, half width, half height): the centre of a box and half its sides, in metres.
 
-    Walls are lines, so one half is zero: where they have a thickness, these are their faces. Walls that stand
-    by themselves are lines or boxes, or where they run at an angle, ``slanted``. The original's collision
-    rule asks for rooms and doors: in a star the k-th door is that of the k-th room.
+    Walls are lines, so one half is zero. If walls have a thickness, these lines are their faces.
+    Free-standing walls are lines or boxes, or ``slanted`` if they run at an angle. The original program's
+    collision rule reads rooms and doors: in a star, the k-th door belongs to the k-th room.
     """
 
     verticals: np.ndarray
@@ -33,50 +34,50 @@ class Geometry:
     horizontals: np.ndarray
     """(H, 4) float64: walls that run west to east."""
     pieces: np.ndarray
-    """(P, 4) float64: pieces of furniture and their children, solid."""
+    """(P, 4) float64: furniture and its children, solid."""
     blocks: np.ndarray
-    """(B, 4) float64: walls that stand by themselves along an axis and have a thickness, solid."""
+    """(B, 4) float64: free-standing walls along an axis that have a thickness, solid."""
     slanted: np.ndarray
     """(S, 6) float64: walls at an angle, as (x, y, east, south, half length, half thickness): the middle, and
-    the unit vector that they run along."""
+    the unit vector along the wall."""
     rooms: np.ndarray
-    """(R, 4) float64: the rooms but ``floor``, in a star the secondary rooms."""
+    """(R, 4) float64: all rooms except ``floor``; in a star, the secondary rooms."""
     doors: np.ndarray
-    """(D, 4) float64: the doors between rooms, but openings, segments."""
+    """(D, 4) float64: doors between rooms, without openings, as segments."""
     floor: np.ndarray
-    """(4,) float64: the room where bodies start, in a star the main room's rectangle."""
+    """(4,) float64: the room in which bodies start; in a star, the main room's rectangle."""
     doorways: np.ndarray
-    """(W, 4) float64: the ways from room to room through walls that have a thickness."""
+    """(W, 4) float64: passages between rooms through walls that have a thickness."""
     filled: np.ndarray
-    """(F, 4) float64: what is solid behind walls, as the cells of a map that are not free: no body is there,
-    and rays end at the walls.
-    """
+    """(F, 4) float64: solid areas behind walls, such as the occupied cells of a map. Bodies cannot be there,
+    and rays end at the walls."""
     overlapping: bool = False
-    """Whether rooms overlap the main room's rectangle, as in the original's files."""
+    """True if rooms overlap the main room's rectangle, as in the original program's files."""
 
     @property
     def solids(self) -> np.ndarray:
-        """All along an axis that stops a body, (n, 4) float64: verticals, horizontals, pieces, blocks, and
-        what is filled.
+        """All axis-aligned boxes that stop a body, (n, 4) float64.
+
+        The order is: verticals, horizontals, pieces, blocks, filled.
         """
         return np.concatenate([self.verticals, self.horizontals, self.pieces, self.blocks, self.filled])
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """(west, north, east, south) of the whole house, metres."""
+        """Bounds of the whole house: (west, north, east, south), metres."""
         boxes = np.vstack([self.floor, self.rooms])
         west, north = (boxes[:, :2] - boxes[:, 2:]).min(axis=0)
         east, south = (boxes[:, :2] + boxes[:, 2:]).max(axis=0)
         return west, north, east, south
 
     def holds(self, places: np.ndarray) -> np.ndarray:
-        """Which of the places (n, 2) are in a room or a doorway, or on its boundary: (n,) bool."""
+        """Return a mask (n,) bool of the places (n, 2) in a room or a doorway, or on its boundary."""
         boxes = np.vstack([self.floor, self.rooms, self.doorways])
         return np.all(np.abs(places[:, None] - boxes[:, :2]) <= boxes[:, 2:], axis=2).any(axis=1)
 
 
 def geometry(house: House) -> Geometry:
-    """A house's boxes; ``geometry(house).solids`` is what stops rays and bodies."""
+    """Return the boxes of a house; ``geometry(house).solids`` are the boxes that stop rays and bodies."""
     verticals, horizontals = house.walls
     start, half = house.start, house.half_wall
     straight = [wall.box for wall in house.free_walls if wall.box]
@@ -111,7 +112,7 @@ def shut(house: House, door: Any) -> Box:
 
 
 def require_straight(houses: Sequence[House], backend: str) -> None:
-    """Raise ``ValueError`` for a house with a wall at an angle, which a backend does not have."""
+    """Raise ``ValueError`` for a house with a wall at an angle, which ``backend`` does not support."""
     for index, house in enumerate(houses):
         if any(not wall.box for wall in house.free_walls):
             where = f"house {index} of {len(houses)} has walls at an angle"
@@ -119,19 +120,22 @@ def require_straight(houses: Sequence[House], backend: str) -> None:
 
 
 def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
-    """(west, north, east, south) boxes as (n, 4) rows of centres and half sides."""
+    """Return (west, north, east, south) boxes as (n, 4) rows of centres and half sides."""
     corners = np.array(list(boxes), np.float64).reshape(-1, 4)
     return np.hstack([corners[:, :2] + corners[:, 2:], corners[:, 2:] - corners[:, :2]]) / 2
 
 
 FARTHEST = 512.0
-"""Largest distance of a house from the origin, metres. The rounding error of a float32 place is 4e-6 m up to
-128 m from the origin, 8e-6 m up to 256 m, and 1.5e-5 m, more than the body's skin, up to 512 m.
-"""
+"""Largest distance of a house from the origin, in metres. The rounding error of a float32 coordinate is 4e-6
+m up to 128 m from the origin, and 8e-6 m up to 256 m. Up to 512 m it is 1.5e-5 m, more than the body's
+skin."""
 
 
 def check_lengths(houses: Sequence[House]) -> None:
-    """Raise ``ValueError`` where a length of a house is none, or too far off, before memory is taken."""
+    """Raise ``ValueError`` for a length that is not finite, negative, or too far from the origin.
+
+    The check runs before any memory is allocated.
+    """
     for index, house in enumerate(houses):
         rects: list[tuple[str, Any]] = []
         for room in sorted(house.rooms, key=lambda room: room.name != house.hub):

@@ -1,7 +1,7 @@
-"""Large arrays in pages of 2 MiB, where Linux has them.
+"""Memory pages of 2 MiB for large arrays, if Linux has such pages.
 
-Environments look up tables all over. Where these take hundreds of MiB, a tenth of a step is spent to find
-pages of 4 KiB (``benchmarks/simulator``, by houses).
+Environments look up values all over their tables. If the tables take hundreds of MiB, a tenth of a step is
+spent on finding pages of 4 KiB (``benchmarks/simulator``, by houses).
 """
 
 import ctypes
@@ -10,15 +10,16 @@ import sys
 import numpy as np
 
 HUGE_PAGE = 2 << 20
-"""Bytes."""
+"""Size of a huge page, in bytes."""
 
 ADVICE = 14, 25
-"""``MADV_HUGEPAGE`` for pages that are not there yet, ``MADV_COLLAPSE`` for those that are: of Linux 6.1."""
+"""``MADV_HUGEPAGE`` for pages that do not exist yet, ``MADV_COLLAPSE`` (Linux 6.1) for existing pages."""
 
 
 def ask_for_huge_pages(memory: np.ndarray) -> None:
-    """Ask for them for all of an array that such pages can hold. It is advice: where there are none, nothing
-    changes but the time that steps take.
+    """Ask for huge pages for all parts of an array that such pages can hold.
+
+    The request is advice: without huge pages, only the time of steps changes.
     """
     first, end = -(-memory.ctypes.data // HUGE_PAGE), (memory.ctypes.data + memory.nbytes) // HUGE_PAGE
     if first < end and sys.platform == "linux":

@@ -1,7 +1,7 @@
-"""The start of Taichi or of the fork in its place (see ``sim.tracing``), its threads, and arrays that kernels
-are launched on.
+"""Start of Taichi or of its fork (see ``sim.tracing``), its threads, and the arrays that kernels take.
 
-It greets on standard output, which belongs to the program that imports us: the greeting is dropped.
+Taichi prints a greeting on standard output. Standard output belongs to the program that imports this module,
+so the greeting is discarded.
 """
 
 import contextlib
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     import torch
 
 LOCK_AGE = 60.0
-"""Seconds; to write the kernels of a process takes less than one."""
+"""Age of a lock that counts as stale, in seconds. Writing the kernels of a process takes less than one
+second."""
 
 __all__ = [
     "Array",
@@ -45,13 +46,13 @@ __all__ = [
 
 
 MOST_FIELDS = 500
-"""Of a process: Taichi has room for 512, and crashes at the next one."""
+"""Largest number of fields of a process. Taichi has room for 512, and crashes at the next one."""
 
 _fields = Counter[Any]()
-"""How many there are, by program."""
+"""Number of fields of each program."""
 
 _stranded = threading.Event()
-"""Set in a fork of a process in which Taichi ran: its threads are not here."""
+"""Set in a fork of a process in which Taichi ran, because a fork lacks Taichi's threads."""
 
 os.register_at_fork(after_in_child=lambda: _stranded.set() if compiler.program() else None)
 
@@ -67,24 +68,26 @@ def _require_threads() -> None:
 
 
 _compiling = threading.RLock()
-"""Taichi compiles for one thread at a time. What is compiled runs in any, under Python's own lock."""
+"""Lock for compiling: Taichi compiles for one thread at a time. Compiled kernels run in any thread, under
+Python's own lock."""
 
 
 class _Owner:
-    """The thread that starts the compiler, the only one in which it then makes fields.
+    """The thread that starts the compiler, which is the only thread that can then create fields.
 
-    On the CPU it is a thread of ours: a caller's may end, or wait for another that needs a field. On a GPU it
-    is the caller's: if another thread starts it, the driver fails when the process ends.
+    On the CPU it is a thread of this module, because a caller's thread may end, or wait for another thread
+    that needs a field. On a GPU it is the caller's thread: if another thread starts the compiler, the driver
+    fails when the process ends.
     """
 
     def __init__(self, device: str) -> None:
-        """Begin a thread, which ends with the process."""
+        """Start the thread, which ends with the process."""
         self.pool = ThreadPoolExecutor(1, "taichi") if device == "cpu" else None
         self.caller = threading.current_thread()
         self.program: Any = None
 
     def call(self, make: Callable[[], Any]) -> Any:
-        """What ``make`` returns there."""
+        """Call ``make`` in the thread and return its result."""
         if self.pool:
             return self.pool.submit(make).result()
         if self.caller is not threading.current_thread():
@@ -99,13 +102,15 @@ _owner: _Owner | None = None
 
 
 def start(device: str | None = None, threads: int | None = None) -> Any:
-    """Start Taichi, once: one that runs already, ours or the caller's, is left as it is. Returns its program.
+    """Start Taichi if it does not run yet, and return its program.
 
-    ``device``: ``cpu`` or ``cuda``, ``ValueError`` if it is not there or another one runs; by default the one
-    that runs, or else the CPU.
-    ``threads`` bounds its workers (all cores by default). Environments are made and stepped in any thread; on
-    a GPU, or after a caller's own ``ti.init``, they are made in the thread that started Taichi.
-    Raises ``RuntimeError`` in a fork of a process in which it ran.
+    If Taichi runs already, started here or by the caller, it is left as it is. ``device``: ``cpu`` or
+    ``cuda``; by default the device that Taichi runs on, or else the CPU. ``threads``: the largest number of
+    worker threads, by default all cores. Environments can be made and stepped in any thread. On a GPU, or
+    after the caller's own ``ti.init``, environments must be made in the thread that started Taichi.
+
+    Raises ``ValueError`` if the device is missing or Taichi runs on another one, and ``RuntimeError`` in a
+    fork of a process in which Taichi ran.
     """
     global _owner  # noqa: PLW0603 - Taichi has one program a process
     _require_threads()
@@ -130,37 +135,40 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
 
 
 def has_cuda() -> bool:
-    """Whether Taichi finds a GPU with a CUDA driver."""
+    """Return True if Taichi finds a GPU with a CUDA driver."""
     ti.set_logging_level(ti.ERROR)  # Taichi warns where there is no driver.
     return bool(core.with_cuda())
 
 
 def _begin(arch: Any, threads: int | None) -> None:
-    # Without fast_math a hit is decided alike on every machine. Taichi's own passes do nothing for
-    # kernels that LLVM optimises again, and take half of the time to compile.
+    # Without fast_math, all machines compute the same hits. Taichi's own passes do not help kernels that LLVM
+    # optimises again, and take half of the compile time.
     options = {"arch": arch, "fast_math": False, "log_level": ti.ERROR}
     options |= {"advanced_optimization": False, "cfg_optimization": False}
-    # Kernels are kept on disk for the next process. Ours take more than the 100 MB that Taichi keeps.
+    # Taichi keeps kernels on disk for the next process. Our kernels need more than its default limit of 100
+    # MB.
     options |= {"offline_cache": KEEPS_KERNELS, "offline_cache_max_size_of_files": 1 << 30}
     if threads is not None:
         options["cpu_max_num_threads"] = threads
-    if not KEEPS_KERNELS:  # Taichi aborts as it ends where it cannot make its folder: this one is there
+    if not KEEPS_KERNELS:  # Taichi aborts at exit if it cannot create its folder: / exists
         options["offline_cache_file_path"] = os.path.abspath(os.sep)
     if KEEPS_KERNELS:
         drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
     before = _threads()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(**options)
-    # In this thread, which alone can: other threads then compile and launch before there is a field.
+    # This thread alone can do so. Then other threads can compile and launch before any field exists.
     impl.get_runtime().materialize()
     _spread(sorted(_threads() - before), threads)
 
 
 def constants(values: np.ndarray) -> Any:
-    """A field with these numbers (n,), or vectors (n, width), for kernels; for the same numbers the same.
+    """Return a field with these numbers (n,), or vectors (n, width), for kernels.
 
-    Raises ``RuntimeError`` for more than ``MOST_FIELDS`` different ones, and on a GPU in another thread than
-    the one that called ``start`` first.
+    Equal values share one field.
+
+    Raises ``RuntimeError`` for more than ``MOST_FIELDS`` different fields, and on a GPU in any thread other
+    than the first that called ``start``.
     """
     with _compiling:
         return _field(compiler.program(), values.dtype.type, values.shape, values.tobytes())
@@ -191,8 +199,8 @@ def _field(program: Any, kind: type[np.generic], shape: tuple[int, ...], content
 def drop_stale_lock(folder: Path) -> None:
     """Remove the lock of Taichi's kernel cache in a folder, if it is older than ``LOCK_AGE``.
 
-    A process that is killed while it writes its kernels leaves the lock there. As long as it stays no process
-    reads or writes the cache, so each compiles all kernels.
+    A process that is killed while it writes its kernels leaves the lock behind. While the lock exists, no
+    process reads or writes the cache, so each process compiles all kernels.
     """
     lock = folder / compiler.LOCK
     with contextlib.suppress(FileNotFoundError):
@@ -201,15 +209,16 @@ def drop_stale_lock(folder: Path) -> None:
 
 
 def _threads() -> set[int]:
-    """This process's threads, where the system tells them."""
+    """Return the ids of this process's threads, or an empty set on a system without ``/proc``."""
     return {int(task.name) for task in Path("/proc/self/task").glob("*")}
 
 
 def _spread(started: list[int], workers: int | None) -> None:
-    """Give each of Taichi's workers, the last threads that it starts, its own processor.
+    """Pin each of Taichi's workers, the last threads that it starts, to its own processor.
 
-    Launches are so short that Linux otherwise leaves all of them on the one that wakes them, as if there were
-    no other. Only where there are as many workers as processors: else programs would crowd on the first ones.
+    Launches are so short that Linux otherwise leaves all workers on the processor that wakes them. Workers
+    are pinned only if there is one for each processor; otherwise programs would crowd on the first
+    processors.
     """
     if not started:
         return
@@ -225,40 +234,40 @@ Ints, Longs, Floats = (ti.types.ndarray(kind, 1) for kind in (ti.i32, ti.i64, ti
 
 
 class Array:
-    """Numbers or short vectors in one piece of the device's memory, zero at first.
+    """Numbers or short vectors in contiguous memory of the device, initially zero.
 
-    Kernels take ``.ndarray``; ``view()`` is the same memory as a NumPy array, on the CPU.
+    Kernels take ``.ndarray``. On the CPU, ``view()`` returns the same memory as a NumPy array.
     """
 
     def __init__(self, dtype: Any, length: int, width: int = 1) -> None:
-        """``length`` elements, each a number, or a vector of ``width`` if that is more than one."""
+        """Allocate ``length`` elements: numbers, or vectors if ``width`` is more than one."""
         self.shape = (length,) if width == 1 else (length, width)
         self.dtype: type = _NUMPY[dtype]
-        # Taichi has no arrays of nothing.
+        # Taichi has no empty arrays.
         allotted = max(1, length)
         with _compiling:
             self.ndarray = ti.ndarray(_element(dtype, width), allotted)
-        self.on_gpu = on_gpu()  # asked once: a step copies several arrays
+        self.on_gpu = on_gpu()  # computed once, because each step copies several arrays
         self._view: np.ndarray | None = None
         if not self.on_gpu:
             ask_for_huge_pages(self.view())
 
     @classmethod
     def of(cls, values: np.ndarray) -> "Array":
-        """An array of numbers that holds ``values`` (n,)."""
+        """Return an array that contains ``values`` (n,)."""
         array = cls(_TYPES[values.dtype.type], len(values))
         array.fill(values)
         return array
 
     def fill(self, values: np.ndarray) -> None:
-        """Let it hold ``values``: (length,), or (length, width)."""
+        """Copy ``values`` into the array: (length,), or (length, width)."""
         if not self.on_gpu:
             self.view()[:] = values
         elif self.shape[0]:
             self.ndarray.from_numpy(np.ascontiguousarray(values))
 
     def numpy(self) -> np.ndarray:
-        """A copy of what it holds now: (length,), or (length, width)."""
+        """Return a copy of the contents: (length,), or (length, width)."""
         if self._view is not None:
             return self._view.copy()
         if self.on_gpu:
@@ -266,7 +275,10 @@ class Array:
         return self.view().copy()
 
     def view(self) -> np.ndarray:
-        """Its memory, which the view keeps alive, as a NumPy array: ``RuntimeError`` on a GPU."""
+        """Return the array's memory as a NumPy array, which keeps the memory alive.
+
+        Raises ``RuntimeError`` on a GPU.
+        """
         if self._view is None:
             if self.on_gpu:
                 raise RuntimeError("NumPy cannot look into a GPU's memory: take numpy(), a copy, or tensor()")
@@ -275,7 +287,7 @@ class Array:
         return self._view
 
     def tensor(self, dtype: type, shape: tuple[int, ...]) -> "torch.Tensor":
-        """Its memory, which the tensor keeps alive, as one of this NumPy type and shape on the device."""
+        """Return the memory as a tensor of this NumPy type and shape, which keeps the memory alive."""
         import torch
 
         if not self.on_gpu:
@@ -284,14 +296,17 @@ class Array:
         return torch.as_tensor(_Memory(self.ndarray, {"__cuda_array_interface__": interface}), device="cuda")
 
     def _interface(self, shape: tuple[int, ...], dtype: type) -> dict[str, Any]:
-        """Where its memory lies, as NumPy's and CUDA's array interfaces say it."""
+        """Return the array interface of the memory, in the form that NumPy and CUDA define."""
         program: Any = compiler.program()
         pointer = program.get_ndarray_data_ptr_as_int(self.ndarray.arr)
         return {"data": (pointer, False), "shape": shape, "typestr": np.dtype(dtype).str, "version": 3}
 
 
 class _Memory:
-    """What NumPy or torch asks for an array's memory, which lives as long as a view of it."""
+    """Object with the array interface that NumPy or torch reads.
+
+    It keeps the memory alive as long as a view of it.
+    """
 
     def __init__(self, owner: Any, interface: dict[str, Any]) -> None:
         self.owner = owner
@@ -299,7 +314,7 @@ class _Memory:
 
 
 def on_gpu() -> bool:
-    """Whether what runs, runs on a GPU."""
+    """Return True if Taichi runs on a GPU."""
     return impl.current_cfg().arch == ti.cuda
 
 
@@ -316,16 +331,19 @@ _NUMPY = {theirs: ours for ours, theirs in _TYPES.items()}
 
 
 class Launch:
-    """A kernel with its arrays bound. On the CPU its arguments are set once, as host memory: a launch takes 1
-    us, and 0.2 us for each. On a GPU, where Taichi would copy host memory, it is a graph of one node, whose
-    arguments are set at each launch: some 15 us.
+    """A kernel with its arrays bound.
+
+    On the CPU, the arguments are set once, as host memory. A launch takes 1 us, and 0.2 us for each argument.
+    On a GPU, Taichi would copy host memory, so the kernel is a graph of one node whose arguments are set at
+    each launch. Such a launch takes about 15 us.
     """
 
     def __init__(self, kernel: Any, arrays: Mapping[str, Array]) -> None:
-        """Compile a kernel whose arguments are arrays, those of these names, unless it is compiled for arrays
-        of these kinds.
+        """Bind the arrays, after compiling the kernel for arrays of these kinds if necessary.
+
+        All arguments of the kernel are arrays, with names from ``arrays``.
         """
-        _require_threads()  # to compile in such a fork never ends
+        _require_threads()  # compiling in such a fork never ends
         self.names = list(inspect.signature(kernel).parameters)
         kinds = tuple((name, arrays[name].dtype, arrays[name].shape[1:]) for name in self.names)
         with _compiling:
@@ -333,17 +351,17 @@ class Launch:
         self.bind(arrays)
 
     def bind(self, arrays: Mapping[str, Array]) -> None:
-        """Run on these arrays from now on, of the same kinds."""
+        """Run on these arrays from now on; they must have the same kinds."""
         self._arrays = [arrays[name].ndarray for name in self.names]
         if on_gpu():
             self._run = self._made.on_device(self._arrays)
             return
         views = [arrays[name].view() for name in self.names]
-        # There are no arrays of nothing: the memory is of one element at least.
+        # Taichi has no empty arrays: their memory has at least one element.
         self._run = self._made.on_host([(v.ctypes.data, v.nbytes, max(1, v.shape[0])) for v in views])
 
     def __call__(self) -> None:
-        """Run it."""
+        """Run the kernel."""
         if _stranded.is_set():
             _require_threads()
         self._run()
@@ -355,12 +373,12 @@ Kinds = tuple[tuple[str, type, tuple[int, ...]], ...]
 
 @cache
 def _compiled(program: Any, kernel: Any, kinds: Kinds) -> Any:
-    """A kernel in a running program."""
+    """Return the kernel compiled in a running program."""
     return compiler.Compiled(
         program, kernel, {name: _element(_TYPES[dtype], *width) for name, dtype, width in kinds}
     )
 
 
 def _element(dtype: Any, width: int = 1) -> Any:
-    """Taichi's type of an array's elements."""
+    """Return Taichi's type of an array's elements."""
     return dtype if width == 1 else ti.types.vector(width, dtype)

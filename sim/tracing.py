@@ -1,8 +1,8 @@
-"""Which compiler of kernels runs, and how it reads them: the source of each function once, and records of
-arrays.
+"""Selection of the kernel compiler, and its input: cached source code, and records of arrays as parameters.
 
-Taichi does, or what the variable ``VITRUVIUS_RUNTIME`` names: ``taichi`` or ``quadrants``, its maintained
-fork. They greet on standard output, which belongs to the program that imports us: the greeting is dropped.
+The compiler is Taichi, unless the environment variable ``VITRUVIUS_RUNTIME`` is ``quadrants``, the maintained
+fork of Taichi. Both print a greeting on standard output. Standard output belongs to the program that imports
+this module, so the greeting is discarded.
 """
 
 import ast
@@ -22,7 +22,7 @@ from sim import cache
 VARIABLE = "VITRUVIUS_RUNTIME"
 COMPILERS = "taichi", "quadrants"
 KEEPS_KERNELS = cache.provide()
-"""Whether what is compiled can be kept on disk for the next process."""
+"""True if compiled kernels can be kept on disk for the next process."""
 
 if TYPE_CHECKING:
     import sim.compiler.taichi as compiler
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def _named() -> str:
-    """The compiler that the variable names, or else the first that is installed.
+    """Return the compiler that the variable names, or else the first one that is installed.
 
     Raises ``RequestError`` for another name.
     """
@@ -50,11 +50,12 @@ __all__ = ["KEEPS_KERNELS", "compiler", "core", "impl", "kernel", "ti"]
 
 
 _sources: dict[CodeType, tuple[list[str], int]] = {}
-"""A compiler finds a function's source in its file each time that it inlines it: a quarter of tracing."""
+"""Source lines of functions. Compilers read a function's file whenever they inline it, a quarter of tracing
+time."""
 
 
 def _source(function: Any) -> tuple[list[str], int]:
-    """A function's lines, and the number of the first one."""
+    """Return the source lines of a function, and the number of its first line."""
     if "__source__" in vars(function):
         return vars(function)["__source__"]
     if function.__code__ not in _sources:
@@ -66,9 +67,11 @@ compiler.read_sources_by(_source)
 
 
 def kernel(function: Callable[..., None]) -> Any:
-    """A kernel whose parameters may be records of arrays: a ``NamedTuple`` of its module, whose fields
-    are annotated as a kernel's arguments are. Compilers pass arrays one by one, so each field becomes an
-    argument by its name, which the function may not assign to, and the record of them is under its own.
+    """Compile a kernel whose parameters may be records of arrays.
+
+    A record is a ``NamedTuple`` of the kernel's module, with fields annotated like a kernel's arguments.
+    Compilers pass arrays one by one, so each field becomes an argument with the field's name. The kernel must
+    not assign to these names. The record itself is available under the parameter's own name.
     """
     records = {name: kind for name, kind in function.__annotations__.items() if hasattr(kind, "_fields")}
     if records:
@@ -81,7 +84,7 @@ def kernel(function: Callable[..., None]) -> Any:
         definition.args.args = [ast.arg(name) for name in arguments]
         made = [f"{name} = ti.static({each.__name__}{each._fields})" for name, each in records.items()]
         definition.body[:0] = ast.parse("\n".join(made).replace("'", "")).body
-        # The function's own: the same code may have other records where a function defines it twice.
+        # Stored with the function: the same code can have other records if a function defines it twice.
         vars(function)["__source__"] = ast.unparse(tree).splitlines(keepends=True), first
         named = inspect.Parameter.POSITIONAL_OR_KEYWORD
         parameters = [inspect.Parameter(name, named, annotation=each) for name, each in arguments.items()]

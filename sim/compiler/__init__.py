@@ -1,1 +1,4 @@
-"""What compiles and launches kernels: Taichi, or Quadrants, its maintained fork; all that differs is here."""
+"""Compilers that compile and launch kernels: Taichi, or Quadrants, its maintained fork.
+
+All differences between the two are in this package.
+"""

@@ -1,5 +1,7 @@
-"""Quadrants, the maintained fork of Taichi, as ``sim.tracing`` and ``sim.runtime`` use it: see
-``sim.compiler.taichi``, whose names are here too. The one module that imports it.
+"""Interface to Quadrants, the maintained fork of Taichi, for ``sim.tracing`` and ``sim.runtime``.
+
+This is the only module that imports Quadrants. It has the same names as ``sim.compiler.taichi``, which
+explains them.
 """
 
 import os
@@ -7,7 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-os.environ.setdefault("QD_ENABLE_PYBUF", "0")  # else it takes a redirection for a notebook's
+os.environ.setdefault("QD_ENABLE_PYBUF", "0")  # else Quadrants takes a redirection for a notebook's
 
 import quadrants as ti
 from quadrants._lib import core
@@ -22,7 +24,11 @@ _ndarray.get_traceback = matrix.get_traceback = lambda: ""
 
 
 def _bound(self: QuadrantsCallable, instance: Any, owner: Any) -> Any:
-    """Its own leaves what is bound among the attributes of the object, which then cannot be pickled."""
+    """Bind a method without storing it in the object.
+
+    The method of Quadrants stores the bound method among the object's attributes, so that the object cannot
+    be pickled.
+    """
     return self if instance is None else BoundQuadrantsCallable(instance, self)
 
 
@@ -30,12 +36,15 @@ QuadrantsCallable.__get__ = _bound
 
 
 def program() -> Any:
-    """The program that runs in this process, or ``None``."""
+    """Return the program that runs in this process, or ``None``."""
     return impl.get_runtime()._prog
 
 
 def read_sources_by(lines_of: Callable[[Any], tuple[list[str], int]]) -> None:
-    """Let kernels be read by a function that gives a function's lines, and the number of the first one."""
+    """Let Quadrants read source code with ``lines_of``.
+
+    ``lines_of`` returns a function's lines, and the number of its first line.
+    """
     _wrap_inspect.getsourcelines = lines_of
 
 
@@ -43,24 +52,30 @@ class QuadrantsKernel:
     """A kernel in a running program, for arrays of certain kinds."""
 
     def __init__(self, program: Any, kernel: Any, elements: dict[str, Any]) -> None:
-        """``elements``: the type of an element of each argument, in their order."""
+        """Compile the kernel.
+
+        ``elements``: the element type of each argument, in the order of the arguments.
+        """
         primal = kernel._primal
         primal.raise_on_templated_floats = impl.current_cfg().raise_on_templated_floats  # as a call does
-        # It has no arguments without memory. These say of which kind the arrays are, and are dropped.
+        # Quadrants has no arguments without memory. These arrays tell it the kinds, and are then dropped.
         key = primal.ensure_compiled(*(ti.ndarray(element, 1) for element in elements.values()))
         self.program, self.kernel = program, primal.materialized_kernels[key]
         made = program.compile_kernel(program.config(), program.get_device_caps(), self.kernel)
         self.code = made.compiled_kernel_data
 
     def on_host(self, memory: Sequence[tuple[int, int, int]]) -> Callable[[], None]:
-        """What launches it on these addresses, numbers of bytes and of elements, one for each argument."""
+        """Return a function that launches the kernel on host memory.
+
+        ``memory``: address, number of bytes and number of elements of each argument.
+        """
         context = self.kernel.make_launch_context()
         for place, (address, size, length) in enumerate(memory):
             context.set_arg_external_array_with_shape(place, address, size, (length,), 0)
         return partial(self.program.launch_kernel, self.code, context)
 
     def on_device(self, arrays: Sequence[Any]) -> Callable[[], None]:
-        """What launches it on these arrays of the device's memory."""
+        """Return a function that launches the kernel on these arrays of the device's memory."""
         context = self.kernel.make_launch_context()
         for place, array in enumerate(arrays):
             context.set_arg_ndarray(place, array.arr)

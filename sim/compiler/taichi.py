@@ -1,7 +1,8 @@
-"""Taichi, as ``sim.tracing`` and ``sim.runtime`` use it. The one module that imports it.
+"""Interface to Taichi for ``sim.tracing`` and ``sim.runtime``.
 
-Of the names that both compilers have: ``ti``, ``core`` and ``impl`` are its modules, ``NAME`` is its own,
-``LOCK`` the file in its folder of kernels that a process holds while it writes there, ``Compiled`` a kernel.
+This is the only module that imports Taichi. Both compilers have these names: ``ti``, ``core`` and ``impl``
+are modules of the compiler, and ``NAME`` is its name. ``LOCK`` is the file in its cache folder that a process
+holds while it writes there. ``Compiled`` is a kernel.
 """
 
 import inspect
@@ -13,9 +14,11 @@ from types import SimpleNamespace
 from typing import Any
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
-# Else Taichi takes the redirection for a notebook's, says so, and wraps each launch to print through it.
+# Else Taichi takes the redirection for a notebook's, prints a message, and wraps each launch to print through
+# it.
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
-# Taichi would ask its makers for a newer version once a day, by a name that it keeps for this machine.
+# Taichi would ask its makers once a day for a newer version, with an identifier that it keeps for this
+# machine.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 
 import taichi as ti
@@ -30,8 +33,10 @@ NAME, LOCK = "Taichi", "ticache.lock"
 
 
 def _once(describe: Callable[[Any, Any], str]) -> Any:
-    """Taichi formats the source of every expression that it meets, for errors, each time it is inlined: half
-    of the time of tracing. Once is enough.
+    """Return a cached version of ``describe``.
+
+    For error messages, Taichi formats the source of every expression each time it inlines it. That is half of
+    the tracing time; once is enough.
     """
     known: dict[tuple[Any, ...], str] = {}
 
@@ -46,22 +51,26 @@ def _once(describe: Callable[[Any, Any], str]) -> Any:
 
 
 ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
-# Taichi wraps each line of a function, and looks for its file, each time that it inlines it: a fifth of
-# tracing.
+# Taichi wraps each line of a function, and looks up its file, each time it inlines the function: a fifth of
+# the tracing time.
 kernel_impl.textwrap = SimpleNamespace(fill=cache(textwrap.fill), dedent=cache(textwrap.dedent))
 _file_of = cache(inspect.getsourcefile)
 kernel_impl.getsourcefile = lambda function: _file_of(function.__code__)
-# Taichi formats the whole stack for each array that it makes, should that fail: longer than to make it.
+# Taichi formats the whole stack for each array that it creates, in case that fails. That takes longer than
+# the creation.
 _ndarray.get_traceback = matrix.get_traceback = lambda: ""
 
 
 def program() -> Any:
-    """The program that runs in this process, or ``None``."""
+    """Return the program that runs in this process, or ``None``."""
     return impl.get_runtime().prog
 
 
 def read_sources_by(lines_of: Callable[[Any], tuple[list[str], int]]) -> None:
-    """Let kernels be read by a function that gives a function's lines, and the number of the first one."""
+    """Let Taichi read source code with ``lines_of``.
+
+    ``lines_of`` returns a function's lines, and the number of its first line.
+    """
     kernel_impl.getsourcelines = lines_of
 
 
@@ -69,27 +78,33 @@ class TaichiKernel:
     """A kernel in a running program, for arrays of certain kinds."""
 
     def __init__(self, program: Any, kernel: Any, elements: dict[str, Any]) -> None:
-        """``elements``: Taichi's type of an element of each argument, in their order."""
+        """Compile the kernel.
+
+        ``elements``: Taichi's element type of each argument, in the order of the arguments.
+        """
         kind = ti.graph.ArgKind.NDARRAY
         symbols = [ti.graph.Arg(kind, name, element, ndim=1) for name, element in elements.items()]
         self.program, self.names = program, list(elements)
-        if impl.current_cfg().arch == ti.cuda:  # there a launch would copy host memory: a graph of one node
+        if impl.current_cfg().arch == ti.cuda:  # a launch would copy host memory: use a graph of one node
             builder = ti.graph.GraphBuilder()
             builder.dispatch(kernel, *symbols)
-            self.graph = builder.compile()._compiled_graph  # its ``run`` looks at each argument, 5 us in all
+            self.graph = builder.compile()._compiled_graph  # its ``run`` checks each argument, 5 us in all
             return
         self.kernel = gen_cpp_kernel(kernel, symbols)
         self.code = program.compile_kernel(program.config(), program.get_device_caps(), self.kernel)
 
     def on_host(self, memory: Sequence[tuple[int, int, int]]) -> Callable[[], None]:
-        """What launches it on these addresses, numbers of bytes and of elements, one for each argument."""
+        """Return a function that launches the kernel on host memory.
+
+        ``memory``: address, number of bytes and number of elements of each argument.
+        """
         context = self.kernel.make_launch_context()
         for place, (address, size, length) in enumerate(memory):
             context.set_arg_external_array_with_shape((place,), address, size, (length,), 0)
         return partial(self.program.launch_kernel, self.code, context)
 
     def on_device(self, arrays: Sequence[Any]) -> Callable[[], None]:
-        """What launches it on these arrays of the device's memory."""
+        """Return a function that launches the kernel on these arrays of the device's memory."""
         given = {name: array.arr for name, array in zip(self.names, arrays, strict=True)}
         return partial(self.graph.jit_run, self.program.config(), given)
 
