@@ -111,8 +111,8 @@ class Config:
     """True if an observation begins with the absolute direction of each ray."""
 
     sees_kind: bool = sensed(False)
-    """True if an observation has, for each ray before the target, one value for "ends on a wall" and one for
-    "ends on furniture". With closed doors, a third value follows: "ends on a door"."""
+    """True if an observation says for each ray if it ends on a wall and if it ends on furniture: two values
+    before the one for the target. With closed doors, a third value says if the ray ends on a door."""
 
     closed_doors: int = 0
     """Number of steps that a body must push a closed door before it opens for the rest of the episode. All

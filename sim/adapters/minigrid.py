@@ -1,10 +1,9 @@
 """Houses on a grid as environments of MiniGrid (minigrid.farama.org), ``sim:Vitruvius/MiniGrid-v0``.
 
-Importing this needs that library: ``pip install vitruvius[minigrid]``.
-
-In MiniGrid walls fill tiles; in our houses they lie on the edges of cells. So a house of C x R cells has
-2C + 1 by 2R + 1 tiles: a tile for each cell, and one between two of them for the edge or the corner where
-they meet. A step on our grid is two there, and distances are otherwise the same.
+This module needs MiniGrid: ``pip install vitruvius[minigrid]``. In MiniGrid, walls fill tiles; in our houses,
+walls lie on the edges of cells. So a house of C x R cells has 2C + 1 by 2R + 1 tiles. There is a tile for
+each cell, and a tile between two cells for the edge or the corner where they meet. A step on our grid is two
+steps in MiniGrid; distances are otherwise the same.
 """
 
 import zlib
@@ -26,48 +25,50 @@ from sim.geometry import shut
 from sim.tasks.tasks import Targets
 
 MISSION = "get to the green goal square"
-"""As MiniGrid says it."""
+"""Mission text that MiniGrid uses for this task."""
 
 FREE, DOOR, ENTRANCE, FILLED, SOLID = range(5)
-"""What a tile holds: nothing, a door between rooms, one to the outside, a piece, a wall."""
+"""Contents of a tile: nothing, a door between rooms, a door to the outside, furniture, a wall."""
 
 PIECE_COLOURS = "blue", "purple", "red"
-"""MiniGrid has six: its walls are grey, its goal is green, and doors here are yellow."""
+"""Colours of furniture. MiniGrid has six colours: its walls are grey, its goal is green, and doors here are
+yellow."""
 
 
 Tile = tuple[int, int]
-"""East and south from the north-west corner of the grid."""
+"""Position of a tile: east and south from the north-west corner of the grid."""
 
 
 class PieceTile(WorldObj):
-    """A tile of a piece of furniture: one of MiniGrid's boxes that nobody opens or carries away."""
+    """Tile of furniture: a box of MiniGrid that agents cannot open or carry."""
 
     def __init__(self, colour: str) -> None:
-        """Colours are MiniGrid's."""
+        """Create a tile with a colour of MiniGrid."""
         super().__init__("box", colour)
 
     def see_behind(self) -> bool:
-        """It hides what is behind it, as pieces do from our rays."""
+        """Return False: furniture hides what is behind it, as for our rays."""
         return False
 
     def render(self, r: np.ndarray) -> np.ndarray:
-        """Draw a box on a tile's pixels."""
+        """Draw a box on a tile's pixels and return them."""
         Box(self.color).render(r)
         return r
 
 
 class MiniGridHouseEnv(KeepsSpec, MiniGridEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
-    """An agent of MiniGrid looks for a target in a house.
+    """Environment in which an agent of MiniGrid looks for a target in a house.
 
     An episode has the house, the start and the first target of ``HouseEnv`` with ``backend="grid"`` and the
-    same seed; a heading between two axes is turned right to the next one. All else is MiniGrid's: its
-    actions, its view of tiles, its reward, and an end at the goal. Smaller houses of a bank have walls
-    around them.
+    same seed. A heading between two axes is turned right to the next axis. Everything else is MiniGrid's:
+    actions, view of tiles, reward, and the end at the goal. Houses that are smaller than the largest one have
+    walls around them.
 
-    ``houses``: as for ``HouseVectorEnv``, made with one ``--cell``. ``targets``: where they lie, as there.
-    ``doors_open``: doors between rooms are open, as they always are in our simulator; or shut, to be opened
-    by MiniGrid's action ``toggle``. Those to the outside are locked. ``max_steps``: of an episode.
-    ``arguments``: those of ``MiniGridEnv``. Raises ``ValueError`` for houses that are off the grid.
+    ``houses``: as for ``HouseVectorEnv``, generated with one ``--cell``. ``targets``: as for
+    ``HouseVectorEnv``. ``doors_open``: True if doors between rooms are always open, as in our simulator.
+    Otherwise they are shut, and MiniGrid's action ``toggle`` opens them. Doors to the outside are locked.
+    ``max_steps``: length of an episode. ``arguments``: those of ``MiniGridEnv``. Raises ``ValueError`` for
+    houses that do not fit a grid.
     """
 
     def __init__(
@@ -88,13 +89,13 @@ class MiniGridHouseEnv(KeepsSpec, MiniGridEnv):  # pyright: ignore[reportIncompa
         )
 
     def lengthen(self, steps: int) -> None:
-        """See ``KeepsSpec``."""
+        """Truncate episodes after ``steps``: see ``KeepsSpec``."""
         self.max_steps = self.episode_steps = steps
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode. ``options`` and the info that is returned: as for ``HouseEnv``."""
+        """Begin an episode. ``options`` and the returned info are those of ``HouseEnv``."""
         batched = {key: np.asarray(value)[None] for key, value in (options or {}).items()}
         _, info = self.envs.reset(seed=seed, options=batched)
         self._episode = {key: value[0] for key, value in info.items()}
@@ -102,12 +103,12 @@ class MiniGridHouseEnv(KeepsSpec, MiniGridEnv):  # pyright: ignore[reportIncompa
         return observation, dict(self._episode)
 
     def close(self) -> None:
-        """End: to reset after it is an error."""
+        """Close the environment; it cannot be reset afterwards."""
         self.envs.close()
         super().close()
 
     def _gen_grid(self, width: int, height: int) -> None:
-        """Build the episode's house: see ``MiniGridEnv``."""
+        """Build the house of the episode: see ``MiniGridEnv``."""
         number = int(self._episode["house"])
         cells, house = self._cells[number], self.envs.houses[number]
         found, colours = tiles(house, cells), _colours(house, cells)
@@ -135,10 +136,10 @@ class MiniGridHouseEnv(KeepsSpec, MiniGridEnv):  # pyright: ignore[reportIncompa
 
 
 def tiles(house: House, cells: Cells) -> np.ndarray:
-    """What is on each tile of a house, (2 columns + 1, 2 rows + 1) int: cell (i, j) is tile (2i + 1, 2j + 1).
+    """Return the contents of each tile of a house, (2 columns + 1, 2 rows + 1) int.
 
-    The tile of an edge is free where a body goes across it, that of a corner where all four edges around it
-    are.
+    Cell (i, j) is tile (2i + 1, 2j + 1). The tile of an edge is free if a body can cross the edge. The tile
+    of a corner is free if all four edges around it are free.
     """
     columns, rows = cells.size
     found = np.full((2 * columns + 1, 2 * rows + 1), FREE)
@@ -154,7 +155,7 @@ def tiles(house: House, cells: Cells) -> np.ndarray:
         if door.opening:
             continue
         west, north, east, south = _in_cells(cells, shut(house, door))
-        # All along it, but for the corners at its ends, which are the wall's.
+        # The whole door, except the corners at its ends, which belong to the wall.
         across = slice(2 * west + (west < east), 2 * east + (west == east))
         along = slice(2 * north + (north < south), 2 * south + (north == south))
         found[across, along] = ENTRANCE if door.is_entrance else DOOR
@@ -162,7 +163,10 @@ def tiles(house: House, cells: Cells) -> np.ndarray:
 
 
 def _colours(house: House, cells: Cells) -> np.ndarray:
-    """Which of ``PIECE_COLOURS`` a tile has, (2 columns + 1, 2 rows + 1) int: always the same for a type."""
+    """Return the index in ``PIECE_COLOURS`` for each tile, (2 columns + 1, 2 rows + 1) int.
+
+    Furniture of one type always has the same colour.
+    """
     columns, rows = cells.size
     found = np.zeros((2 * columns + 1, 2 * rows + 1), int)
     for room in house.rooms:
@@ -176,18 +180,18 @@ def _colours(house: House, cells: Cells) -> np.ndarray:
 
 
 def _in_cells(cells: Cells, box: tuple[float, ...]) -> list[int]:
-    """A box (west, north, east, south), metres, in cells."""
+    """Return a box (west, north, east, south), metres, in cells."""
     return np.round((np.array(box) - np.tile(cells.corner, 2)) / cells.side).astype(int).tolist()
 
 
 def tile(cells: Cells, place: Any) -> Tile:
-    """The tile of a place (x, y) in a house, metres."""
+    """Return the tile of a place (x, y) in a house, metres."""
     i, j = np.floor((np.asarray(place) - cells.corner) / cells.side).astype(int)
     return int(2 * i + 1), int(2 * j + 1)
 
 
 def _edges(edge: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """What the tiles of edges hold, of what is on the edges and in the cells on both sides."""
+    """Return the contents of edge tiles from what is on the edges and in the cells on both sides."""
     worst = np.maximum(before, after)
     return np.select([edge == WALL, edge == PIECE], [SOLID, FILLED], worst)
 

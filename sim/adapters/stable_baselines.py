@@ -1,6 +1,6 @@
-"""Vector environments for Stable-Baselines3, which has another interface.
+"""Vector environments for Stable-Baselines3, which has an interface of its own.
 
-Importing this needs that library, which is not among our dependencies.
+This module needs Stable-Baselines3, which is not among our dependencies.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,17 +12,20 @@ from stable_baselines3.common.vec_env import VecEnv
 
 
 class StableBaselinesVecEnv(VecEnv):
-    """A ``VectorEnv`` that resets in the same step: ``DQN("MlpPolicy", StableBaselinesVecEnv(envs))``.
+    """Stable-Baselines3 wrapper of a ``VectorEnv``, as in ``DQN("MlpPolicy", StableBaselinesVecEnv(envs))``.
 
-    Options apply to all environments together, as in Gymnasium: ``set_options({"house": [0, 1]})``.
-    Attributes and methods also apply to all environments together. They belong to the outermost wrapper that
-    has them, or else to the vector environment.
+    The ``VectorEnv`` must reset in the same step. Options apply to all environments together, as in
+    Gymnasium: ``set_options({"house": [0, 1]})``. Attributes and methods also apply to all environments
+    together. They belong to the outermost wrapper that has them, or else to the vector environment.
     """
 
     def __init__(self, envs: VectorEnv, infos: bool = False) -> None:
-        """``infos``: whether each step says the info of every environment, which takes as long as the step of
-        256; else of those whose episode ended, which is all that the library's algorithms read.
-        ``ValueError`` unless ``autoreset_mode`` is SAME_STEP, the only one Stable-Baselines3 knows.
+        """Wrap a vector environment whose ``autoreset_mode`` is SAME_STEP.
+
+        Stable-Baselines3 knows no other mode. ``infos``: True if each step returns the infos of all
+        environments, which takes as long as stepping 256 environments. Otherwise a step returns the infos of
+        environments whose episode ended; the library's algorithms read no others. Raises ``ValueError`` for
+        another ``autoreset_mode``.
         """
         mode = envs.metadata.get("autoreset_mode")
         if mode is not AutoresetMode.SAME_STEP:
@@ -31,7 +34,7 @@ class StableBaselinesVecEnv(VecEnv):
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> Any:
-        """Observations (N, ...); seeds and options that were set are used once."""
+        """Return observations (N, ...). Seeds and options that were set are used once."""
         seed: Any = None if self._seeds[0] is None else self._seeds
         observation, info = self.envs.reset(seed=seed, options=self._options[0] or None)
         self.reset_infos = [_info_of(info, index) for index in range(self.num_envs)]
@@ -40,7 +43,7 @@ class StableBaselinesVecEnv(VecEnv):
         return observation
 
     def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
-        """For the next reset: options of all environments together, or a dictionary for each of them."""
+        """Set the options of the next reset, for all environments or as a dictionary for each of them."""
         if isinstance(options, list):
             names = dict.fromkeys(name for each in options for name in each)
             if len(options) != self.num_envs or any(each.keys() != names.keys() for each in options):
@@ -49,13 +52,13 @@ class StableBaselinesVecEnv(VecEnv):
         super().set_options(options)
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Keep actions (N, ...) for ``step_wait``."""
+        """Store the actions (N, ...) for ``step_wait``."""
         self._actions = actions
 
     def step_wait(self) -> tuple[Any, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Observations (N, ...), rewards (N,) float32, ends (N,) bool, and an info of each environment.
+        """Return observations (N, ...), rewards (N,) float32, ends (N,) bool, and the N infos.
 
-        Where an episode has ended, its last observation is in the info, as ``terminal_observation``.
+        If an episode has ended, its last observation is in the info, as ``terminal_observation``.
         """
         observation, reward, terminated, truncated, info = self.envs.step(self._actions)
         done = terminated | truncated
@@ -74,7 +77,7 @@ class StableBaselinesVecEnv(VecEnv):
         self.envs.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        """A picture of each environment, (height, width, 3) uint8."""
+        """Return a picture of each environment, (height, width, 3) uint8."""
         return self.envs.render() or [None] * self.num_envs  # pyright: ignore[reportReturnType]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
@@ -109,7 +112,7 @@ class StableBaselinesVecEnv(VecEnv):
 
 
 def _info_of(infos: dict[str, Any], index: Any) -> dict[str, Any]:
-    """One environment's info, of all environments'."""
+    """Return one environment's info from the infos of all environments."""
     found = {}
     for name, values in infos.items():
         said = infos.get(f"_{name}")

@@ -1,1 +1,1 @@
-"""How bodies move and see: an interface, and those that have it, continuous, free and grid."""
+"""Motion and sight of bodies: the interface of backends, and the backends continuous, free and grid."""

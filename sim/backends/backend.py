@@ -1,12 +1,12 @@
-"""The interface of a backend: it packs houses, and places, moves and sees in them.
+"""Interface of a backend, which packs houses, and places and moves bodies and casts rays in them.
 
-A pose is a place on a lattice through the body's first position, so that where a body is depends on the
-steps it made and not on their order, and poses can be counted: ``origin`` (x, y) in metres, and ``cell``
-(i, j, heading): i and j steps east and south of the origin, heading times 45 degrees counter-clockwise
-from east. Rewards, resets, targets and random numbers belong to the world.
+A pose is a place on a lattice through the body's first position. So a body's place depends on its steps but
+not on their order, and poses can be counted. A pose has an ``origin`` (x, y) in metres, and a ``cell`` (i, j,
+heading): i and j steps east and south of the origin, and heading times 45 degrees counter-clockwise from
+east. Rewards, resets, targets and random numbers belong to the world.
 
-A backend is made once for a configuration and holds no house: those are in banks, whose arrays its functions
-are given. So another bank needs no compilation.
+A backend is created once for a configuration and holds no house. Houses are in banks, whose arrays are
+arguments of the backend's functions. So another bank needs no compilation.
 """
 
 from collections.abc import Sequence
@@ -22,15 +22,16 @@ from sim.geometry import Geometry
 from sim.runtime import Array
 
 WALL, PIECE, TARGET, DOOR = 1, 2, 3, 4
-"""What a ray hits; 0 is nothing. No backend hits a door, a closed one: ``doors``. Where kinds of pieces
-are told apart, a piece of the first of them is ``NAMED``, and so on."""
+"""Kinds of things that a ray hits; 0 is nothing. Backends never return ``DOOR``: ``sim.backends.doors`` adds
+closed doors. If kinds of furniture are distinguished, the first kind is ``NAMED``, the second ``NAMED + 1``,
+and so on."""
 
 NAMED = 16
 
 
 @dataclass(frozen=True)
 class Bank:
-    """H houses as a backend has packed them: only that backend knows what the two arrays hold."""
+    """H houses, packed by a backend. Only that backend knows the layout of the two arrays."""
 
     geometries: list[Geometry]
     numbers: Array
@@ -41,21 +42,23 @@ class Bank:
 
 @dataclass(frozen=True)
 class Lattice:
-    """The places that a body reaches from one of them: origin + pitch * (i, j) for i and j from ``first``."""
+    """Places that a body reaches from one place: origin + pitch * (i, j), for i and j from ``first`` on."""
 
     origin: np.ndarray
     """(2,) float32, metres: the place (0, 0)."""
     pitch: float
-    """Metres between neighbours: what ``forward`` goes along an axis."""
+    """Distance between neighbours along an axis, in metres: one ``forward``."""
     shape: tuple[int, int]
-    """Places east and south."""
+    """Number of places east and south."""
     first: tuple[int, int] = (0, 0)
-    """The i and j of the place furthest north-west."""
+    """Indices i and j of the place furthest north-west."""
 
 
 def lattice_over(shape: Geometry, pitch: float, origin: np.ndarray | None) -> Lattice:
-    """A lattice over a house, through ``origin``; without one half a pitch off its corner, so that no body is
-    flush by construction.
+    """Return a lattice over a house, through ``origin``.
+
+    By default the lattice begins half a pitch from the house's corner, so that no body is flush with a wall
+    by construction.
     """
     west, north, east, south = shape.bounds
     corner = np.array([west, north])
@@ -67,66 +70,70 @@ def lattice_over(shape: Geometry, pitch: float, origin: np.ndarray | None) -> La
 
 
 class Backend(Protocol):
-    """Motion and sight: ``stands``, ``move``, ``see`` and ``prefetch`` are ``ti.func``s, which get a bank's
-    ``numbers`` and ``indices`` and the number of a house in it.
+    """Motion and sight of bodies.
 
-    Where bodies move freely (``Config.drives``) there is also ``drive``, with the arguments of ``move``, but
-    an action of 64 bits, a number or v and w as float32: it gives an origin, a cell and ``blocked``. Then
-    ``move`` and ``stands`` are asked about places of lattices alone, and what an origin and a cell are while
-    a body drives is the backend's own.
+    ``stands``, ``move``, ``see`` and ``prefetch`` are ``ti.func``s. Their arguments are a bank's ``numbers``
+    and ``indices``, and the number of a house in the bank.
+
+    If bodies move continuously (``Config.drives``), there is also ``drive``. It has the arguments of
+    ``move``, but an action of 64 bits: a number, or v and w as float32. It returns an origin, a cell and
+    ``blocked``. Then ``move`` and ``stands`` are called only for places of lattices, and the backend defines
+    the meaning of an origin and a cell while a body drives.
     """
 
     config: Config
-    """The configuration as this backend has it: the lengths of body and step may be those of its houses."""
+    """The configuration for this backend; the lengths of body and step may be those of its houses."""
     body: Body
-    """The body that it moves."""
+    """The body that the backend moves."""
 
     def __init__(self, config: Config, lanes: int) -> None:
-        """For a configuration from ``fit``, with ``lanes`` rays in a look."""
+        """Take a configuration from ``fit``, and the number of rays that are cast together."""
         ...
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
-        """The configuration for these houses; ``ValueError`` where the backend cannot take them."""
-        ...
+        """Return the configuration for these houses.
 
-    def pack(self, houses: Sequence[House]) -> Bank:
-        """Bring houses to the device."""
-        ...
-
-    def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
-        """A lattice over a house, through ``origin`` or where the house's starts and targets lie."""
-        ...
-
-    def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (E, 3) (x, y, heading in radians) as origins (E, 2) float32 and cells (E, 3) int32.
-
-        Raises ``ValueError`` for a pose that the backend does not allow.
+        Raises ``ValueError`` for houses that the backend does not support.
         """
         ...
 
+    def pack(self, houses: Sequence[House]) -> Bank:
+        """Copy houses to the device."""
+        ...
+
+    def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
+        """Return a lattice over a house, through ``origin``; by default the lattice of starts and targets."""
+        ...
+
+    def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return poses (E, 3) (x, y, heading in radians) as origins (E, 2) float32 and cells (E, 3) int32."""
+        ...
+
     def stands(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
-        """Whether a body can be at a cell (i32)."""
+        """Return 1 if a body can be at a cell (i32), else 0."""
         ...
 
     def move(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any, action: Any) -> Any:
-        """The cell that an action leads to, and whether something is in the way (i32)."""
+        """Return the cell that an action leads to, and 1 if something is in the way (i32)."""
         ...
 
     def see(
         self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any, target: Any, ray: Any
     ) -> Any:
-        """For ``lanes`` rays from number ``ray`` on, the distances (metres, the range where nothing is hit)
-        and what they hit (u32), with the target at (x, y).
+        """Return the distances of ``lanes`` rays, from number ``ray`` on, and what they hit (u32).
+
+        Distances are in metres; a ray that hits nothing has the range. The target is at (x, y).
         """
         ...
 
     def prefetch(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
-        """Read some of what a look from a cell reads, so that it is in the cache when it is read again: any
-        number (i32). A backend that gains nothing by it returns 0.
+        """Read some of the values that a look from a cell reads, so that they are in the cache for the look.
+
+        The returned number (i32) has no meaning. A backend that gains nothing returns 0.
         """
         ...
 
 
 METHODS = tuple(name for name in vars(Backend) if not name.startswith("_"))
-"""What a backend must have."""
+"""Methods that a backend must have."""

@@ -1,30 +1,30 @@
-"""Cells of a house, and the lists of each in a block of words: what the continuous and the free backend have.
+"""Cells of a house with a block of lists for each cell, shared by the continuous and the free backend.
 
-A header says where the house's cells are in ``indices``, at ``FIRST_CELL``, ``COLUMNS`` and ``ROWS``; what
-else stands in it, and which lists there are, is the backend's: see their ``layout``.
+A header has the position of the house's cells in ``indices``, at ``FIRST_CELL``, ``COLUMNS`` and ``ROWS``.
+The other entries of the header and the lists are specific to a backend: see its ``layout``.
 """
 
 from sim.runtime import ti
 
 CELL = 1.0
-"""Metres: the side of a cell. Smaller ones make shorter lists, and more of them."""
+"""Side of a cell, in metres. Smaller cells have shorter lists, but there are more of them."""
 
 HEADER = 9
-"""Words of a house's header."""
+"""Number of words in a house's header."""
 
 FIRST_CELL, COLUMNS, ROWS = 5, 6, 7
 
 LONGEST = 2**16 - 1
-"""Of a cell's lists together: they are counted in 16 bits."""
+"""Largest total length of a cell's lists, because lengths have 16 bits."""
 
 LINE, AHEAD = 16, 64
-"""Words of a cache line, and of a block's beginning that is prefetched; the last block, too, has as many
-behind it."""
+"""Words of a cache line, and words at the beginning of a block that are prefetched. The array has as many
+words after the last block."""
 
 
 @ti.func
 def cell_of(numbers: ti.template(), indices: ti.template(), house, place):
-    """Where in ``indices`` the block of a place's cell is."""
+    """Return the position in ``indices`` of the block of a place's cell."""
     header = house * HEADER
     columns, rows = indices[header + COLUMNS], indices[header + ROWS]
     x = ti.cast((place[0] - numbers[2 * house]) * ti.static(1 / CELL), ti.i32)
@@ -35,11 +35,11 @@ def cell_of(numbers: ti.template(), indices: ti.template(), house, place):
 
 @ti.func
 def half_word(words: ti.template(), first, k):
-    """The k-th number of 16 bits from a word on."""
+    """Return the k-th number of 16 bits, counted from a word on."""
     return (words[first + (k >> 1)] >> ((k & 1) << 4)) & 0xFFFF
 
 
 @ti.func
 def end_of(indices: ti.template(), block, k):
-    """How many numbers a cell's lists have before the k-th."""
+    """Return the total length of a cell's lists before the k-th."""
     return half_word(indices, block, k)

@@ -1,10 +1,10 @@
-"""Doors that are closed when an episode begins, and that a body opens by walking at them.
+"""Doors that are closed when an episode begins, and that a body opens by walking against them.
 
-They lie over a backend's house, in which all doorways are open: a closed door is a segment across its doorway
-that bodies meet and rays end on. So every backend has them, and none knows of them.
+Doors are independent of the backend, in whose houses all doorways are open. A closed door is a segment across
+its doorway that blocks bodies and rays. So every backend supports doors without any code for them.
 
     doorways  rows of a house | for each house its doors: west, north, east, south, metres; NaN for none
-    pushes    for each environment how many steps a body has walked at each door of its house
+    pushes    for each environment the number of steps that a body has pushed each door of its house
 """
 
 from collections.abc import Sequence
@@ -20,8 +20,9 @@ from sim.runtime import Array, ti
 
 
 def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
-    """The doors of houses as kernels read them, (1 + 4 H D,) float32, with the greatest number D of doors of
-    a house, at least 1, first.
+    """Return the doors of houses for kernels, (1 + 4 H D,) float32.
+
+    The first number is D, the largest number of doors of a house, at least 1.
     """
     most = max(1, *(len(shape.doors) for shape in shapes))
     rows = np.full((len(shapes), most, 4), np.nan)
@@ -34,48 +35,53 @@ def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
 
 
 def door_arrays(config: Config, shapes: Sequence[Geometry], num_envs: int) -> dict[str, Array]:
-    """A world's arrays of doors; of a configuration without closed doors, arrays that nothing reads."""
+    """Return a world's arrays of doors; without closed doors, kernels do not read these arrays."""
     rows = doorways(shapes) if config.closed_doors else np.ones(1, np.float32)
     return {"doorways": Array.of(rows), "pushes": Array(ti.u8, num_envs * int(rows[0]))}
 
 
 @ti.data_oriented
 class Doors:
-    """Doors among the poses and the rays of a configuration. A door is its number in its house; ``doors`` is
-    a record of kernels' arrays that has ``doorways`` and ``pushes``.
+    """Doors for the poses and rays of a configuration.
+
+    A door is its number in its house. ``doors`` is a record of kernels' arrays that has ``doorways`` and
+    ``pushes``.
     """
 
     def __init__(self, config: Config, body: Body, lanes: int) -> None:
-        """Cast ``lanes`` rays at a time."""
+        """Prepare to cast ``lanes`` rays at a time."""
         self.body, self.steps = body, config.closed_doors
         self.rays = Rays(config, lanes)
 
     @ti.func
     def count(self, doors: ti.template()):
-        """How many doors the arrays keep for each house and environment."""
+        """Return the number of doors that the arrays have for each house and environment."""
         return ti.cast(doors.doorways[0], ti.i32)
 
     @ti.func
     def segment(self, doors: ti.template(), house, door):
-        """A door (west, north, east, south)."""
+        """Return a door (west, north, east, south)."""
         at = 1 + 4 * (house * self.count(doors) + door)
         return ti.Vector([doors.doorways[at + k] for k in range(4)])
 
     @ti.func
     def left(self, doors: ti.template(), e, door):
-        """How many steps must still be walked at a door until it is open (i32)."""
+        """Return the number of steps (i32) that a body must still push a door to open it."""
         pushed = ti.cast(doors.pushes[e * self.count(doors) + door], ti.i32)
         return ti.max(0, ti.static(self.steps) - pushed)
 
     @ti.func
     def meets(self, doors: ti.template(), house, door, origin, cell, new):
-        """Whether a body that goes from a cell to another meets a door, or where both are one, is in it."""
+        """Return 1 if a body that moves between two cells meets a door.
+
+        If both cells are one: if it is in the door.
+        """
         p, q = self.body.centre(origin, cell), self.body.centre(origin, new)
         return slides_into(self.segment(doors, house, door), p, q, self.body.half(new))
 
     @ti.func
     def ahead(self, doors: ti.template(), e, house, origin, cell):
-        """The first closed door that a step forward meets, -1 for none."""
+        """Return the first closed door that a step forward meets, or -1."""
         found, new = -1, self.body.ahead(cell)
         for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             if found < 0 and self.left(doors, e, door) > 0:  # noqa: SIM102 - ``and`` computes both sides
@@ -85,7 +91,7 @@ class Doors:
 
     @ti.func
     def cost(self, doors: ti.template(), e, house, origin, cell):
-        """How many steps must be walked at closed doors until a step forward enters their doorways (i32)."""
+        """Return the number of steps (i32) that push closed doors before a step forward enters them."""
         cost, new = 0, self.body.ahead(cell)
         for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             left = self.left(doors, e, door)
@@ -96,7 +102,7 @@ class Doors:
 
     @ti.func
     def near(self, doors: ti.template(), house, origin, cell):
-        """Whether a step from a cell, at some heading, may meet a door, open or not."""
+        """Return True if a step from a cell, at some heading, may meet a door, open or not."""
         p, found = self.body.centre(origin, cell), False
         half = self.body.half(cell) + ti.static(self.body.step + MARGIN)
         for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
@@ -105,13 +111,13 @@ class Doors:
 
     @ti.func
     def push(self, doors: ti.template(), e, door):
-        """Walk at a closed door for a step."""
+        """Push a closed door for one step."""
         at = e * self.count(doors) + door
         doors.pushes[at] = ti.cast(ti.cast(doors.pushes[at], ti.i32) + 1, ti.u8)
 
     @ti.func
     def close(self, doors: ti.template(), e, house, origin, cell):
-        """Close all doors but those that a body stands in."""
+        """Close all doors except those that the body is in."""
         for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             inside = self.meets(doors, house, door, origin, cell, cell)
             steps = ti.select(inside, ti.static(self.steps), 0)
@@ -121,8 +127,9 @@ class Doors:
     def hide(
         self, doors: ti.template(), e, house, origin, cell, ray, distance: ti.template(), kind: ti.template()
     ):
-        """Shorten rays, from number ``ray`` on, that end behind closed doors. Of hits at one distance walls
-        and pieces come before a door, and a door before the target.
+        """Shorten the rays, from number ``ray`` on, that end behind closed doors.
+
+        Of hits at the same distance, walls and furniture come before a door, and a door before the target.
         """
         eye, first = self.body.eye(origin, cell), self.rays.first(cell[2], ray)
         over, slope = self.rays.floats(0.0), self.rays.floats(0.0)

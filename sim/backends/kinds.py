@@ -1,4 +1,4 @@
-"""Kinds of pieces that an observation tells apart: what a ray that ends on a piece says of it."""
+"""Kinds of furniture that an observation distinguishes, and the codes that rays return for them."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -10,13 +10,14 @@ from sim.geometry import Geometry
 
 
 def pieces_in(house: House) -> Counter[str]:
-    """How many pieces of each kind a house has."""
+    """Return the number of pieces of furniture of each kind in a house."""
     return Counter(piece.type for room in house.rooms for piece in room.pieces)
 
 
 def codes(house: House, shape: Geometry, kinds: Sequence[str]) -> list[int]:
-    """What a ray says of each piece of a house that it hits, ``PIECE``, or ``NAMED`` and its kind's place;
-    then of each of its blocks.
+    """Return the codes that rays return for each piece of furniture of a house, then for each of its blocks.
+
+    The code of furniture is ``NAMED`` plus the index of its kind, or ``PIECE``.
     """
     at = {kind: NAMED + place for place, kind in enumerate(kinds)}
     pieces = [at.get(piece.type, PIECE) for room in house.rooms for piece in room.pieces]
@@ -24,8 +25,10 @@ def codes(house: House, shape: Geometry, kinds: Sequence[str]) -> list[int]:
 
 
 def check_kinds(houses: Sequence[House], kinds: Sequence[str]) -> None:
-    """Raise ``ValueError`` where no house has any of these kinds of pieces. Some may be absent: an agent that
-    tells more kinds than a bank has plays in it all the same.
+    """Raise ``ValueError`` if no house has any of these kinds of furniture.
+
+    Some kinds may be missing, so that an agent that distinguishes more kinds than a bank has can still play
+    there.
     """
     known = sorted({kind for house in houses for kind in pieces_in(house)})
     if kinds and not set(kinds) & set(known):

@@ -1,9 +1,10 @@
-"""Rays in few directions, and what shortens them: lines along an axis.
+"""Rays in few directions, and the axis-aligned lines that shorten them.
 
-Headings are multiples of 45 degrees and rays a divisor of that apart, so a table holds all directions and no
-kernel knows trigonometry. A distance is kept as the bits of a float32 in a uint32: among those of floats that
-are not negative the order is that of the floats, and all negative ones, hits behind the eye, are greater. So
-one minimum does for two comparisons, and loops over rays have no branch: they become vector instructions.
+Headings are multiples of 45 degrees, and the angle between rays divides 45 degrees. So a table has all
+directions, and no kernel needs trigonometry. A distance is stored as the bits of a float32 in a uint32. For
+floats that are not negative, the order of the bits is the order of the floats; negative ones, hits behind the
+eye, are larger than all others. So one minimum replaces two comparisons, and loops over rays have no branch:
+they become vector instructions.
 """
 
 import numpy as np
@@ -14,16 +15,18 @@ from sim.config import Config
 from sim.runtime import constants, ti
 
 OVERLAP = 2e-5
-"""Metres by which a line reaches beyond its ends for a ray, so that none slips through where two meet."""
+"""Extension of a line beyond its ends for rays, in metres, so that no ray slips through where two lines
+meet."""
 
 EXACT = 128.0
 """Distance from the origin, in metres, up to which the rounding error of float32 is less than ``OVERLAP``."""
 
 MARGIN = 1e-3
-"""Metres by which a rough test is more generous than it needs to be: more than rounding can take away."""
+"""Tolerance of rough tests, in metres; it is larger than any rounding error."""
 
 PARALLEL = 1e-30
-"""In place of a zero sine or cosine: a ray along an axis meets no line along it, in plain arithmetic."""
+"""Replacement for a sine or cosine of zero, so that a ray along an axis misses lines along that axis without
+a special case."""
 
 
 def overlap(lines: np.ndarray) -> np.ndarray:
@@ -37,13 +40,14 @@ def overlap(lines: np.ndarray) -> np.ndarray:
 
 
 def outermost(config: Config) -> float:
-    """Degrees from the heading to the ray that is furthest off it."""
+    """Return the angle in degrees from the heading to the ray that is furthest from it."""
     return max(config.first_ray, config.ray_spacing * (config.rays - 1) - config.first_ray)
 
 
 def directions(config: Config) -> np.ndarray:
-    """Degrees from east, counter-clockwise, of every direction: heading h looks along those from row
-    ``turn * ((8 - h) % 8)`` on, where ``turn`` rows make 45 degrees. (7 turn + R,) float64.
+    """Return all directions in degrees counter-clockwise from east, (7 turn + R,) float64.
+
+    Heading h has the directions from row ``turn * ((8 - h) % 8)`` on, where ``turn`` rows make 45 degrees.
     """
     rows = np.arange(7 * config.rays_in_a_turn + config.rays)
     return config.first_ray - 45 * rows / config.rays_in_a_turn
@@ -51,12 +55,12 @@ def directions(config: Config) -> np.ndarray:
 
 @ti.data_oriented
 class Hits:
-    """What shortens ``lanes`` rays of one look at a time: all of them on a CPU, one on a GPU."""
+    """Functions that shorten ``lanes`` rays of one look at a time: all rays on a CPU, one ray on a GPU."""
 
     def __init__(self, config: Config, lanes: int, outermost: float) -> None:
-        """``outermost``: degrees from the heading to the ray that is furthest off it."""
+        """Take ``outermost``, the angle in degrees from the heading to the ray that is furthest from it."""
         self.config, self.lanes = config, lanes
-        # At one distance the target comes after pieces, whatever their kinds.
+        # At the same distance the target comes after furniture of any kind.
         self.last = NAMED + len(config.kinds) if config.kinds else TARGET
         self.none = int(np.float32(config.range).view(np.uint32))
         self.floats = ti.types.vector(lanes, ti.f32)
@@ -76,9 +80,11 @@ class Hits:
         kind,
         noted: ti.template(),
     ):
-        """Shorten the rays that hit a line: ``ahead`` metres along the axis that it lies across, its middle
-        ``aside`` metres along the other, ``half`` from there to its ends. Where it is ``noted`` what they
-        hit, of two hits at one distance the lower kind counts.
+        """Shorten the rays that hit a line.
+
+        The line is ``ahead`` metres along the axis that it crosses, its middle ``aside`` metres along the
+        other axis, and its ends ``half`` metres from the middle. If hits are ``noted``, the lower kind wins
+        at equal distances.
         """
         for r in range(ti.static(self.lanes)):
             distance = ti.bit_cast(ahead * over[r], ti.u32)
@@ -92,8 +98,9 @@ class Hits:
 
     @ti.func
     def within(self, offset, half, ahead):
-        """Whether a square at an offset from the eye, so far ``ahead`` in the look's direction, may be within
-        the range and the field of view: never False where it is.
+        """Return False only if a square at an offset from the eye is outside the range or the field of view.
+
+        The square is ``ahead`` metres in the direction of the look.
         """
         radius = half * ti.static(2**0.5)
         away = ti.sqrt(offset[0] * offset[0] + offset[1] * offset[1])
@@ -114,8 +121,9 @@ class Hits:
         eye,
         target,
     ):
-        """Shorten the rays that hit the target on the sides that face the eye. From inside none does: it is
-        there only where somebody put it there.
+        """Shorten the rays that hit the target on the sides that face the eye.
+
+        From inside the target no ray hits it; that happens only to a target that the user put there.
         """
         half, kind = ti.static(self.config.target / 2), ti.u32(self.last)
         low, high = target - half, target + half
@@ -130,7 +138,7 @@ class Hits:
 
     @ti.func
     def metres(self, nearest):
-        """Distances as floats."""
+        """Return distances as floats."""
         return ti.bit_cast(nearest, ti.f32)
 
 
@@ -151,13 +159,15 @@ class Rays(Hits):
 
     @ti.func
     def first(self, heading, ray):
-        """The row of a look's first ray."""
+        """Return the row of a look's first ray."""
         return ((8 - heading) & 7) * ti.static(self.turn) + ray
 
     @ti.func
     def across(self, first, axis: ti.template(), over: ti.template(), slope: ti.template()):
-        """Directions as lines across an axis (0: x, 1: y) meet them: how far a ray goes for each metre along
-        that axis, and how far along the other. Local copies: from the table they would cost the vectors.
+        """Copy the directions of rays, relative to lines across an axis (0: x, 1: y).
+
+        ``over`` is the length of a ray for each metre along that axis, ``slope`` the distance along the other
+        axis. Local copies keep the loops vectorised; reads from the table would not.
         """
         at = first + ti.static(2 * axis * self.count)
         for r in range(ti.static(self.lanes)):
@@ -167,8 +177,10 @@ class Rays(Hits):
 
     @ti.func
     def may_see(self, offset, half, direction):
-        """Whether a square at an offset from the eye may be seen by a look in a direction (steps east and
-        south): see ``within``. Most are not, and cost no more.
+        """Return False only if a look cannot see a square at an offset from the eye.
+
+        ``direction`` of the look: steps east and south. ``within`` explains the test. Most looks do not see
+        the target, and end here.
         """
         length = ti.select((direction[0] != 0) & (direction[1] != 0), ti.static(2**0.5), 1.0)
         ahead = (offset[0] * direction[0] + offset[1] * direction[1]) / length
@@ -177,7 +189,7 @@ class Rays(Hits):
 
 @ti.data_oriented
 class RayBody:
-    """A body and its rays: what a backend is made with."""
+    """A body and its rays, which a backend is created with."""
 
     def __init__(self, config: Config, lanes: int) -> None:
         self.config, self.body, self.rays = config, Body(config), Rays(config, lanes)

@@ -1,4 +1,4 @@
-"""The continuous backend: any place, any axis-aligned house."""
+"""The continuous backend, for any place in any axis-aligned house."""
 
 from collections.abc import Sequence
 
@@ -18,11 +18,11 @@ class Continuous(Motion, Sight):
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
-        """Any house whose walls run along the axes will do."""
+        """Return the configuration unchanged. Raises ``ValueError`` for a house with walls at an angle."""
         require_straight(houses, "continuous")
         config.require_few_directions()
         return config
 
     def pack(self, houses: Sequence[House]) -> Bank:
-        """See ``Backend``."""
+        """Copy houses to the device: see ``Backend``."""
         return pack(houses, self.config)

@@ -1,10 +1,10 @@
-"""Houses as the continuous backend holds them: boxes and lines, and lists of those that matter.
+"""Data layout of the continuous backend: boxes and lines, and for each cell lists of the relevant ones.
 
-A house is divided into cells of ``CELL`` metres. Each has a list of the boxes that a body in it may touch by
-one action, and for each heading two lists of the lines that an eye in it may see: those across x, and those
-across y. A list leaves out only what it surely may: what is out of range, out of the field of view,
-turned away, or hidden behind one wall from every place of the cell. So it loses nothing, and a step meets
-about a sixth of a house.
+A house is divided into cells of ``CELL`` metres. Each cell has a list of the boxes that a body in it may
+touch by one action. For each heading it has two lists of the lines that an eye in it may see: lines across x,
+and lines across y. A list omits only what is certainly irrelevant: lines out of range, out of the field of
+view, facing away, or hidden behind one wall from every place of the cell. So results are exact, and a step
+tests about a sixth of a house.
 
     numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, middle, half, kind), where
               half of a line's length is more by ``OVERLAP`` | by house: the floor and where a body
@@ -25,21 +25,23 @@ FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS = range(FIRST_CELL)
 FIRST_LINE = HEADER - 1
 
 LISTS = 17
-"""A cell's lists: near boxes, then for each heading the lines across x and those across y."""
+"""Number of a cell's lists: near boxes, then for each heading the lines across x and the lines across y."""
 
 ENDS = LISTS // 2 + 1
-"""Words of a block before its lists."""
+"""Number of words of a block before its lists."""
 
 
 @ti.func
 def listed(indices: ti.template(), block, k):
-    """The k-th number in a cell's lists."""
+    """Return the k-th number in a cell's lists."""
     return half_word(indices, block + ENDS, k)
 
 
 def lines_listed(tables: Mapping[str, np.ndarray], house: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """How many lines a look meets, (E,) int: those listed for the cell and the heading of an eye at each of
-    the poses (E, 3) in houses (E,). ``tables``: ``numbers`` and ``indices`` of a bank.
+    """Return the number of lines (E,) int that a look tests.
+
+    The lines are those listed for the cell and the heading of an eye, at each of the poses (E, 3) in houses
+    (E,). ``tables``: ``numbers`` and ``indices`` of a bank.
     """
     indices = tables["indices"]
     header = indices[: HEADER * (house.max() + 1)].reshape(-1, HEADER)[house]

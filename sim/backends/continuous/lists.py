@@ -1,4 +1,7 @@
-"""The lists of the continuous backend, made on the device: what bodies in a cell may touch, and eyes see."""
+"""Computation of the continuous backend's lists on the device.
+
+A cell's lists have the boxes that bodies in the cell may touch, and the lines that eyes in it may see.
+"""
 
 from functools import cache
 from typing import Any
@@ -25,8 +28,11 @@ from sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
 def listed_arrays(
     numbers: np.ndarray, header: np.ndarray, lines: np.ndarray, config: Config
 ) -> tuple[Array, Array]:
-    """A bank's two arrays, with its lists, from ``numbers`` (n,), each house's ``header`` (H, 9) and how many
-    ``lines`` (H, 2) it has: all, and those across x. ``ValueError`` for a house with too many.
+    """Return the two arrays of a bank, with its lists.
+
+    ``numbers`` (n,) has the numbers of the bank, ``header`` (H, 9) the header of each house, and ``lines``
+    (H, 2) the number of all its lines and of those across x. Raises ``ValueError`` for a house with too many
+    lines or boxes.
     """
     owner = np.repeat(np.arange(len(header)), header[:, COLUMNS] * header[:, ROWS])
     arrays = {
@@ -60,7 +66,7 @@ def listed_arrays(
 
 @cache
 def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
-    """Kernels that find what is visible from each cell and count it, and that fill the lists."""
+    """Return a kernel that finds and counts the visible lines of each cell, and one that fills the lists."""
     body = max(config.body)
     within = body + config.step + MARGIN
     left, right = (
@@ -74,7 +80,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def square(numbers: ti.template(), houses: ti.template(), owner: ti.template(), c):
-        """A cell's house and its (west, north, east, south), a little larger than it is."""
+        """Return the header of a cell's house, and the cell (west, north, east, south) with a margin."""
         house = owner[c]
         at = house * each
         k = c - (houses[at + FIRST_CELL] - houses[FIRST_CELL])
@@ -85,7 +91,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def indoors(numbers: ti.template(), houses: ti.template(), at, cell):
-        """Whether an eye in a cell may be that of a body which stands in a room, or half in it."""
+        """Return 1 if an eye in a cell may belong to a body that is in a room, or half in it."""
         x, y = 0.5 * (cell[0] + cell[2]), 0.5 * (cell[1] + cell[3])
         half, found = 0.5 * (cell[2] - cell[0]) + ti.static(body), 0
         for k in range(houses[at + ROOMS] + 1):
@@ -97,7 +103,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def near(numbers: ti.template(), box, cell):
-        """Whether a body whose centre is in a cell may touch a box by one action."""
+        """Return True if a body whose centre is in a cell may touch a box by one action."""
         west, north, east, south = numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]
         return (
             (west - within < cell[2])
@@ -108,12 +114,12 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def hides(numbers: ti.template(), wall, line, axis, cell):
-        """Whether one wall stands between all of a cell and all of a line (at, from, to) across an axis.
+        """Return 1 if one wall stands between all of a cell and all of a line (at, from, to) across an axis.
 
-        A sight line crosses the wall's at a place that goes one way as either of its ends moves along an
-        edge, so the corners decide.
+        As either end of a sight line moves along an edge, the crossing with the wall's line moves in one
+        direction. So the corners decide.
         """
-        # What separates them is an axis: the wall's own.
+        # An axis separates them: the wall's own.
         upright = numbers[wall] == numbers[wall + 2]
         at, low, high = numbers[wall], numbers[wall + 1], numbers[wall + 3]
         near_0, near_1, side_0, side_1 = cell[0], cell[2], cell[1], cell[3]
@@ -139,7 +145,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def in_range(numbers: ti.template(), box, cell):
-        """Whether some of a box is in the range of an eye in a cell."""
+        """Return 1 if a part of a box is in the range of an eye in a cell."""
         x = ti.max(0.0, ti.max(numbers[box] - cell[2], cell[0] - numbers[box + 2]))
         y = ti.max(0.0, ti.max(numbers[box + 1] - cell[3], cell[1] - numbers[box + 3]))
         return ti.cast(x * x + y * y < ti.static((config.range + MARGIN) ** 2), ti.i32)
@@ -148,8 +154,9 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
     def seen(
         numbers: ti.template(), houses: ti.template(), nearby: ti.template(), here, at, k, line, axis, cell
     ):
-        """Whether some of a line may be seen from somewhere in a cell, at some heading: what hides it stands
-        nearer, so it is one of the walls ``nearby``.
+        """Return 1 if a part of a line may be visible from somewhere in a cell, at some heading.
+
+        Whatever hides the line is nearer than the line, so it is one of the walls ``nearby``.
         """
         kind = numbers[k + 3]
         low, high = cell[0], cell[2]
@@ -175,8 +182,10 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def ahead(heading, line, axis, cell):
-        """Whether a line may be in the field of view of an eye in a cell at a heading: it is not wholly to
-        the left of the first ray, nor to the right of the last, from any corner.
+        """Return 1 if a line may be in the field of view of an eye in a cell at a heading.
+
+        Such a line is not completely to the left of the first ray, nor to the right of the last, from any
+        corner.
         """
         result = 1
         if ti.static(narrow):
@@ -196,7 +205,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def line_at(numbers: ti.template(), k):
-        """A line (at, from, to), as far as rays meet it."""
+        """Return a line (at, from, to), with the extension that rays see."""
         return ti.Vector([numbers[k], numbers[k + 1] - numbers[k + 2], numbers[k + 1] + numbers[k + 2]])
 
     @ti.kernel
@@ -222,7 +231,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def put(indices: ti.template(), first, k, number):
-        """Write the k-th number of 16 bits from a word on, where there was 0."""
+        """Write the k-th number of 16 bits, counted from a word on, where the bits are 0."""
         indices[first + (k >> 1)] |= number << ((k & 1) << 4)
 
     @ti.kernel

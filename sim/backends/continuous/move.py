@@ -1,4 +1,4 @@
-"""What is in a body's way in the continuous backend: boxes that it would touch as it slides."""
+"""Motion in the continuous backend: boxes block a body that would touch them as it slides."""
 
 import numpy as np
 
@@ -14,17 +14,17 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class Motion:
-    """A body among boxes, by the configuration's rule of collision."""
+    """A body among boxes, with the collision rule of the configuration."""
 
     config: Config
     body: Body
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
-        """The places that steps lead to."""
+        """Return the lattice of places that steps lead to."""
         return lattice_over(shape, self.config.step, origin)
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Put origins through the given poses; a heading must be a multiple of 45 degrees."""
+        """Return origins and cells of the given poses. A heading must be a multiple of 45 degrees."""
         cell = np.zeros((len(pose), 3), np.int32)
         cell[:, 2] = eighths(pose).astype(np.int64) % 8
         shift = np.where(cell[:, 2] % 2, self.config.eye[1] - self.config.eye[0], 0.0)
@@ -32,12 +32,12 @@ class Motion:
 
     @ti.func
     def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.stands``."""
+        """Return 1 if a body can be at a cell: see ``Backend.stands``."""
         return 1 - self.blocked(numbers, indices, house, origin, cell, cell, 1.0)
 
     @ti.func
     def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
-        """See ``Backend.move``."""
+        """Return the cell after an action, and ``blocked``: see ``Backend.move``."""
         return self.move_with(numbers, indices, house, origin, cell, action, 1.0)
 
     @ti.func
@@ -49,17 +49,18 @@ class Motion:
             blocked = self.blocked(numbers, indices, house, origin, cell, new, width)
         else:
             new = self.body.turned(cell, action)
-            # A square that is the same at all headings turns in place.
+            # A square of the same size at all headings always can turn.
             if ti.static(self.config.body[0] != self.config.body[1]):
                 blocked = self.blocked(numbers, indices, house, origin, new, new, width)
         return new, blocked
 
     @ti.func
     def blocked(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, new, width):
-        """Whether something is in the way from a cell to a new one (i32)."""
+        """Return 1 (i32) if something is in the way from a cell to a new one."""
         result = 0
         if ti.static(self.config.collision == "swept"):
-            # The body keeps its north-west corner as it turns, so it may grow at both ends of its way.
+            # The body's north-west corner stays in place during a turn, so the body may grow at both ends of
+            # its path.
             half = width * self.body.half(new)
             p = self.body.centre(origin, cell) + (self.body.half(new) - self.body.half(cell))
             q = self.body.centre(origin, new)
@@ -74,16 +75,18 @@ class Motion:
 
     @ti.func
     def meets(self, numbers: ti.template(), box, p, q, half):
-        """Whether a square that slides from p to q meets a box (i32)."""
+        """Return 1 (i32) if a square that slides from p to q meets a box."""
         corners = ti.Vector([numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]])
         return slides_into(corners, p, q, half)
 
     @ti.func
     def original(self, numbers: ti.template(), indices: ti.template(), house, centre, half):
-        """The original program's rule at the new place, with its gaps: a body astride a room's boundary must
-        be within the span of that room's door, whichever wall the door is in; one inside a room must not
-        meet furniture; one that is inside no room, astride or not, must be inside the main room's rectangle.
-        In our own files rooms lie outside of that rectangle, so a body astride need not be in it.
+        """Return 1 if the original program's rule, with its gaps, forbids the new place.
+
+        A body astride a room's boundary must be within the span of that room's door, whichever wall the door
+        is in. A body inside a room must not meet furniture. A body that is inside no room, astride or not,
+        must be inside the main room's rectangle. In our own files, rooms lie outside of that rectangle, so a
+        body astride need not be in it.
         """
         header = house * HEADER
         floor = indices[header + FLOOR]

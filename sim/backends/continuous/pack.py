@@ -1,4 +1,7 @@
-"""Houses for the continuous backend: boxes, lines and rooms as rows of numbers; ``layout.py`` says where."""
+"""Packing of houses for the continuous backend: boxes, lines and rooms as rows of numbers.
+
+``layout.py`` explains the rows.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,11 +18,11 @@ from sim.config import Config
 from sim.geometry import Geometry, geometry
 
 ANYWHERE = np.array([0, 0, 1e6, 1e6])
-"""A rectangle that holds every house."""
+"""A rectangle that contains every house."""
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
-    """Bring houses to the device: boxes, lines and lists."""
+    """Copy houses to the device: boxes, lines and lists."""
     shapes = [geometry(house) for house in houses]
     for index, house in enumerate(houses):
         if config.collision == "original" and house.main_room is None:
@@ -50,7 +53,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
 
 @dataclass(frozen=True)
 class _Part:
-    """A house's share of a bank: rows for ``numbers``."""
+    """Part of a bank that belongs to one house: rows for ``numbers``."""
 
     corner: tuple[float, float]
     size: tuple[int, int]
@@ -70,7 +73,7 @@ class _Part:
         across = [_lines(boxes[: len(shape.verticals)], pieces, kinds, axis=0)]
         across += [_lines(boxes[len(shape.verticals) : walls], pieces, kinds, axis=1)]
         astride = shape.floor if shape.overlapping else ANYWHERE
-        # Only the original's rule reads doors, and it is for rooms with one.
+        # Only the original program's rule reads doors, and it needs rooms with one door.
         doors = np.vstack([astride, shape.doors if one_door else shape.rooms])
         rooms = np.stack([np.vstack([shape.floor, shape.rooms]), doors], axis=1)
         columns, rows = int((east - west) / CELL) + 1, int((south - north) / CELL) + 1
@@ -78,8 +81,9 @@ class _Part:
 
 
 def _lines(walls: np.ndarray, pieces: np.ndarray, kinds: list[int], axis: int) -> np.ndarray:
-    """Lines across an axis (n, 4) float32: where, middle, half, kind; a piece's side is negative where it
-    looks west.
+    """Return the lines across an axis, (n, 4) float32: position, middle, half length, kind.
+
+    The kind is negative for a side of furniture that faces west or north.
     """
     other = 1 - axis
     rows = [

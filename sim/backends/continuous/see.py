@@ -1,4 +1,4 @@
-"""What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
+"""Sight in the continuous backend: rays hit the nearest of the lines that are listed for the eye's cell."""
 
 from sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
 from sim.backends.continuous.layout import FIRST_LINE, listed
@@ -12,7 +12,10 @@ class Sight(RayBody):
 
     @ti.func
     def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
-        """See ``Backend.see``. Of hits at one distance walls come first, then pieces, then the target."""
+        """Return the distances and kinds of rays: see ``Backend.see``.
+
+        Of hits at the same distance, walls come first, then furniture, then the target.
+        """
         eye = self.body.eye(origin, cell)
         first = self.rays.first(cell[2], ray)
         over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
@@ -40,7 +43,7 @@ class Sight(RayBody):
 
     @ti.func
     def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.prefetch``: the first cache lines of a block, which are most blocks' all."""
+        """Read the first cache lines of a block: see ``Backend.prefetch``. Most blocks do not exceed them."""
         block = cell_of(numbers, indices, house, self.body.eye(origin, cell))
         some = indices[block]
         for k in ti.static(range(LINE, AHEAD, LINE)):
@@ -49,6 +52,6 @@ class Sight(RayBody):
 
     @ti.func
     def line(self, numbers: ti.template(), at, along, across):
-        """A line as the eye has it: how far ahead, its middle, half its length, its kind."""
+        """Return a line relative to the eye: distance ahead, middle, half length, kind."""
         kind = ti.cast(ti.abs(numbers[at + 3]), ti.u32)
         return numbers[at] - along, numbers[at + 1] - across, numbers[at + 2], kind

@@ -1,4 +1,4 @@
-"""The free backend: a disc that drives by its speeds, among walls at any angle."""
+"""The free backend: a disc with continuous motion, among walls at any angle."""
 
 from sim.backends.free.backend import FreeMotion
 

@@ -1,4 +1,4 @@
-"""The free backend: a disc that drives, walls at any angle."""
+"""The free backend: a disc with continuous motion, and walls at any angle."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -20,7 +20,10 @@ class FreeMotion(Motion, Sight):
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
-        """Any house will do; not all that a body on a lattice has."""
+        """Return the configuration for any houses.
+
+        Raises ``ValueError`` for settings that only bodies on a lattice have.
+        """
         if config.body[0] != config.body[1]:
             found = f"{config.body[0]:.3f} and {config.body[1]:.3f} m"
             raise ValueError(f"body is {found}: in the backend free a disc is as wide at all headings")
@@ -36,5 +39,5 @@ class FreeMotion(Motion, Sight):
         return replace(config, drives=True)
 
     def pack(self, houses: Sequence[House]) -> Bank:
-        """See ``Backend``."""
+        """Copy houses to the device: see ``Backend``."""
         return pack(houses, self.config)

@@ -1,10 +1,10 @@
-"""A disc that drives: its pose and its speeds, as a state has them.
+"""A disc that drives: the representation of its pose and its speeds in a state.
 
-Its ``origin`` is where it is, metres, and its ``cell`` three float32 as bits: forward speed (m/s), turn rate
-(rad/s) and heading (radians in [0, 2 pi), counter-clockwise from east). Where it drives sideways, speeds are
-in the first two: forward, to the left, and turn rate, 21 bits each, whole numbers of parts of the greatest
-(``Drive.part``). At rest with heading 0 that is the cell (0, 0, 0) of a lattice through the place, which
-``stands`` and ``move`` ask about.
+``origin`` is the disc's place in metres, and ``cell`` has three float32 as bits: forward speed (m/s), turn
+rate (rad/s) and heading (radians in [0, 2 pi), counter-clockwise from east). If the disc drives sideways,
+three speeds are in the first two numbers: forward, to the left, and turn rate. Each has 21 bits and is a
+whole number of parts of its largest value (``Drive.part``). At rest with heading 0, a cell is the cell (0, 0,
+0) of a lattice through the place, which ``stands`` and ``move`` accept.
 """
 
 import math
@@ -22,13 +22,15 @@ TOUCH = 1e-3
 """Largest distance between a body and an obstacle that it drove into and slid along, metres."""
 
 FIELD = 21
-"""Bits of a speed of a body that drives sideways."""
+"""Number of bits of a speed of a body that drives sideways."""
 
 
 @ti.func
 def cosine_sine(angle):
-    """Cosine and sine of a float32, within 1e-7 for angles of some turns: an eighth of a turn by polynomials
-    of Cephes. Taichi's own differ from machine to machine, and take their time.
+    """Return cosine and sine of a float32, within 1e-7 for angles of some turns.
+
+    Polynomials of Cephes cover an eighth of a turn. Taichi's own functions differ between machines, and are
+    slow.
     """
     quarter = ti.floor(angle * ti.static(2 / math.pi) + 0.5)
     r = ((angle - quarter * 1.5703125) - quarter * 4.837512969970703125e-4) - quarter * 7.549789948768648e-8
@@ -44,17 +46,17 @@ def cosine_sine(angle):
 
 @ti.func
 def wrapped(angle):
-    """An angle in [0, 2 pi)."""
+    """Return an angle in [0, 2 pi)."""
     around = angle - ti.static(TURN) * ti.floor(angle * ti.static(1 / TURN))
     return ti.select((around >= 0.0) & (around < ti.static(TURN)), around, 0.0)
 
 
 @ti.data_oriented
 class Disc:
-    """A body as wide at all headings, whose eye is its middle."""
+    """A body as wide at all headings, with its eye in the middle."""
 
     def __init__(self, config: Config) -> None:
-        """Take the width from the configuration's body, and the lattice's pitch from its step."""
+        """Take the radius from the configuration's body, and the lattice's pitch from its step."""
         self.radius, self.step, self.drive = config.body[0] / 2, config.step, config.drive
         self.headings = constants(np.array(HEADINGS, np.int32))
         self.sideways = config.drive.sideways > 0
@@ -63,7 +65,7 @@ class Disc:
 
     @ti.func
     def moving(self, speeds: ti.template(), heading):
-        """The cell of a body with these speeds, numbers of a command, and this heading."""
+        """Return the cell of a body with these speeds, numbers of a command, and this heading."""
         cell = ti.Vector([0, 0, ti.bit_cast(heading, ti.i32)])
         if ti.static(self.sideways):
             bits = self.packed(speeds)
@@ -74,7 +76,7 @@ class Disc:
 
     @ti.func
     def speeds(self, cell):
-        """Forward speed and turn rate, or those forward and to the left, and turn rate."""
+        """Return the forward speed and turn rate, or the speeds forward and to the left and the turn rate."""
         if ti.static(self.sideways):
             low, high = ti.bit_cast(cell[0], ti.u32), ti.bit_cast(cell[1], ti.u32)
             return self.unpacked(ti.cast(low, ti.u64) | (ti.cast(high, ti.u64) << ti.u64(32)))
@@ -83,7 +85,7 @@ class Disc:
 
     @ti.func
     def packed(self, speeds: ti.template()):
-        """Three speeds in 64 bits."""
+        """Pack three speeds into 64 bits."""
         bits = ti.u64(0)
         for k in ti.static(range(3)):
             whole = ti.cast(ti.floor(speeds[k] * ti.static(1 / self.drive.part[k]) + 0.5), ti.i32)
@@ -92,7 +94,7 @@ class Disc:
 
     @ti.func
     def unpacked(self, bits):
-        """Three speeds out of 64 bits."""
+        """Unpack three speeds from 64 bits."""
         speeds = ti.Vector([0.0, 0.0, 0.0])
         for k in ti.static(range(3)):
             whole = ti.cast(bits >> ti.u64(FIELD * k), ti.i32) << (32 - FIELD) >> (32 - FIELD)
@@ -101,23 +103,24 @@ class Disc:
 
     @ti.func
     def heading(self, cell):
-        """Radians."""
+        """Return the heading in radians."""
         return ti.bit_cast(cell[2], ti.f32)
 
     @ti.func
     def degrees(self, cell):
-        """The heading in degrees."""
+        """Return the heading in degrees."""
         return self.heading(cell) * ti.static(180 / math.pi)
 
     @ti.func
     def eighth(self, cell):
-        """The heading in eighths of a turn, the nearest one."""
+        """Return the heading in eighths of a turn, rounded."""
         return ti.cast(ti.floor(self.heading(cell) * ti.static(8 / TURN) + 0.5), ti.i32) & 7
 
     @ti.func
     def begun(self, corner, i, j, word, given):
-        """The origin and the cell of a body at rest at a place of a lattice, with a heading that is ``given``
-        as bits, or by a random ``word`` if that is negative.
+        """Return the origin and the cell of a body at rest at a place of a lattice.
+
+        The heading is ``given`` as bits; if that is negative, the random ``word`` determines it.
         """
         anyhow = ti.cast(word >> ti.u64(8), ti.f32) * ti.static(TURN * 2.0**-24)
         heading = ti.select(given < 0, anyhow, ti.bit_cast(given, ti.f32))
@@ -126,8 +129,9 @@ class Disc:
 
     @ti.func
     def ordered(self, action):
-        """The numbers of a command of an action: 64 bits, the number of a command, two float32, or three
-        speeds as parts of the greatest. Within the limits.
+        """Return the numbers of an action's command, within the limits.
+
+        The action has 64 bits: the number of a command, two float32, or three speeds as parts of the largest.
         """
         wanted = ti.Vector([0.0 for _ in ti.static(self.drive.low)])
         if ti.static(len(self.drive.commands) > 0):
@@ -144,22 +148,22 @@ class Disc:
 
     @ti.func
     def number(self, action):
-        """The number of an action, -1 where actions have none."""
+        """Return the number of an action, or -1 if actions have no numbers."""
         return ti.cast(action, ti.i32) if ti.static(len(self.drive.commands) > 0) else -1
 
     @ti.func
     def position(self, origin, cell):
-        """Where a place of a lattice is, metres."""
+        """Return the place of a lattice's cell, in metres."""
         return origin + ti.cast(ti.Vector([cell[0], cell[1]]), ti.f32) * ti.static(self.step)
 
     @ti.func
     def eye(self, origin, cell):
-        """Where rays start, metres."""
+        """Return the eye's place, where rays start, in metres."""
         return origin
 
     @ti.func
     def overlaps(self, origin, cell, target, half: ti.template()):
-        """Whether the disc overlaps a square about ``target`` (i32); touching is not overlapping."""
+        """Return 1 (i32) if the disc overlaps a square around ``target``; touching is not overlapping."""
         return self.overlaps_with(origin, cell, target, half, 1.0)
 
     @ti.func

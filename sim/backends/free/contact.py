@@ -1,26 +1,26 @@
-"""When a disc that goes straight on touches a solid: a rectangle at any angle, or a segment."""
+"""Contact of a disc that moves straight with a solid: a rectangle at any angle, or a segment."""
 
 from sim.runtime import ti
 
 NEVER = 2.0
-"""In place of a share of a way: a disc touches nothing on it."""
+"""Fraction of a path that stands for "the disc touches nothing"."""
 
 
 @ti.func
 def into(solid, v):
-    """A vector along a solid's own axes: its length and its width."""
+    """Return a vector in the axes of a solid: along its length and its width."""
     return ti.Vector([v[0] * solid[2] + v[1] * solid[3], v[1] * solid[2] - v[0] * solid[3]])
 
 
 @ti.func
 def out_of(solid, v):
-    """A vector along a solid's axes in the house's."""
+    """Return a vector, given in the axes of a solid, in the axes of the house."""
     return ti.Vector([v[0] * solid[2] - v[1] * solid[3], v[0] * solid[3] + v[1] * solid[2]])
 
 
 @ti.func
 def gap(solid, place):
-    """From the nearest point of a solid to a place, along the solid's axes: 0 inside."""
+    """Return the vector from the nearest point of a solid to a place, in the solid's axes: 0 inside."""
     own = into(solid, place - ti.Vector([solid[0], solid[1]]))
     half = ti.Vector([solid[4], solid[5]])
     return own - ti.max(-half, ti.min(half, own))
@@ -78,7 +78,7 @@ def touches(solid, place, way, radius, inner, outer):
                 beyond, within = square - outer * outer, square - inner * inner
                 under = ahead * ahead - length * within
                 if (ahead < 0.0) & (under >= 0.0):
-                    # The smaller root, without the difference of two numbers that are nearly the same.
+                    # The smaller root, without the difference of two nearly equal numbers.
                     at = beyond / (ti.sqrt(ahead * ahead - length * beyond) - ahead)
                     if (at >= 0.0) & (at < share) & (within <= ti.sqrt(under) - ahead):
                         share = at

@@ -1,4 +1,7 @@
-"""The lists of the free backend, made on the device: what bodies in a cell may touch, and eyes see."""
+"""Computation of the free backend's lists on the device.
+
+A cell's lists have the solids that bodies in the cell may touch, and the lines that eyes in it may see.
+"""
 
 from functools import cache
 from typing import Any
@@ -27,8 +30,11 @@ from sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
 def listed_arrays(
     numbers: np.ndarray, header: np.ndarray, used: np.ndarray, config: Config
 ) -> tuple[Array, Array]:
-    """A bank's two arrays, with its lists, from ``numbers`` (n,), each house's ``header`` (H, 9), and which
-    cells of all houses a body may be in (c,) bool. ``ValueError`` for a house with too many lines.
+    """Return the two arrays of a bank, with its lists.
+
+    ``numbers`` (n,) has the numbers of the bank, ``header`` (H, 9) the header of each house. ``used`` (c,)
+    bool is True for the cells of all houses that a body may be in. Raises ``ValueError`` for a house with too
+    many lines or solids.
     """
     sizes = header[:, COLUMNS] * header[:, ROWS]
     house, place = np.repeat(np.arange(len(header)), sizes), np.concatenate([*map(np.arange, sizes)])
@@ -67,7 +73,7 @@ def listed_arrays(
 
 @cache
 def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
-    """Kernels that find what is visible from each cell and count it, and that fill the lists."""
+    """Return a kernel that finds and counts the visible lines of each cell, and one that fills the lists."""
     within = max(config.body) / 2 + max(config.step, config.drive.travel) + MARGIN
     leftmost, rightmost = config.first_ray, config.first_ray - config.ray_spacing * (config.rays - 1)
     half = 180 / SECTORS + swing(config) + 0.1
@@ -81,12 +87,12 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def row(numbers: ti.template(), at):
-        """A solid or a line."""
+        """Return a solid or a line."""
         return ti.Vector([numbers[at + part] for part in range(ROW)])
 
     @ti.func
     def corner(cell, k: ti.template()):
-        """A corner of a cell (middle x, y, half a side)."""
+        """Return a corner of a cell (middle x, y, half a side)."""
         return ti.Vector(
             [
                 cell[0] + ti.static(1 if k & 1 else -1) * cell[2],
@@ -96,7 +102,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def square(numbers: ti.template(), cells: ti.template(), c):
-        """A cell (middle x, y, half a side), a little larger than it is."""
+        """Return a cell (middle x, y, half a side), enlarged by a margin."""
         house = cells[3 * c]
         x = numbers[2 * house] + (ti.cast(cells[3 * c + 1], ti.f32) + 0.5) * CELL
         y = numbers[2 * house + 1] + (ti.cast(cells[3 * c + 2], ti.f32) + 0.5) * CELL
@@ -104,8 +110,9 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def near(solid, cell):
-        """Whether a body whose middle is in a cell may touch a solid in one step: no axis, of the cell or of
-        the solid, separates the two.
+        """Return True if a body whose middle is in a cell may touch a solid in one step.
+
+        Then no axis, of the cell or of the solid, separates the two.
         """
         x, y, u, v = cell[0] - solid[0], cell[1] - solid[1], ti.abs(solid[2]), ti.abs(solid[3])
         reach = cell[2] + within
@@ -119,10 +126,10 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def hides(solid, first, last, cell):
-        """Whether the middle line of a solid stands between all of a cell and all of a line (first, last).
+        """Return 1 if the middle line of a solid is between all of a cell and all of a line (first, last).
 
-        A sight line crosses it at a place that goes one way as either of its ends moves along an edge, so the
-        corners decide.
+        As either end of a sight line moves along an edge, the crossing with the middle line moves in one
+        direction. So the corners decide.
         """
         beyond, hidden, sign = 1, 1, 0.0
         for k in ti.static(range(4)):
@@ -149,19 +156,20 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def in_range(solid, cell):
-        """Whether some of a solid may be in the range of an eye in a cell."""
+        """Return 1 if a part of a solid may be in the range of an eye in a cell."""
         x, y, around = cell[0] - solid[0], cell[1] - solid[1], solid[4] + solid[5] + 2 * cell[2]
         return ti.cast(ti.sqrt(x * x + y * y) < around + ti.static(config.range), ti.i32)
 
     @ti.func
     def seen(numbers: ti.template(), header: ti.template(), nearby: ti.template(), here, at, line, cell):
-        """Whether some of a line may be seen from somewhere in a cell, at some heading: what hides it stands
-        nearer, so it is one of the solids ``nearby``.
+        """Return 1 if a part of a line may be visible from somewhere in a cell, at some heading.
+
+        Whatever hides the line is nearer than the line, so it is one of the solids ``nearby``.
         """
         middle, way = ti.Vector([line[0], line[1]]), ti.Vector([line[2], line[3]])
         first, last = middle - line[4] * way, middle + line[4] * way
         x, y = cell[0] - line[0], cell[1] - line[1]
-        # The nearest point of the line to the cell's middle, and which side of the line the cell is on.
+        # The nearest point of the line to the cell's middle, and the side of the line on which the cell is.
         past = ti.max(0.0, ti.abs(x * way[0] + y * way[1]) - line[4])
         side = x * way[1] - y * way[0]
         away = ti.sqrt(past * past + side * side) - ti.static(2**0.5) * cell[2]
@@ -181,8 +189,10 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def ahead(sector, line, cell):
-        """Whether a line may be in the field of view of an eye in a cell, at headings of a sector: it is not
-        wholly to the left of the first ray, nor to the right of the last, from any corner.
+        """Return 1 if a line may be in the field of view of an eye in a cell, at headings of a sector.
+
+        Such a line is not completely to the left of the first ray, nor to the right of the last, from any
+        corner.
         """
         result = 1
         if ti.static(narrow):
@@ -198,7 +208,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def kind_of(header: ti.template(), at, k):
-        """Whether a line is across x (0), across y (1) or at an angle (2)."""
+        """Return the kind of a line: across x (0), across y (1) or at an angle (2)."""
         return ti.cast(k >= header[at + ACROSS_X], ti.i32) + ti.cast(k >= header[at + ACROSS], ti.i32)
 
     @ti.kernel
@@ -222,7 +232,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
 
     @ti.func
     def put(indices: ti.template(), first, k, number):
-        """Write the k-th number of 16 bits from a word on, where there was 0."""
+        """Write the k-th number of 16 bits, counted from a word on, where the bits are 0."""
         indices[first + (k >> 1)] |= number << ((k & 1) << 4)
 
     @ti.kernel

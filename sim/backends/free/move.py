@@ -1,4 +1,4 @@
-"""How a body drives in the free backend: speeds within limits, and sliding along what it touches."""
+"""Motion in the free backend: speeds within limits, and sliding along obstacles."""
 
 import numpy as np
 
@@ -13,11 +13,13 @@ from sim.geometry import Geometry
 from sim.runtime import ti
 
 CONTACTS = 4
-"""Things that a body slides along in one step at most: then it stays where it is."""
+"""Largest number of obstacles that a body slides along in one step; after these contacts it stays where it
+is."""
 
 
 CORNER = 1e-2
-"""Of a way along a thing, as much of it leads into the one before if both make a corner."""
+"""Fraction of a path along an obstacle. If more than this leads into the previous obstacle, both make a
+corner."""
 
 
 @ti.data_oriented
@@ -29,18 +31,18 @@ class Motion:
 
     @property
     def changes(self) -> tuple[float, ...]:
-        """How much a step changes each number of a command at most."""
+        """Largest change of each number of a command in a step."""
         drive = self.config.drive
         speed = min(1e9, drive.acceleration * drive.time_step)
         turn = min(1e9, drive.turn_acceleration * drive.time_step)
         return (speed,) * (len(drive.low) - 1) + (turn,)
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
-        """Places that are a step apart, where episodes may start and targets lie."""
+        """Return a lattice of places one step apart, where episodes may start and targets may lie."""
         return lattice_over(shape, self.config.step, origin)
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Bodies at rest at the given poses."""
+        """Return origins and cells of bodies at rest at the given poses."""
         if not np.isfinite(pose).all():
             raise ValueError("a pose is (x, y, heading), finite")
         heading = np.mod(pose[:, 2], 2 * np.pi).astype(np.float32)
@@ -51,7 +53,7 @@ class Motion:
 
     @ti.func
     def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.stands``, of a place of a lattice."""
+        """Return 1 if a body can be at a place of a lattice: see ``Backend.stands``."""
         place = self.body.position(origin, ti.Vector([cell[0], cell[1], 0]))
         block, free = cell_of(numbers, indices, house, place), 1
         for k in range(end_of(indices, block, 1)):
@@ -61,7 +63,10 @@ class Motion:
 
     @ti.func
     def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
-        """See ``Backend.move``, forward from a place of a lattice to the next: how a house is surveyed."""
+        """Return the cell one step forward on a lattice, and ``blocked``: see ``Backend.move``.
+
+        Surveys of houses use this function.
+        """
         forward = self.body.headings[cell[2]]
         new = ti.Vector([cell[0] + forward[0], cell[1] + forward[1], cell[2]])
         place = self.body.position(origin, cell)
@@ -72,13 +77,13 @@ class Motion:
 
     @ti.func
     def solid(self, numbers: ti.template(), indices: ti.template(), house, k):
-        """A solid of a house: see ``layout.py``."""
+        """Return a solid of a house: see ``layout.py``."""
         at = indices[house * HEADER + FIRST_SOLID] + ROW * k
         return ti.Vector([numbers[at + part] for part in range(ROW)])
 
     @ti.func
     def first(self, numbers: ti.template(), indices: ti.template(), house, block, place, way, width):
-        """The first touch of a disc on its way, of all solids of a cell's list: see ``touches``."""
+        """Return a disc's first contact with the solids of a cell's list on its path: see ``touches``."""
         share, normal, depth = NEVER, ti.Vector([0.0, 0.0]), 0.0
         for k in range(end_of(indices, block, 1)):
             solid = self.solid(numbers, indices, house, listed(indices, block, k))
@@ -96,10 +101,9 @@ class Motion:
 
     @ti.func
     def drive(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
-        """Where a body is after a step in which it was told to do something: its origin, its cell, and
-        whether something stopped it or turned it aside (i32).
+        """Return a body's origin and cell after a command, and 1 (i32) if an obstacle affected the body.
 
-        It goes along the chord of its arc. What it is slowed down by takes its speed, too.
+        The body moves along the chord of its arc. An obstacle that slows the body also reduces its speed.
         """
         return self.drive_with(numbers, indices, house, origin, cell, action, ti.Vector([1.0, 1.0, 1.0]))
 
@@ -140,7 +144,7 @@ class Motion:
 
     @ti.func
     def slide(self, numbers: ti.template(), indices: ti.template(), house, origin, way, width):
-        """How far a body comes that would go some way (x, y), metres."""
+        """Return the displacement of a body that tries to move by ``way`` (x, y), metres."""
         block = cell_of(numbers, indices, house, origin)
         moved, left, last, turn = ti.Vector([0.0, 0.0]), way, ti.Vector([0.0, 0.0]), 0
         while turn < ti.static(CONTACTS):
@@ -150,14 +154,14 @@ class Motion:
                 moved += left
                 turn = CONTACTS
             else:
-                # Rounding may have left it a little inside: it is put out again.
+                # Rounding may have left the body slightly inside: move it out again.
                 moved += share * left + ti.min(depth, ti.static(SKIN)) * normal
                 left = (1.0 - share) * left
                 if ti.static(self.config.drive.at_contact == "stop"):
                     turn = CONTACTS
                 else:
                     left -= ti.min(0.0, left.dot(normal)) * normal
-                    if left.dot(last) < -ti.static(CORNER) * left.norm():  # into the thing before
+                    if left.dot(last) < -ti.static(CORNER) * left.norm():  # into the previous obstacle
                         turn = CONTACTS
                     last = normal
         return moved

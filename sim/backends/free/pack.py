@@ -1,4 +1,4 @@
-"""Houses for the free backend: solids and lines as rows of numbers; ``layout.py`` says where."""
+"""Packing of houses for the free backend: solids and lines as rows of numbers; see ``layout.py``."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from sim.geometry import Geometry, geometry
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
-    """Bring houses to the device: solids, lines and lists."""
+    """Copy houses to the device: solids, lines and lists."""
     shapes = [geometry(house) for house in houses]
     parts = [
         _Share.of(shape, codes(house, shape, config.kinds), max(config.body))
@@ -34,13 +34,16 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         numbers += [part.solids.astype(np.float32).ravel(), part.lines.astype(np.float32).ravel()]
         at += ROW * (solids + lines)
         cell += part.used.size
-    used = np.concatenate([part.used.T.ravel() for part in parts])  # by rows, as they are looked up
+    used = np.concatenate([part.used.T.ravel() for part in parts])  # by rows, the order of look-ups
     return Bank(shapes, *listed_arrays(np.concatenate(numbers), header, used, config))
 
 
 @dataclass(frozen=True)
 class _Share:
-    """A house's share of a bank: rows for ``numbers``, and which cells a body may be in, (columns, rows)."""
+    """Part of a bank that belongs to one house: rows for ``numbers``, and the cells in use.
+
+    ``used`` (columns, rows) is a mask of the cells that a body may be in.
+    """
 
     corner: tuple[float, float]
     used: np.ndarray
@@ -77,7 +80,7 @@ class _Share:
 
 
 def _along_longer_side(boxes: np.ndarray) -> np.ndarray:
-    """Boxes (n, 4) as solids (n, 6)."""
+    """Return boxes (n, 4) as solids (n, 6)."""
     upright = boxes[:, 3] > boxes[:, 2]
     way = np.where(upright[:, None], [0.0, 1.0], [1.0, 0.0])
     half = np.where(upright[:, None], boxes[:, [3, 2]], boxes[:, 2:])
@@ -85,8 +88,9 @@ def _along_longer_side(boxes: np.ndarray) -> np.ndarray:
 
 
 def _sides(solids: np.ndarray, kinds: np.ndarray) -> np.ndarray:
-    """The sides of solids as lines (n, 6), each with its outside at (v, -u) of its way (u, v); of a segment
-    there is one line, of which both sides are seen.
+    """Return the sides of solids as lines (n, 6), each with its outside at (v, -u) of its direction (u, v).
+
+    A segment has a single line, which is visible from both sides.
     """
     rows = []
     ends = [solids[:, :2] + sign * solids[:, 4:5] * solids[:, 2:4] for sign in (-1, 1)]

@@ -1,4 +1,4 @@
-"""What rays hit in the free backend: the nearest of the lines listed for the eye's cell and sector."""
+"""Sight in the free backend: rays hit the nearest of the lines listed for the eye's cell and sector."""
 
 import numpy as np
 
@@ -11,13 +11,13 @@ from sim.runtime import constants, ti
 
 
 def swing(config: Config) -> float:
-    """Degrees that a ray's direction is off at most."""
+    """Return the largest error of a ray's direction, in degrees."""
     return DEVIATIONS * config.angle_noise
 
 
 @ti.data_oriented
 class FreeRays(Hits):
-    """Rays in any directions, each look's computed from the heading."""
+    """Rays in any directions, computed from the heading for each look."""
 
     def __init__(self, config: Config, lanes: int) -> None:
         super().__init__(config, lanes, outermost(config) + swing(config))
@@ -26,7 +26,7 @@ class FreeRays(Hits):
 
     @ti.func
     def aim(self, heading, ray, off: ti.template(), east: ti.template(), south: ti.template()):
-        """Where rays point, from number ``ray`` on, each ``off`` by some radians: unit vectors."""
+        """Compute the unit vectors of rays, from number ``ray`` on, each turned by ``off`` radians."""
         cosine, sine = cosine_sine(heading)
         for r in range(ti.static(self.lanes)):
             east[r] = self.table[ray + r]
@@ -48,7 +48,10 @@ class FreeRays(Hits):
         over: ti.template(),
         slope: ti.template(),
     ):
-        """How rays meet lines across an axis, by their parts ``along`` and ``aside``: see ``Rays.across``."""
+        """Compute how rays meet lines across an axis, from their components ``along`` and ``aside`` the axis.
+
+        ``Rays.across`` explains the results.
+        """
         for r in range(ti.static(self.lanes)):
             part = ti.select(ti.abs(along[r]) < ti.static(PARALLEL), ti.static(PARALLEL), along[r])
             over[r] = 1.0 / part
@@ -64,7 +67,10 @@ class Sight:
 
     @ti.func
     def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
-        """See ``Backend.see``. Of hits at one distance walls come first, then pieces, then the target."""
+        """Return the distances and kinds of rays: see ``Backend.see``.
+
+        Of hits at the same distance, walls come first, then furniture, then the target.
+        """
         return self.look(numbers, indices, house, origin, cell, target, ray, self.rays.floats(0.0))
 
     @ti.func
@@ -79,7 +85,7 @@ class Sight:
         ray,
         off: ti.template(),
     ):
-        """``see`` with rays that are ``off`` by some radians."""
+        """Return ``see`` for rays with direction errors ``off``, in radians."""
         heading = self.body.heading(cell)
         east, south = self.rays.floats(0.0), self.rays.floats(0.0)
         over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
@@ -106,7 +112,7 @@ class Sight:
                 nearest, kinds, over_y, slope_y, ahead, aside, half, kind, ti.static(self.config.notes_hits)
             )
         for k in range(level, end_of(indices, block, lists + 3)):
-            # A line at an angle is one across an axis for rays that are turned as it is.
+            # A line at an angle is a line across an axis for rays that are turned with it.
             at = first_line + ROW * listed(indices, block, k)
             x, y, u, v = numbers[at], numbers[at + 1], numbers[at + 2], numbers[at + 3]
             kind = ti.cast(ti.abs(numbers[at + 5]), ti.u32)
@@ -136,7 +142,7 @@ class Sight:
 
     @ti.func
     def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.prefetch``: the first cache lines of a block."""
+        """Read the first cache lines of a block: see ``Backend.prefetch``."""
         block = cell_of(numbers, indices, house, origin)
         some = indices[block]
         for k in ti.static(range(LINE, AHEAD, LINE)):

@@ -1,4 +1,4 @@
-"""The grid backend: houses whose edges lie on a grid of cells, looked up and not computed."""
+"""The grid backend, for houses whose edges lie on a grid of cells: motion and sight are table look-ups."""
 
 from sim.backends.grid.backend import Grid
 

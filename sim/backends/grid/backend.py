@@ -1,4 +1,4 @@
-"""The grid backend: a body is its cell, in a house whose edges are multiples of it."""
+"""The grid backend: a body fills a cell, in a house whose edges are multiples of the cell."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,7 +21,10 @@ class Grid(Motion, Sight):
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
-        """The body is a cell wide and goes a cell a step; ``ValueError`` for a house that is off the grid."""
+        """Return a configuration with a body one cell wide and a step of one cell.
+
+        Raises ``ValueError`` for a house that does not fit the grid.
+        """
         require_straight(houses, "grid")
         config.require_few_directions()
         cell = cell_side(houses)
@@ -47,5 +50,5 @@ class Grid(Motion, Sight):
         return replace(config, collision="swept", **body)
 
     def pack(self, houses: Sequence[House]) -> Bank:
-        """See ``Backend``."""
+        """Copy houses to the device: see ``Backend``."""
         return pack(houses, self.config)

@@ -1,4 +1,4 @@
-"""Houses on a grid as cells: walls lie on their edges, pieces fill them."""
+"""Houses on a grid as cells: walls lie on the edges of cells, furniture fills cells."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -11,13 +11,14 @@ from sim.backends.backend import PIECE, WALL
 from sim.geometry import TOLERANCE, Geometry, geometry
 
 STANDS = 8
-"""The bit of a cell's moves that says whether a body can be there, behind those of the eight headings."""
+"""Bit of a cell's moves for "a body can be there", after the bits of the eight headings."""
 
 
 def cell_side(houses: Sequence[House]) -> float:
-    """The side of the cells that houses were made for, metres, or the largest that fits all their edges.
+    """Return the side, in metres, of the cells that houses were made for.
 
-    Raises ``ValueError`` where they were made for different ones.
+    If the houses state no cell, it is the side of the largest cells that fit all edges. Raises ``ValueError``
+    if the houses were made for different cells.
     """
     cells = {_cell(house) for house in houses}
     if len(cells) > 1:
@@ -34,14 +35,14 @@ def cell_side(houses: Sequence[House]) -> float:
 
 
 def _cell(house: House) -> float:
-    """The cell that a house says it has, metres; 0 where it says none."""
+    """Return the side of the cells that a house states, in metres; 0 if it states none."""
     if house.occupancy:
         return house.occupancy.cell
     return house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
 
 
 def _common(a: float, b: float) -> float:
-    """The greatest length that both are multiples of, by Euclid; lengths within the tolerance are equal."""
+    """Return the greatest common divisor of two lengths (Euclid), up to the tolerance."""
     while b > TOLERANCE:
         a, b = b, a % b
         if a - b < TOLERANCE:
@@ -50,7 +51,7 @@ def _common(a: float, b: float) -> float:
 
 
 def _edges(shape: Geometry) -> tuple[np.ndarray, np.ndarray]:
-    """Where edges lie, along x and along y."""
+    """Return the coordinates of edges, along x and along y."""
     boxes = np.vstack([shape.solids, shape.rooms, shape.floor, shape.doors])
     low, high = boxes[:, :2] - boxes[:, 2:], boxes[:, :2] + boxes[:, 2:]
     x, y = np.concatenate([low, high]).T
@@ -58,7 +59,10 @@ def _edges(shape: Geometry) -> tuple[np.ndarray, np.ndarray]:
 
 
 def off_grid(shape: Geometry, cell: float) -> float | None:
-    """Where the first edge lies that is not whole cells away from the corner; ``None`` if there is none."""
+    """Return the coordinate of the first edge off the grid, or ``None`` if all edges are on it.
+
+    Edges on the grid are whole cells away from the house's corner.
+    """
     for lines, corner in zip(_edges(shape), shape.bounds[:2], strict=True):
         steps = (lines - corner) / cell
         stray = np.abs(steps - np.round(steps)) * cell > 10 * TOLERANCE
@@ -68,23 +72,25 @@ def off_grid(shape: Geometry, cell: float) -> float | None:
 
 
 def middle(shape: Geometry, cell: float) -> np.ndarray:
-    """The middle of a house's cell furthest north-west, (2,) float32."""
+    """Return the middle of a house's cell furthest north-west, (2,) float32."""
     west, north, _, _ = shape.bounds
     return np.array([west + cell / 2, north + cell / 2], np.float32)
 
 
 class Cells:
-    """A house as cells: which are free, and what is on their edges.
+    """A house as cells: which cells are free, and what is on their edges.
 
-    ``size``: columns and rows. ``stands``, ``filled``: (columns, rows) bool, where a body can be and where
-    something solid is. ``moves``: (columns, rows) int64, what it can do there. ``upright`` (columns + 1,
-    rows) and ``level`` (columns, rows + 1) int32: what is on the edges across x, at their west end, and
-    across y, which is 0, ``WALL``, ``PIECE`` or a named kind's.
+    ``size``: columns and rows. ``stands``, ``filled``: (columns, rows) bool, True if a body can be in the
+    cell, and if something solid fills it. ``moves``: (columns, rows) int64, the possible moves in the cell.
+    ``upright`` (columns + 1, rows) and ``level`` (columns, rows + 1) int32: the things on the edges across x,
+    at the cell's west end, and across y. They are 0, ``WALL``, ``PIECE`` or the code of a named kind.
     """
 
     def __init__(self, shape: Geometry, cell: float, kinds: Sequence[int] | None = None) -> None:
-        """Divide a house whose edges all lie on the grid: see ``off_grid``. ``cell``: metres; ``kinds``: what
-        is on the edges of each piece, by default ``PIECE``.
+        """Divide a house whose edges all lie on the grid: see ``off_grid``.
+
+        ``cell``: side of a cell, metres. ``kinds``: the code on the edges of each piece, by default
+        ``PIECE``.
         """
         west, north, east, south = shape.bounds
         self.side, self.corner, self.origin = cell, (west, north), middle(shape, cell)
@@ -92,7 +98,7 @@ class Cells:
         self.size = columns, rows
         self.upright = np.zeros((columns + 1, rows), np.int32)
         self.level = np.zeros((columns, rows + 1), np.int32)
-        # Where they lie, as the house says it: what is computed from a corner would be rounded otherwise.
+        # Coordinates from the house itself: those computed from a corner would be rounded differently.
         self.lines = west + cell * np.arange(columns + 1), north + cell * np.arange(rows + 1)
         inside, self.filled = np.zeros((columns, rows), bool), np.zeros((columns, rows), bool)
         for box in [shape.floor, *shape.rooms, *shape.doorways]:
@@ -117,7 +123,7 @@ class Cells:
         self.moves = self._moves()
 
     def _span(self, box: np.ndarray) -> tuple[int, int, int, int]:
-        """A box (x, y, half width, half height), metres, in cells: (west, north, east, south)."""
+        """Return a box (x, y, half width, half height), metres, in cells: (west, north, east, south)."""
         low = np.round((box[:2] - box[2:] - self.corner) / self.side).astype(int)
         high = np.round((box[:2] + box[2:] - self.corner) / self.side).astype(int)
         for axis in range(2):
@@ -126,9 +132,9 @@ class Cells:
         return low[0], low[1], high[0], high[1]
 
     def _moves(self) -> np.ndarray:
-        """What a body can do in each cell (columns, rows): bits of the headings that are open, and STANDS.
+        """Return the possible moves in each cell (columns, rows): bits of the open headings, and ``STANDS``.
 
-        On a diagonal it needs both cells beside its path, and no wall in between.
+        A diagonal step needs both cells beside its path, and no wall in between.
         """
         # go[d][i, j]: from a cell to its neighbour east, north, west or south.
         columns, rows = self.size
@@ -158,7 +164,7 @@ class Cells:
 
 
 def _after(go: np.ndarray, step: tuple[int, int]) -> np.ndarray:
-    """A table of cells as read from the neighbour one ``step`` away, False outside."""
+    """Return a table of cells as read from the neighbour one ``step`` away, False outside."""
     columns, rows = go.shape
     around = np.pad(go, 1)
     return around[1 + step[0] : 1 + step[0] + columns, 1 + step[1] : 1 + step[1] + rows]

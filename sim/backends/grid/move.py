@@ -1,4 +1,4 @@
-"""What a body can do in the grid backend: looked up for its cell."""
+"""Motion in the grid backend: table look-ups of a body's cell."""
 
 import numpy as np
 
@@ -12,12 +12,12 @@ from sim.geometry import Geometry
 from sim.runtime import ti
 
 CENTRED = 1e-3
-"""Metres that a given pose may be off the middle of a cell."""
+"""Largest distance of a given pose from the middle of a cell, in metres."""
 
 
 @ti.func
 def looked_up(indices: ti.template(), house, cell):
-    """What is known of a cell; 0 outside."""
+    """Return the table entry of a cell; 0 outside the house."""
     header = house * HEADER
     columns, rows, known = indices[header + COLUMNS], indices[header + ROWS], 0
     if 0 <= cell[0] < columns and 0 <= cell[1] < rows:
@@ -27,20 +27,23 @@ def looked_up(indices: ti.template(), house, cell):
 
 @ti.data_oriented
 class Motion:
-    """A body that is a cell wide, from cell to cell."""
+    """A body that is one cell wide and moves from cell to cell."""
 
     config: Config
     body: Body
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
-        """The middles of a house's cells."""
+        """Return the lattice of the middles of a house's cells."""
         west, north, east, south = shape.bounds
         side = self.config.step
         size = round((east - west) / side), round((south - north) / side)
         return Lattice(middle(shape, side), side, size)
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The cells of the given poses; ``ValueError`` for one that is not in the middle of a cell."""
+        """Return the cells of the given poses.
+
+        Raises ``ValueError`` for a pose that is not in the middle of a cell.
+        """
         heading = eighths(pose)
         origin = np.stack([self.lattice(bank.geometries[number]).origin for number in house])
         steps = (pose[:, :2] - origin) / self.config.step
@@ -55,12 +58,12 @@ class Motion:
 
     @ti.func
     def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.stands``."""
+        """Return 1 if a body can be at a cell: see ``Backend.stands``."""
         return looked_up(indices, house, cell) >> STANDS & 1
 
     @ti.func
     def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
-        """See ``Backend.move``."""
+        """Return the cell after an action, and ``blocked``: see ``Backend.move``."""
         new, blocked = cell, 0
         if action == FORWARD:
             new = self.body.ahead(cell)

@@ -1,7 +1,7 @@
-"""Houses as the grid backend holds them: for each cell what a body can do there, and what its rays hit.
+"""Data layout of the grid backend: for each cell, the possible moves of a body and the hits of its rays.
 
-Walls lie on the edges of cells and pieces fill cells. Rays are cast once, from the middle of each cell that
-a body can be in and in every direction, and looked up from then on.
+Walls lie on the edges of cells and furniture fills cells. Rays are cast once, from the middle of each cell
+that a body can be in and in every direction; after that they are looked up.
 
     numbers   for each such cell the distance in each direction, and if it is seen what is hit there
     indices   H x header | for each cell: number of its row << 10 | stands << 8 | a bit for each heading: open
@@ -28,7 +28,7 @@ HEADER = 3
 FIRST_CELL, COLUMNS, ROWS = range(HEADER)
 
 ROW = 10
-"""The bit of a cell where the number of its row begins, behind those of its moves."""
+"""First bit of a cell's row number, after the bits of its moves."""
 
 MOST_CELLS = 1 << (31 - ROW)
 """Largest number of free cells in all houses of a bank. A cell holds its number in the bits from ``ROW``
@@ -36,7 +36,7 @@ on."""
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
-    """Bring houses to the device: what can be done and seen in each cell."""
+    """Copy houses to the device: the possible moves and the hits of rays in each cell."""
     shapes = [geometry(house) for house in houses]
     parts = [
         Cells(shape, config.step, codes(house, shape, config.kinds))
@@ -46,7 +46,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     cells, row, at = [], 0, header.size
     for k, part in enumerate(parts):
         header[k] = at, *part.size
-        stands = part.stands.T.ravel()  # a row of cells after the other, as they are looked up
+        stands = part.stands.T.ravel()  # row by row, the order of look-ups
         numbers = row + np.cumsum(stands) - 1
         cells.append(np.where(stands, part.moves.T.ravel() | numbers << ROW, 0))
         row, at = row + int(stands.sum()), at + stands.size
@@ -70,13 +70,16 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
 
 
 def _jobs(k: int, part: Cells) -> np.ndarray:
-    """(n, 3) int32: house, column and row of each cell that a body can be in, in the order of their rows."""
+    """Return (house, column, row) of each cell that a body can be in, (n, 3) int32, in row order."""
     rows, columns = np.nonzero(part.stands.T)
     return np.column_stack([np.full(len(rows), k), columns, rows]).astype(np.int32)
 
 
 def _houses(parts: list[Cells]) -> np.ndarray:
-    """(H x 6,) int32: columns, rows, where its upright and its level edges begin, and lines along x and y."""
+    """Return six numbers of each house, (H x 6,) int32.
+
+    They are columns, rows, first upright edge, first level edge, and first lines along x and along y.
+    """
     found = np.zeros((len(parts), 6), np.int32)
     found[:, :2] = [part.size for part in parts]
     found[1:, 2] = np.cumsum([part.upright.size for part in parts])[:-1]
@@ -88,14 +91,14 @@ def _houses(parts: list[Cells]) -> np.ndarray:
 
 @cache
 def _kernel(program: Any, config: Config) -> Any:
-    """A kernel that casts rays from the middles of cells."""
+    """Return a kernel that casts rays from the middles of cells."""
     rays, cell, furthest, notes_hits = Rays(config, 1), config.step, config.range, config.notes_hits
     body = Body(config)
     count = rays.count
 
     @ti.func
     def edge(edges: ti.template(), first, columns, rows, column, row):
-        """What is on an edge; nothing outside."""
+        """Return what is on an edge; 0 outside the house."""
         kind = 0
         if column >= 0 and column < columns and row >= 0 and row < rows:
             kind = edges[first + column * rows + row]
@@ -129,7 +132,7 @@ def _kernel(program: Any, config: Config) -> Any:
                         ahead = lines[houses[at + 4 + axis] + line] - eye[axis]
                         distance = ahead * over
                         searching = ti.cast(distance < nearest, ti.i32)
-                        # Where it crosses, in cells; near a corner the edges of both sides count.
+                        # The crossing, in cells; near a corner the edges of both sides count.
                         aside, slack = eye[1 - axis] + ahead * slope, ti.f32(OVERLAP / cell)
                         across = (aside - lines[houses[at + 5 - axis]]) * (1 / cell)
                         for part in ti.static((EXACT, 2 * EXACT)):  # see ``overlap``

@@ -1,4 +1,4 @@
-"""What rays hit in the grid backend: looked up for the eye's cell, and the target before it."""
+"""Sight in the grid backend: hits are looked up for the eye's cell, and then compared with the target."""
 
 from sim.backends.grid.move import looked_up
 from sim.backends.grid.pack import ROW
@@ -12,7 +12,10 @@ class Sight(RayBody):
 
     @ti.func
     def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
-        """See ``Backend.see``. Of hits at one distance walls come first, then pieces, then the target."""
+        """Return the distances and kinds of rays: see ``Backend.see``.
+
+        Of hits at the same distance, walls come first, then furniture, then the target.
+        """
         eye = self.body.eye(origin, cell)
         first = self.rays.first(cell[2], ray)
         nearest, kinds = self.rays.bits(0), self.rays.bits(0)
@@ -33,7 +36,7 @@ class Sight(RayBody):
 
     @ti.func
     def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.prefetch``: the distances."""
+        """Read some distances of the look: see ``Backend.prefetch``."""
         at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count)
         at += self.rays.first(cell[2], 0)
         half, last = ti.static(self.rays.lanes // 2), ti.static(self.rays.lanes - 1)
