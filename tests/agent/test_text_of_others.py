@@ -22,7 +22,7 @@ from agent.play.results import PlayedGame, ResultsError
 from agent.recording import trace
 from agent.report.folder import report
 from agent.runs import checkpoint
-from benchmarks.sections import SECTIONS
+from benchmarks import SECTIONS
 from logic import House, save
 from logic.drawing.draw import plan_svg
 from logic.errors import RequestError, VitruviusError

@@ -75,7 +75,11 @@ class Planner:
             flags = cells.occupied * OCCUPIED | cells.solid * SOLID | cells.near * NEAR
             self.array("cells")[e], self.array("dirty")[e] = cells.seen_at << FLAGS | flags, 1
         for name, number in numbers.items():
-            self.array("states")[e, AT[name]] = KINDS.index(number) if name == "kind" else number
+            state = self.array("states")[e, AT[name] :]
+            if name == "target":
+                state[:2].view(np.float32)[:] = number
+            else:
+                state[0] = KINDS.index(number) if name == "kind" else number
 
     def forget_tiles(self) -> None:
         """Mark every tile as dirty."""

@@ -10,10 +10,10 @@ import torch
 
 from agent.learning.environments import make_envs
 from logic import House, generate
-from sim import HouseVectorEnv
+from sim import DEFAULT, HouseVectorEnv
+from sim.actions import HEADINGS
 from tests.agent.learning.test_environments import mirror
-from tests.agent.planner.adapter import Planner
-from tests.agent.planner.reference import WAYS, Body
+from tests.agent.planner.adapter import UNKNOWN, Planner
 from tests.sample_houses import random_house
 
 E, STEPS = 8, 240
@@ -42,8 +42,9 @@ class Walk:
     rewards: list[np.ndarray] = field(default_factory=list)
 
     @property
-    def body(self) -> Body:
-        return Body(self.envs.config)
+    def cell(self) -> float:
+        """Metres."""
+        return self.planner.tested.cell
 
     @property
     def houses(self) -> list[House]:
@@ -80,16 +81,26 @@ class Walk:
                 before[e] = after
 
 
-def ask(walk: Walk, memories: list[Any], poses: list[tuple[int, int, int]], **numbers: Any) -> list[Any]:
-    """What planners make of these memories, one for each environment, from a pose each, in half cells:
-    after a step forward to it in which they look at nothing, without a goal unless ``numbers`` give one.
+def ask(
+    planner: Planner,
+    memories: list[Any],
+    poses: list[tuple[int, int, int]],
+    keep: bool = False,
+    **numbers: Any,
+) -> list[Any]:
+    """What planners make of these memories, one for each environment, from a pose each, in half cells: after
+    a step forward to it in which they look at nothing, without a goal unless ``numbers`` give one. They have
+    no gains and have tried nothing unless they ``keep`` what they have.
     """
-    planner, number = walk.planner, walk.envs.num_envs
     quiet = {"time": 301, "since": 280, "new": 0, "straight": 0, "known": 0, "kind": "none", "aligned": 1}
     for e, (memory, (x, y, heading)) in enumerate(zip(memories, poses, strict=True)):
-        dx, dy = (walk.body.step * way for way in WAYS[heading])
-        planner.write(e, memory, x=x - dx, y=y - dy, heading=heading, **(quiet | numbers))
-    blank, no = np.zeros_like(walk.inputs[0][0]), np.zeros(number, bool)
+        dx, dy = (planner.tested.body.step * way for way in HEADINGS[heading])
+        target = {"target": memory.target} if numbers.get("known") else {}
+        planner.write(e, memory, x=x - dx, y=y - dy, heading=heading, **(quiet | numbers | target))
+    if not keep:
+        planner.array("gains")[:], planner.array("candidates")[:] = UNKNOWN, 0
+    number, world = len(memories), planner.tested.world
+    blank, no = np.zeros((number, world.rays, world.channels), np.float32), np.zeros(number, bool)
     planner.step(blank, no, np.full(number, 2), no)
     return [planner.memory(e) for e in range(number)]
 
@@ -101,6 +112,12 @@ def continuous() -> Walk:
     houses = [random_house(seed) for seed in range(E - 1)]
     envs = make_envs([*houses, mirror(houses[0])], E, "mixed")
     return Walk(envs, Planner(envs.config, E)).record(STEPS, random=0.2)
+
+
+@pytest.fixture(scope="session")
+def planner() -> Planner:
+    """Planners whose memories tests write."""
+    return Planner(DEFAULT, E)
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""What a planner makes of its rays and moves, against the NumPy reference and against the true houses."""
+"""What a planner makes of its rays and moves, against the rays themselves and the true houses."""
 
 from dataclasses import replace
 from typing import Any
@@ -11,13 +11,14 @@ from agent.learning.environments import make_envs
 from logic import House, Piece, Rect, Star, StarRoom
 from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
+from sim.actions import FORWARD, HEADINGS, LEFT, RIGHT
 from sim.backends.grid.cells import STANDS, middle
 from sim.backends.grid.pack import pack
-from tests.agent.planner import planning, reference
-from tests.agent.planner.adapter import Planner
-from tests.agent.planner.conftest import STEPS, E, Walk
-from tests.agent.planner.reference import SIDE, SQUARE, WAYS
+from tests.agent.planner.adapter import SIDE, Planner
+from tests.agent.planner.brute_force import about
+from tests.agent.planner.conftest import E, Step, Walk
+
+SQUARE = ((0, 0), (0, 1), (1, 0), (1, 1))
 
 
 def octant(pose: np.ndarray) -> int:
@@ -28,120 +29,109 @@ def in_house(walk: Walk, e: int, points: np.ndarray) -> np.ndarray:
     """Points (n, 2) in cells of a planner's frame as metres in the house, by the pose where it began."""
     start = walk.poses[0][e]
     turn = octant(start) // 2 * np.pi / 2
-    x, y = points.T * walk.body.cell
+    x, y = points.T * walk.cell
     east, south = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
     return np.stack([start[0] + east, start[1] + south], axis=-1)
 
 
 def test_a_planner_knows_its_pose_from_its_own_moves(walk: Walk) -> None:
-    """Exactly, by the reference; and by the simulator's poses in the house."""
-    for number, (e, _, blocked, action, before, after) in enumerate(walk):
-        if after.time > 1:
-            assert (after.x, after.y, after.heading) == reference.moved(walk.body, before, action, blocked)
+    """Exactly, by the simulator's poses in the house; it tells a diagonal start from a straight one."""
+    for number, (e, _, _, _, _, after) in enumerate(walk):
         start, pose = walk.poses[0][e], walk.poses[number // walk.envs.num_envs][e]
         place = in_house(walk, e, np.array([[after.x, after.y]]) / 2)
         np.testing.assert_allclose(place[0], pose[:2], atol=1e-4)
         assert after.heading == (octant(pose) - octant(start) + octant(start) % 2) % 8
 
 
-def test_rays_show_floor_and_walls_where_the_reference_has_them(walk: Walk) -> None:
-    """Cells that rays pass are seen, and those that they end on are occupied. While a body goes straight on,
-    rays pass over floor that they showed before: next to none is missed.
-    """
-    body, nothing = walk.body, np.zeros((SIDE, SIDE), bool)
-    whole, straight = np.zeros(walk.envs.num_envs), np.zeros(walk.envs.num_envs, bool)
-    passed, missed, shown, left_out, poses = *np.zeros((3, STEPS + 1)), np.zeros(2), set()
-    for e, observation, _, action, before, after in walk:
-        time, pose = after.time, (after.x, after.y, after.heading)
-        straight[e] &= time > 1 and action == 2
-        known, new, was = (before.known, before.new, before.occupied) if time > 1 else (0, 0, nothing)
-        due = bool(new or time % (4 if known else 2) == 1 or not (straight[e] or known))
-        left_out[known] += not due
-        poses.add((after.heading, after.x % 2, after.y % 2))
-        least = most = hit = may_hit = nothing
-        if due:  # a part of a cell each way for rounding
-            least, most = (reference.shown(body, observation, *pose, slack) for slack in (-2e-3, 2e-3))
-            hit, may_hit = (
-                reference.occupied(reference.walls(body, observation, *pose, slack), slack)
-                for slack in (-1e-3, 1e-3)
-            )
-        now, under = after.seen_at == time, reference.under(after.x, after.y)
-        assert now[under | hit].all()
-        assert not (now & ~(most | may_hit | under)).any()
-        assert after.occupied[was | hit].all()
-        assert not (after.occupied & ~(was | may_hit)).any()
-        if straight[e] and not (body.touching and after.heading % 2):
-            shown[time] += least.sum()
-            passed[time] += (least & ~now).sum()
-            missed[time] += (least & (after.seen_at < whole[e])).sum()
-        elif due:
-            assert now[least].all()
-            whole[e], straight[e] = time, True
-        straight[e] &= time == 1 or before.since == after.since  # else all must be shown again
-    assert len(poses) >= (8 if body.touching else 24)  # of 8 headings by 4
-    assert left_out.min() > 50  # where no target was known, and where one was
-    assert passed.sum() > 0.4 * shown.sum()
-    assert missed[:161].sum() < 1e-4 * shown[:161].sum()
-    assert missed.sum() < 4e-4 * shown.sum()
+def ends(walk: Walk, step: Step) -> np.ndarray:
+    """Where rays end (R, 2), in cells of the planner's frame."""
+    world, after = walk.envs.config, step.after
+    angles = world.ray_angles + after.heading * np.pi / 4
+    far = step.observation[:, 0].astype(float)[:, None] * world.range / walk.cell
+    return np.array([after.x, after.y]) / 2 + far * np.column_stack([np.cos(angles), -np.sin(angles)])
 
 
-def test_bodies_have_no_room_at_walls(walk: Walk) -> None:
-    """Nodes close at the corners of cells that are newly occupied, or on the line of a wall that bodies
-    touch; they open where a body stands.
+def cells(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rows and columns of the cells that places (n, 2) lie in."""
+    column, row = np.floor(places).astype(int).T % SIDE
+    return row, column
+
+
+def test_floor_that_rays_pass_is_seen_and_none_beyond_their_ends(walk: Walk) -> None:
+    """Cells that a ray crosses in their midst, up to a cell before its end, but for one in a thousand; and of
+    what is seen now no cell lies further away than the two nearest rays reach, but for a cell.
     """
-    body = walk.body
-    for _, observation, blocked, action, before, after in walk:
-        if after.time == 1:
+    passed, missed = 0, 0
+    for step in walk:
+        after, far = step.after, ends(walk, step)
+        if after.time % 4 == step.e % 4 and after.straight == 0:  # rays were swept
+            eye = np.array([after.x, after.y]) / 2
+            long = np.hypot(*(far - eye).T)
+            along = np.arange(0.5, long.max(), 0.5)[:, None]
+            places = (eye + along[..., None] * (far - eye) / np.maximum(long, 1e-9)[:, None])[
+                along < long - 1
+            ]
+            places = places[(np.abs(places % 1 - 0.5) < 0.25).all(1)]
+            passed, missed = passed + len(places), missed + (after.seen_at[cells(places)] == 0).sum()
+            now = np.argwhere((after.seen_at == after.time) & ~after.occupied)[:, ::-1] + 0.5
+            now = (now - eye + 128) % SIDE - 128
+            way = np.arctan2(-now[:, 1], now[:, 0]) - after.heading * np.pi / 4
+            off = np.abs((way[:, None] - walk.envs.config.ray_angles + np.pi) % (2 * np.pi) - np.pi)
+            about = np.sort(off, axis=1)[:, 1] + 1e-6
+            reach = np.where(off <= about[:, None], long, 0).max(1)
+            assert (np.hypot(*now.T) < np.maximum(reach, 1) + 1).all()
+    assert passed > 10_000
+    assert missed < 1e-3 * passed
+
+
+def test_walls_are_occupied_where_rays_end_and_where_two_ends_join(walk: Walk) -> None:
+    """Each cell that rays end in, as they are swept; and no cell but those within a centimetre of an end or
+    of the line between two ends beside each other.
+    """
+    checked = 0
+    for step in walk:
+        after, before = step.after, step.before
+        hit = (step.observation[:, 0] < 1) & (step.observation[:, -1] == 0)
+        far = ends(walk, step)
+        new = after.occupied & ~before.occupied if after.time > 1 else after.occupied
+        if not new.any():
             continue
-        pose, new = (after.x, after.y, after.heading), after.occupied & ~before.occupied
-        due = reference.due(before, action)
-        least, most = (
-            reference.closed(body, reference.walls(body, observation, *pose, slack), new, slack) & due
-            for slack in (-1e-3, 1e-3)
-        )
-        must, may = before.solid | least, before.solid | most
-        if pose[0] % 2 == pose[1] % 2 == 0:
-            at = pose[1] // 2 % SIDE, pose[0] // 2 % SIDE
-            must[at] = may[at] = False
-        halted = blocked or (due and not body.may_go(observation, after.heading % 2))
-        ahead = planning.stopped(body, after, must) if halted else None
-        if ahead:
-            must[ahead] = may[ahead] = True
-        assert (after.solid | ~must).all()
-        assert not (after.solid & ~may).any()
+        assert after.occupied[cells(far[hit])].all()
+        joined = hit[1:] & hit[:-1]
+        parts = np.linspace(far[:-1][joined], far[1:][joined], 60).reshape(-1, 2)
+        middles = np.argwhere(new)[:, ::-1] + 0.5
+        off = np.abs((middles[:, None] - np.concatenate([far[hit], parts]) + 128) % SIDE - 128).max(-1).min(1)
+        assert (off < 0.5 + 0.07 + 0.05).all()
+        checked += len(off)
+    assert checked > 200
 
 
-def test_what_stops_a_body_closes_the_node_ahead_and_where_it_stands_is_room(walk: Walk) -> None:
-    """Something between two rays, that only a blocked move shows; and a wall that seemed to be nearer."""
-    body, number, stopped = walk.body, walk.envs.num_envs, 0
-    for time, inputs in enumerate(walk.inputs[:100]):
-        walk.planner.step(*inputs)
-        if time % 10 == 9:
-            before = [walk.planner.memory(e) for e in range(number)]
-            for e, memory in enumerate(before):
-                memory.solid[memory.y // 2 % SIDE, memory.x // 2 % SIDE] = True
-                walk.planner.write(e, memory, new=0, known=1, time=301)  # so that it does not look
-            no = np.zeros(number, bool)
-            walk.planner.step(inputs[0], ~no, np.full(number, 2), no)
-            for e, was in enumerate(before):
-                now, stands = walk.planner.memory(e), was.x % 2 == was.y % 2 == 0
-                assert (now.x, now.y, now.heading) == (was.x, was.y, was.heading)
-                was.solid[was.y // 2 % SIDE, was.x // 2 % SIDE] &= not stands
-                ahead = planning.stopped(body, was, was.solid)
-                if ahead:
-                    stopped += 1
-                    was.solid[ahead] = True
-                assert np.array_equal(now.solid, was.solid)
-    assert stopped > 10
+def test_bodies_have_no_room_at_the_corners_of_occupied_cells(continuous: Walk) -> None:
+    """Nor where something stopped them; but where they have stood there is."""
+    halted, stood = np.zeros((2, E, SIDE, SIDE), bool)
+    for e, _, blocked, _, _, after in continuous:
+        if blocked or not after.forward:
+            dx, dy = HEADINGS[after.heading]
+            for x, y in about(after.x + dx, after.y + dy):
+                halted[e, y % SIDE, x % SIDE] = True
+        if after.x % 2 == after.y % 2 == 0:
+            here = after.y // 2 % SIDE, after.x // 2 % SIDE
+            stood[e][here] = True
+            assert not after.solid[here]
+        if after.time % 5 == 0:
+            corners = np.any([np.roll(after.occupied, way, (0, 1)) for way in SQUARE], axis=0)
+            assert not (after.solid & ~corners & ~halted[e]).any()
+            assert not (corners & ~after.solid & ~stood[e]).any()
 
 
 def test_paths_may_lead_near_what_was_seen(walk: Walk) -> None:
     """At a distance along one of eight directions."""
     for step in walk:
         if step.after.time % 50 == 0:
-            seen, far = step.after.seen_at > 0, [(8 * x, 8 * y) for x, y in WAYS]
+            seen = step.after.seen_at > 0
+            near = np.any([seen, *(np.roll(seen, (8 * y, 8 * x), (0, 1)) for x, y in HEADINGS)], axis=0)
             assert seen.sum() > 200
-            assert np.array_equal(step.after.near, reference.grown(seen, far))
+            assert np.array_equal(step.after.near, near)
             assert 0.8 * seen.sum() < step.after.seen <= seen.sum()
 
 
@@ -160,7 +150,7 @@ def test_floor_on_the_map_is_floor_of_the_house(continuous: Walk) -> None:
             middles = (np.argwhere(cells)[:, ::-1] + 128) % SIDE - 128 + 0.5
             at = in_house(continuous, e, middles)[:, None]
             gap = np.abs(at - np.clip(at, sides[:, :2], sides[:, 2:])).max(-1)
-            off.append(gap.min(-1) / continuous.body.cell)
+            off.append(gap.min(-1) / continuous.cell)
         assert (off[0] < 0.5 + 0.08).all()
         assert len(off[1]) > 500
         assert (off[1] < 0.4).mean() < 0.02
@@ -179,7 +169,7 @@ def test_bodies_that_fill_cells_have_a_wall_on_the_map_where_there_is_one(grid: 
     for e, memory in enumerate(last(grid)):
         turn = octant(grid.poses[0][e]) // 2 * 2
         for heading in range(0, 8, 2):
-            way = np.array(WAYS[heading])
+            way = np.array(HEADINGS[heading])
             about = [way * k - corner for k in (0, 2) for corner in SQUARE]
             seen = [memory.seen_at[tuple((nodes + place)[:, ::-1].T % SIDE)] > 0 for place in about]
             there = nodes[np.all(seen, axis=0)]
@@ -248,20 +238,17 @@ def test_where_no_wall_is_in_sight_an_episode_begins_at_the_first_wall(continuou
     assert memory.occupied.sum() > 20
 
 
-def test_a_heading_begins_straight_or_diagonal_as_walls_show(walk: Walk) -> None:
-    for _, observation, _, _, _, after in walk:
-        if after.time == 1:
-            assert after.heading == (reference.diagonal(walk.body, observation) or 0)
-
-
 def test_an_episode_depends_on_no_other_environment_and_on_none_before(continuous: Walk) -> None:
-    """Environments in reverse order, after whatever the planner did before: the same memory."""
-    planner, memories = continuous.planner, last(continuous)
+    """Environments in reverse order, after whatever the planner did before, or one alone: the same memory."""
+    planner, memories, alone = continuous.planner, last(continuous), Planner(continuous.envs.config, 1)
     for inputs in continuous.inputs:
         planner.step(*(each[::-1].copy() for each in inputs))
+        alone.step(*(each[:1].copy() for each in inputs))
     for e, memory in enumerate(memories):
         for name, value in planner.memory(E - 1 - e).arrays.items():
             assert np.array_equal(value, memory.arrays[name]), name
+    for name, value in alone.memory(0).arrays.items():
+        assert np.array_equal(value, memories[0].arrays[name]), name
 
 
 def test_episodes_longer_than_a_cell_can_keep_are_refused() -> None:

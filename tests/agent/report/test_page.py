@@ -14,7 +14,7 @@ from agent.banks import benchmark
 from agent.recording import trace
 from agent.recording.trace import Trace
 from agent.report.folder import describe, write_report
-from benchmarks.sections import SECTIONS
+from benchmarks import SECTIONS
 from logic import House, save
 from tests.agent.report.conftest import STEPS, recorded, untrained
 from tests.agent.report.test_report import LINE, measured, metrics

@@ -21,7 +21,7 @@ from agent.report.folder import describe, report, write_report
 from agent.report.measured import section as measured_section
 from agent.report.page import ReportError
 from agent.report.plots import Axis, DataSeries, line_plot, some
-from benchmarks.sections import SECTIONS
+from benchmarks import SECTIONS
 from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
 from tests.agent.report.conftest import HOUSE
