@@ -9,7 +9,7 @@ from logic.readers.houseexpo import is_houseexpo, read_houseexpo
 from logic.readers.ifc import is_ifc, read_ifc
 from logic.readers.imdf import is_imdf, read_imdf
 from logic.readers.resplan import is_resplan, read_resplan
-from logic.readers.sketch import Sketch
+from logic.readers.sketch import Sketch, require_few
 
 
 class Reader(NamedTuple):
@@ -35,4 +35,8 @@ def sketch(content: bytes, record: Any, storey: str | None = None) -> Sketch | N
     """
     content = content.removeprefix(BOM_UTF8)
     reader = next((each for each in READERS if each.recognises(content, record)), None)
-    return reader and reader.read(content, record, storey)
+    if not reader:
+        return None
+    found = reader.read(content, record, storey)
+    require_few(len(found.spaces), len(found.passages) + len(found.windows))
+    return found

@@ -18,10 +18,10 @@ from shapely import Geometry, LineString, Point, STRtree
 from shapely.geometry import shape
 
 from logic.errors import RequestError
-from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
+from logic.house.parts import LONGEST_NAME
 from logic.opener import reason
 from logic.readers.features import GEOMETRIES, features
-from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons, require_plain
+from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons, require_few, require_plain
 from logic.readers.types import element, meant
 from logic.readers.units import degrees_of, is_web_mercator, metres_to, plane
 from logic.spelling import numbered, printable
@@ -95,9 +95,7 @@ def read_geojson(
     found = _of_storey([each for each in read if each], storey)
     rooms = [each for each in found if each.what == "room"]
     others = [each for each in found if each.what != "room"]
-    if len(rooms) > MOST_ROOMS or len(others) > MOST_OPENINGS:
-        many = f"{numbered(len(rooms), 'room')} and {len(others):,} doors and windows"
-        raise RequestError(f"plan: it has {many}: at most {MOST_ROOMS:,} and {MOST_OPENINGS:,} are read")
+    require_few(len(rooms), len(others))
     if not rooms:
         beside = f", but {_counted(passed)}" if passed else ""
         raise RequestError(f"plan: it has no polygon that is a room{beside}")
@@ -110,6 +108,7 @@ def read_geojson(
     shapes = [_geometry(each) for each in others]
     require_plain([*(each.shape for _, each in drawn), *shapes])
     spaces = [part for each in drawn for part in _valid(*each)]
+    require_few(len(spaces), len(shapes))
     if unit is None and is_web_mercator(record):
         spaces = [each._replace(shape=degrees_of(each.shape)) for each in spaces]
         shapes = list(map(degrees_of, shapes))

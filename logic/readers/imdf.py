@@ -12,9 +12,8 @@ from shapely import Geometry
 from shapely.geometry import shape
 
 from logic.errors import RequestError
-from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
 from logic.opener import ZIPPED, archive_of, from_json, member_of
-from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_plain
+from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_few, require_plain
 from logic.readers.units import plane
 
 FORMAT = "IMDF"
@@ -37,11 +36,7 @@ def read_imdf(content: bytes, record: Any, storey: str | None) -> Sketch:
     """Units are rooms and openings doors, on the plane that touches the earth in their midst."""
     features = _of_level(_unpacked(content) if content.startswith(ZIPPED) else record["features"], storey)
     units, openings = ([each for each in features if _kind(each) == kind] for kind in ("unit", "opening"))
-    if len(units) > MOST_ROOMS or len(openings) > MOST_OPENINGS:
-        raise RequestError(
-            f"plan: it has {len(units):,} units and {len(openings):,} openings: at most {MOST_ROOMS:,} and "
-            f"{MOST_OPENINGS:,} are read"
-        )
+    require_few(len(units), len(openings))
     shapes, doors = (list(map(_geometry, each)) for each in (units, openings))
     require_plain([*shapes, *doors])
     spaces = [space for each, shape in zip(units, shapes, strict=True) for space in _spaces(each, shape)]

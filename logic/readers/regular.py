@@ -15,7 +15,7 @@ from shapely import Geometry, Polygon, affinity
 
 from logic.errors import RequestError
 from logic.house.boxes import Box
-from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS, OUTSIDE, Room
+from logic.house.parts import LONGEST_NAME, MOST_ROOMS, OUTSIDE, Room
 from logic.readers.sketch import Sketch, Space, require_plain
 from logic.readers.types import OUTSIDE as NO_ROOM
 from logic.readers.types import kind_of
@@ -83,8 +83,6 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     )
     if unknown:
         notes.append(f"words of no known type, so these rooms may have any: {', '.join(unknown[:8])}")
-    if (openings := len(sketch.passages) + len(sketch.windows)) > MOST_OPENINGS:
-        raise RequestError(f"plan: {openings:,} doors and windows: at most {MOST_OPENINGS:,} are read")
     require_plain([*(each.shape for each in sketch.spaces), *(each.shape for each in sketch.passages)])
     metres = metres_to(unit) if unit else sketch.unit
     _require_sizes([each.shape for each in spaces], metres, sketch.format, unit)
@@ -180,6 +178,8 @@ def _surrounded(
     spaces: Sequence[Space], others: Sequence[Space], upright: Callable[[Any], Any]
 ) -> tuple[list[Space], list[Space]]:
     """Divide ``others``, such as loggias, into those that rooms enclose or that join rooms, and the rest."""
+    if not others:
+        return [], []
     floor = shapely.union_all([upright(space.shape) for space in spaces])
     outlines = [Polygon(part.exterior) for part in parts_of(floor.buffer(MOST_WALL / 2, join_style="mitre"))]
     found: tuple[list[Space], list[Space]] = [], []

@@ -10,7 +10,8 @@ import shapely
 from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
-from logic.spelling import listed, quoted, unknown
+from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
+from logic.spelling import listed, numbered, quoted, unknown
 
 FAR = 1e8
 """Greatest distance from the origin, in units of the file; coordinates of maps are smaller."""
@@ -77,6 +78,15 @@ def numbers(value: Any, least: int) -> list[float] | None:
     if not all(type(each) in (int, float) and abs(each) < 1e6 for each in value):
         return None
     return [float(each) for each in value]
+
+
+def require_few(rooms: int, openings: int) -> None:
+    """Raise ``RequestError`` for more rooms than ``MOST_ROOMS`` or more openings than ``MOST_OPENINGS``."""
+    if rooms > MOST_ROOMS or openings > MOST_OPENINGS:
+        raise RequestError(
+            f"plan: it has {numbered(rooms, 'room')} and {openings:,} doors and windows: at most "
+            f"{MOST_ROOMS:,} and {MOST_OPENINGS:,} are read"
+        )
 
 
 def require_plain(shapes: Sequence[Geometry]) -> None:
