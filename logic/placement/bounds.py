@@ -1,4 +1,4 @@
-"""What the lengths of a house could have been, and which constraints bind them."""
+"""Possible ranges of the lengths of a house, and the constraints that bind them."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -15,9 +15,9 @@ from logic.request.fixed_rooms import FixedRoom
 def room_bounds(
     placer: Placer, room: RoomLayout, target: Symbol, taken: float | None = None
 ) -> dict[str, Any]:
-    """What the lengths of a target in a room could have been, and which constraints bind: see core.pl.
+    """Return the ranges of a target's lengths in a room, and the constraints that bind: see core.pl.
 
-    ``taken``: the area of all other rooms of a star, square metres, of whose area the room has the rest.
+    ``taken``: the area of all other rooms of a star, square metres, if the room has the rest of its area.
     """
     others = "any" if taken is None else float(taken)
     return placer.ask("room_lengths", room.type, room.furniture, room.given, others, room.seed, target)
@@ -26,9 +26,9 @@ def room_bounds(
 def wall_bounds(
     placer: Placer, layout: Iterable[Symbol], rooms: Sequence[Rect], number: int, outlined: bool = False
 ) -> dict[str, Any]:
-    """What the sizes of a plan's room could have been, and which constraints bind: ``plan_bounds.pl``.
+    """Return the ranges of the sizes of a plan's room, and the constraints that bind: ``plan_bounds.pl``.
 
-    ``outlined``: where the outline of the plan stays as it is.
+    ``outlined``: True if the outline of the plan is fixed.
     """
     west, north = min(room.x for room in rooms), min(room.y for room in rooms)
     boxes = [
@@ -50,19 +50,23 @@ def wall_bounds(
 def main_bounds(
     placer: Placer, rooms: Iterable[FixedRoom], corners: Iterable[Symbol], width: float
 ) -> dict[str, Any]:
-    """What the main room's lengths could have been around rooms of these sizes: see core.pl."""
+    """Return the ranges of the main room's lengths around rooms of these sizes: see core.pl."""
     outlines = [Term("outline", room.side, room.width, room.depth, room.door) for room in rooms]
     return placer.ask("main_lengths", outlines, corners, width)
 
 
 def open_lengths(placer: Placer, types: tuple[str, str], wall: float) -> tuple[float, float, list[str]]:
-    """How wide (m) an opening between rooms of these types may be in this part of a wall, by which clauses:
-    ``plan_bounds.pl``.
+    """Return the range of an opening's width between rooms of these types in this part of a wall, metres.
+
+    The third value names the clauses of the range: ``plan_bounds.pl``.
     """
     least, greatest, clauses = placer.ask("open_lengths", *types, float(wall))
     return least, greatest, clauses
 
 
 def opening_lengths(placer: Placer, type_: str, other: str, start: float, end: float) -> dict[str, Any]:
-    """Lengths (m) of a door between rooms of these types, and of a window of the first: ``plan_bounds``."""
+    """Return lengths of a door between rooms of these types, and of a window of the first, in metres.
+
+    See ``plan_bounds.pl``.
+    """
     return placer.ask("opening_lengths", type_, other, float(start), float(end))

@@ -1,4 +1,4 @@
-"""What lengths forbid in a plan of the user's, and where its doors and windows are."""
+"""Conflicts of a user's plan with lengths, and the places of its doors and windows."""
 
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
@@ -41,8 +41,9 @@ def within_walls(plan: OwnPlan, thick: Thickness | None) -> OwnPlan:
 def plan_faults(
     placer: Placer, plan: OwnPlan, types: Iterable[str], openings: Iterable[Term]
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-    """What the lengths forbid in a user's plan: facts of ``own.lp``, each with its clauses. ``openings`` are
-    terms ``opening(Type,Other)``.
+    """Return the conflicts of a user's plan with lengths: facts of ``own.lp``, each with its clauses.
+
+    ``openings`` are terms ``opening(Type,Other)``.
     """
     thick = placer.wall_thickness.inner if placer.wall_thickness else 0.0
     rooms = [
@@ -63,15 +64,16 @@ def plan_faults(
 def openings(
     placer: Placer, plan: OwnPlan, layout: Sequence[Symbol], seed: int
 ) -> tuple[list[PlanDoor], list[PlanWindow]]:
-    """Doors and windows with their places in a plan of the user's, metres: see ``own_plan.pl``."""
+    """Return doors and windows with their places in a user's plan, metres: see ``own_plan.pl``."""
     types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
     found = placer.ask("own_openings", layout, types, _walls(placer, plan), seed)
     return msgspec.convert((found["doors"], found["windows"]), tuple[list[PlanDoor], list[PlanWindow]])
 
 
 def inner_span(plan: OwnPlan, wall: Wall, thick: Thickness | None) -> tuple[float, float]:
-    """Where a wall of a plan, whose rooms meet in the middle of walls that are so thick, begins and ends
-    within: at the faces of the walls across, metres.
+    """Return the start and end of a wall of a plan between the faces of the walls across, metres.
+
+    The rooms of the plan meet in the middle of walls with this thickness.
     """
     if thick is None:
         return wall.start, wall.end
@@ -79,7 +81,10 @@ def inner_span(plan: OwnPlan, wall: Wall, thick: Thickness | None) -> tuple[floa
     half = thick.inner / 2
 
     def across(own: float, end: float) -> float:
-        """Of the wall across: where an outer wall ends and its side goes on, it is an outer one."""
+        """Return the thickness of the wall across on this side.
+
+        If an outer wall ends but its side goes on, the wall across is an outer wall.
+        """
         whole = wall.behind is not None or abs(own - end) <= TOLERANCE
         return half if whole else thick.outer - half
 

@@ -1,4 +1,4 @@
-"""What enters stage 2: the rooms of a layout, as stage 1 makes it."""
+"""Input of stage 2: the rooms of a layout from stage 1."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -12,9 +12,9 @@ from logic.request.fixed_rooms import FixedRoom
 
 @dataclass(frozen=True)
 class RoomLayout:
-    """One room of a layout: its number, type and side, the atoms that furnish it, the seed of its lengths.
+    """Room of a layout: its number, type and side, the atoms that furnish it, and the seed of its lengths.
 
-    ``given`` is what is known of it before, its size and doors: see ``rules/room/given_rooms.pl``.
+    ``given`` is its known size and doors: see ``rules/room/given_rooms.pl``.
     """
 
     number: int
@@ -28,14 +28,14 @@ class RoomLayout:
 
 @dataclass(frozen=True)
 class Layout:
-    """An answer of stage 1: the rooms, clockwise, and which side may stand out past each corner."""
+    """Result of stage 1: the rooms, clockwise, and for each corner the side that may stand out past it."""
 
     rooms: Sequence[RoomLayout]
     corners: Sequence[Symbol]
 
     @classmethod
     def unfurnished(cls, atoms: Iterable[Symbol], fixed: Sequence[FixedRoom]) -> "Layout":
-        """What these atoms say, without furniture: types, sides, and which rooms are the ``fixed`` ones."""
+        """Return the layout of these atoms without furniture: types, sides, and the ``fixed`` rooms."""
         named = defaultdict[str, list[Symbol]](list)
         for atom in atoms:
             named[atom.name].append(atom)

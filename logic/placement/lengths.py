@@ -1,4 +1,4 @@
-"""What the lengths of a grammar say by themselves: extremes, areas, contradictions."""
+"""Results of a grammar's lengths by themselves: extremes, areas, contradictions."""
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import Any
@@ -11,18 +11,18 @@ from logic.placement.placer import Placer
 from logic.placement.prolog import Term
 
 DOOR_WIDTH = Function("length", [Function("door_width")])
-"""The clause of the width of doors, by its name as in ``Conflict``."""
+"""Clause of the width of doors, by its name as in ``Conflict``."""
 
 
 def stated_lengths(
     placer: Placer, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
 ) -> tuple[dict[str, Any], list[GrammarError], list[Symbol]]:
-    """The named lengths, and the extremes of each room type and its pieces, in metres.
+    """Return the named lengths, and the extremes of each room type and its pieces, in metres.
 
-    ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}, "turning":
-    {type: m}}``, where extremes are ``[least width, greatest width, least depth, greatest depth]``; an error
-    for each clause that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that
-    may be ``turned`` need no wall as long as they are.
+    The first value is ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece:
+    extremes}}, "turning": {type: m}}``. Extremes are ``[least width, greatest width, least depth, greatest
+    depth]``. The second value has an error for each useless clause. The third lists the absent clauses, named
+    as in ``Conflict``. Pieces that may be ``turned`` need no wall of their length.
     """
     wanted = [
         Term("furniture", type_, [Term("piece", p, "true" if p in turned else "false") for p in pieces])
@@ -51,10 +51,10 @@ def stated_lengths(
 def disagreements(
     placer: Placer, types: Mapping[str, bool], joints: Iterable[Term], units: bool, most_rooms: int
 ) -> list[GrammarError]:
-    """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
+    """Return errors for lengths that only some grammars state, and for contradictions: ``agreement.pl``.
 
-    ``types`` have a size, each with whether such rooms have windows; ``joints`` are terms
-    ``opening(Type,Other)`` and ``part(Type,Whole)``; houses are with or without units.
+    ``types`` have a size, each with True if such rooms have windows. ``joints`` are terms
+    ``opening(Type,Other)`` and ``part(Type,Whole)``. Houses are with or without ``units``.
     """
     topology = Term("topology", placer.kind_of_walls, "true" if units else "false", most_rooms)
     rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
@@ -62,14 +62,15 @@ def disagreements(
 
 
 def metres(placer: Placer, types: Iterable[str], pieces: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the lengths and areas that clauses state for these room types and pieces, in metres and square
-    metres: see ``promised.pl``.
+    """Return the lengths and areas that clauses state for these room types and pieces.
+
+    Units are metres and square metres: see ``promised.pl``.
     """
     return placer.ask("grammar_metres", LENGTHS, list(types), list(pieces))
 
 
 def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:
-    """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
+    """Return predicate, name, file, line and column of each clause that sizes a room or piece type."""
     return [tuple(row) for row in placer.ask("grammar_sized")]
 
 
@@ -84,33 +85,39 @@ def typical_lengths(placer: Placer, types: Iterable[str]) -> dict[Symbol, Reason
 
 
 def wall_lengths(placer: Placer, types: Iterable[str], openings: Iterable[Term]) -> list[Any]:
-    """How much wall a door takes, how much rooms share that share one, how much wall each of the openings
-    (terms ``opening(Type,Other)``) takes by which clauses, the extremes of each room type's size, how thick
-    inner walls are, metres, and the clauses of widths of doors: ``plans.pl``.
+    """Return the lengths of walls, metres, that stage 1 needs: ``plans.pl``.
+
+    In order: the wall that a door takes; the wall that two adjacent rooms share; for each opening (terms
+    ``opening(Type,Other)``) the wall that it takes, with its clauses; the extremes of each room type's size;
+    the thickness of inner walls; and the clauses of widths of doors.
     """
     return placer.ask("plan_lengths", types, openings)
 
 
 def brief_lengths(placer: Placer, types: Iterable[str], openings: Iterable[Term]) -> list[Any]:
-    """As ``wall_lengths``, of sizes and areas as they are stated, of which nothing is left out."""
+    """Return the same as ``wall_lengths``, with all stated sizes and areas and nothing left out."""
     return placer.ask("brief_lengths", types, openings)
 
 
 def area_bounds(placer: Placer, types: Iterable[str]) -> list[Any]:
-    """The least and greatest area of the house; type, areas and widths of each type of room. In metres
-    and square metres, and empty where no area of the house is stated: ``totals.pl``.
+    """Return the least and greatest area of the house, and the type, areas and widths of each room type.
+
+    Units are metres and square metres. The result is empty if no area of the house is stated: ``totals.pl``.
     """
     return placer.ask("house_areas", types)
 
 
 def unit_depths(placer: Placer) -> tuple[float, float] | None:
-    """How deep units may be, metres; None where no clause bounds it."""
+    """Return the least and greatest depth of units, metres, or None if no clause limits it."""
     range_ = placer.ask("unit_depths")
     return range_ and tuple(range_)
 
 
 def _first_at_each_place(wrong: Iterable[Sequence[Any]]) -> list[GrammarError]:
-    """Errors of ``[file, line, column, text]``: one clause may be wrong in each of several types of room."""
+    """Return errors of ``[file, line, column, text]``, one at each place.
+
+    One clause may be wrong in several room types.
+    """
     errors = {}
     for file, line, column, text in wrong:
         errors.setdefault((file, line, column), GrammarError(text, file, line, column))

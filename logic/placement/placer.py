@@ -1,6 +1,6 @@
 """Stage 2, SWI-Prolog through pyswip: CLP(R) turns a layout into a house with coordinates in metres.
 
-One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
+Each house takes one goal, with terms in and JSON out: see ``logic.placement.prolog``.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -33,39 +33,40 @@ S = TypeVar("S", Plan, UnitRange)
 
 
 class Infeasible(Exception):
-    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for a plan's walls."""
+    """Proof that no sizes and places satisfy the rules for some rooms of a layout, or for a plan's walls."""
 
     def __init__(self, conflicts: Mapping[int, Conflict], inferences: int, undecided: bool = False) -> None:
-        """Keep the conflict in each room, by number, and the Prolog inferences that the proof took.
+        """Set the conflict in each room, by number, and the Prolog inferences of the proof.
 
-        ``undecided``: none is proved, nor is a solution found; the conflict is all that there is.
+        ``undecided``: there is neither a proof nor a solution, only this conflict.
         """
         super().__init__(f"rooms {list(conflicts)} are infeasible")
         self.conflicts, self.inferences, self.undecided = conflicts, inferences, undecided
 
 
 class Misfit(Exception):
-    """These rooms do not fit between the fixed rooms, or leave a main room no area; where that is infeasible,
-    no other sizes do either.
+    """These rooms do not fit between the fixed rooms, or leave a main room no area.
+
+    If ``infeasible`` is True, no other sizes fit either.
     """
 
     def __init__(self, infeasible: bool, inferences: int) -> None:
-        """Keep the Prolog inferences that it took."""
+        """Set the Prolog inferences of the search."""
         super().__init__("the rooms do not fit together")
         self.infeasible, self.inferences = infeasible, inferences
 
 
 class Placer:
-    """The Prolog engine of this process with one grammar's lengths."""
+    """Prolog engine of this process with one grammar's lengths."""
 
     _loaded: "ClassVar[Placer | None]" = None
     """Placer whose lengths the Prolog engine has loaded."""
 
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
-        """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
+        """Load the core and the grammar's ``.pl`` files, for houses on a grid if ``cell`` is not 0.
 
-        ``problems`` holds what is wrong with them, as ``[file, line, column, text, name]``: the ``name`` of a
-        predicate that is not known, or empty.
+        ``cell`` is the side of a cell, metres. ``problems`` holds the mistakes in the files, as ``[file,
+        line, column, text, name]``. The ``name`` is that of an unknown predicate, or empty.
         """
         self._grammar, self.cell = grammar, cell
         self.account = Account(self._located)
@@ -88,13 +89,11 @@ class Placer:
     ) -> StarPlan:
         """Place a layout, metres.
 
-        Conflicts are ``minimal``, or else found five times as quickly.
-
-        Raises ``Infeasible`` if the constraints have no solution, ``Misfit`` if the rooms do not fit
-        together, ``LimitReached`` past this number of inferences, ``GrammarError`` for a
-        clause that does not end.
+        Conflicts are ``minimal``, or else found five times as quickly. Raises ``Infeasible`` if the
+        constraints have no solution, ``Misfit`` if the rooms do not fit together, ``LimitReached`` after this
+        number of inferences, and ``GrammarError`` for a clause that does not end.
         """
-        # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
+        # Seeds for the rooms and the main room: passing thousands of numbers costs more than sampling them.
         rooms = [
             _fixed(room.number, room.fixed)
             if room.fixed
@@ -120,7 +119,7 @@ class Placer:
     def area_conflict(
         self, layout: Layout, fixed: Sequence[FixedRoom], types: Iterable[str], without: Iterable[Symbol] = ()
     ) -> Conflict | None:
-        """Why no star with these types and sides has the area that is stated; None where some may have it."""
+        """Return the conflict of a star with these types and sides with the stated area, or None."""
         rooms = [
             Term(
                 "fixed",
@@ -145,12 +144,11 @@ class Placer:
         given: Iterable[Term] = (),
         thorough: bool = False,
     ) -> Plan:
-        """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``plans.pl``.
+        """Place the walls, doors and windows of a plan, metres, with the ``given`` places: ``plans.pl``.
 
-        ``thorough`` leaves out no size that an area allows, and takes longer.
-
-        Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
-        arithmetic, ``LimitReached`` past this number of inferences.
+        ``thorough`` considers all sizes that an area allows, and takes longer. Raises ``Infeasible`` for room
+        0 if the constraints have no solution, proved in rational arithmetic, and ``LimitReached`` after this
+        number of inferences.
         """
         self.account.at(account.LENGTHS, "the lengths of walls (CLP(R))")
         plan = Term("plan", [*layout, *([THOROUGH] if thorough else [])], list(given), seed, "minimal")
@@ -160,21 +158,21 @@ class Placer:
 
     @cached_property
     def wall_thickness(self) -> Thickness | None:
-        """How thick walls are that rooms share; None where they have no thickness."""
+        """Thickness of walls that rooms share, or None for walls without thickness."""
         inner, outer = self.ask("wall_thicknesses")
         return Thickness(inner, outer) if outer else None
 
     def unit_range(self, layout: Iterable[Symbol], axis: str, depth: float, inferences: int) -> UnitRange:
-        """How long a unit may be that is this deep along an axis, metres.
+        """Return the range of lengths of a unit with this depth along an axis, metres.
 
-        Raises as ``walls``.
+        Raises as ``walls`` does.
         """
         self.account.at(account.LENGTHS, "the lengths of a unit's walls (CLP(R))")
         unit = Term("unit", layout, axis, depth, "minimal")
         return self._solved("unit_extremes", unit, inferences, UnitRange)
 
     def _solved(self, predicate: str, asked: Term, inferences: int, kind: type[S]) -> S:
-        """What walls are, as a predicate of ``plans.pl`` answers."""
+        """Return the walls in the answer of a predicate of ``plans.pl``."""
         answer = self.ask(predicate, asked, inferences)
         if "limit" in answer:
             raise OutOfInferences
@@ -185,7 +183,7 @@ class Placer:
     def wall_conflict(
         self, layout: Iterable[Symbol], without: Iterable[Symbol], thorough: bool = False
     ) -> Conflict | None:
-        """Return a minimal conflict of a plan's walls, some clauses left out; None if they have places.
+        """Return a minimal conflict of a plan's walls without some clauses, or None if they have places.
 
         ``thorough``: see ``walls``.
         """
@@ -197,9 +195,9 @@ class Placer:
     ) -> tuple[list[Pieces | None], dict[int, Conflict], int]:
         """Furnish rooms of given sizes, terms as in ``rules/room/given_rooms.pl``.
 
-        Gives the pieces of each room, or None; the conflict in each room that cannot have
-        its furniture, by its place in ``rooms``; and the Prolog inferences that it took. Raises
-        ``LimitReached`` past this number of them.
+        Returns the pieces of each room, or None; the conflict in each room that cannot have its furniture, by
+        its index in ``rooms``; and the number of Prolog inferences. Raises ``LimitReached`` after
+        ``inferences``.
         """
         proof = "minimal" if minimal else "quick"
         answer = self.ask("rooms_furnished", rooms, proof, inferences)
@@ -209,46 +207,46 @@ class Placer:
         return msgspec.convert(answer["rooms"], list[Pieces | None]), conflicts, answer["inferences"]
 
     def loose_conflict(self, room: Term, without: Iterable[Symbol] = ()) -> Conflict | None:
-        """A minimal conflict of a room of given size whose doors may move, some clauses left out, or None."""
+        """Return a minimal conflict, without some clauses, of a room whose doors may move, or None."""
         reasons = self.ask("loose_room_conflict", room, without)
         return None if reasons is None else _conflict(reasons)
 
     def loose_starts(self, room: Term, seed: int) -> list[list[float]]:
-        """Where the doors of such a room start on each of its walls, metres, if it has no conflict."""
+        """Return the starts of the doors on each wall of such a room, metres, if it has no conflict."""
         return self.ask("loose_room_starts", room, seed)
 
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
-        """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
+        """Return the pieces and companions of a room in a house file's order: type and atom of stage 1."""
         found = self.ask("room_pieces", room.type, room.furniture, room.given)
         return [(type_, parse_term(atom)) for type_, atom in found]
 
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
-        """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
+        """Return file and line of the clauses that the grammar states, named as in ``Conflict``."""
         found = self.ask("grammar_origins", clauses)
         return {parse_term(clause): (file, line) for clause, file, line in found}
 
     def _located(self, clauses: Iterable[Symbol]) -> dict[Symbol, Reason]:
-        """Clauses with their text, by where they stand."""
+        """Return clauses with their text and places."""
         return {clause: located(*place) for clause, place in self.origins(clauses).items()}
 
     def conflict(
         self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
     ) -> Conflict | None:
-        """A minimal conflict of a room with this furniture, some clauses left out; None if it has places."""
+        """Return a minimal conflict of a room with this furniture, without some clauses, or None."""
         reasons = self.ask("room_conflict", type_, furniture, without)
         return None if reasons is None else _conflict(reasons)
 
     def reason(self, file: str, line: int) -> Reason:
-        """Return the clause at a line, and True if the clause is typical."""
+        """Return the clause at a line, marked if it is typical."""
         return replace(located(file, line), typical=(file, line) in self._typical)
 
     def version(self) -> str:
-        """SWI-Prolog's version, as in 9.0.4."""
+        """Return SWI-Prolog's version, as in 9.0.4."""
         number = self.ask("solver_version")
         return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
 
     def ask(self, predicate: str, *arguments: Any) -> Any:
-        """As ``prolog.ask``; an error that a predicate raises is a fault of the grammar's."""
+        """Call ``prolog.ask``. An error that a predicate raises is a fault of the grammar."""
         try:
             return prolog.ask(predicate, *arguments)
         except prolog.PrologError as error:
@@ -256,7 +254,7 @@ class Placer:
 
 
 def located(file: str, line: int) -> Reason:
-    """The clause at a line, with its source from its first line to the full stop."""
+    """Return the clause at a line, with its source from its first line to the full stop."""
     with open(file, encoding="utf-8") as rules:
         lines = rules.read().split("\n")[line - 1 :]
     text = ""
@@ -268,7 +266,7 @@ def located(file: str, line: int) -> Reason:
 
 
 def _below_its_includes(file: Path) -> str | Term:
-    """A file for ``rules/language/written.pl``."""
+    """Return a file for ``rules/language/written.pl``, with the number of lines that hold its includes."""
     lines = height(file.read_text("utf-8", "replace"), file.suffix)
     return Term("-", str(file), lines) if lines else str(file)
 
@@ -279,7 +277,7 @@ def _fixed(number: int, room: FixedRoom) -> Term:
 
 
 def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:
-    """Reasons as SWI-Prolog gives them, by kind: an atom that holds or fails, a clause."""
+    """Return a conflict from SWI-Prolog's reasons by kind: an atom that holds or fails, or a clause."""
     terms = [(kind, parse_term(text)) for kind, text in reasons]
     return Conflict(
         {term: kind == "holds" for kind, term in terms if kind != "clause"},

@@ -1,4 +1,4 @@
-"""What stage 2 gives: unfurnished plans whose rooms share walls, and stars. Metres; rooms by number."""
+"""Results of stage 2: unfurnished plans whose rooms share walls, and stars. Metres; rooms by number."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,39 +14,42 @@ Pieces = tuple[Piece, ...]
 
 
 class PlanRoom(Rect, frozen=True):
-    """A room of a plan. Its ``number`` is stage 1's; doors and windows name it by its place in the plan."""
+    """Room of a plan. Its ``number`` is stage 1's; doors and windows refer to its index in the plan."""
 
     number: int
     type: str
     name: str = ""
-    """Of its own; by default its place says it: ``R0``, ``R1``..."""
+    """Own name; by default its index gives the name: ``R0``, ``R1``..."""
     pieces: Pieces | None = None
-    """Its furniture, where it has some already and keeps it."""
+    """Furniture of a room that is furnished already and keeps it."""
     part_of: int | None = None
-    """The place of the room that it is a part of."""
+    """Index of the room that it is a part of."""
 
 
 class PlanDoor(Rect, frozen=True):
-    """A door between rooms by their places, or a room and ``outside``. The second is entered by it."""
+    """Door between two rooms by their indices, or a room and ``outside``.
+
+    It is the second room's entrance.
+    """
 
     between: tuple[int | str, int | str]
     opening: bool = False
 
 
 class PlanWindow(Rect, frozen=True):
-    """A window of a room by its place."""
+    """Window of a room, by the room's index."""
 
     room: int
 
 
 class Plan(msgspec.Struct):
-    """Rooms that share walls, and their doors and windows."""
+    """Rooms that share walls, with their doors and windows."""
 
     rooms: list[PlanRoom]
     doors: list[PlanDoor]
     windows: list[PlanWindow]
     inferences: int = 0
-    """Of Prolog, that it took."""
+    """Number of Prolog inferences that the plan took."""
     hub: str = ""
     wall_thickness: Thickness | None = None
     drawn_windows: bool = False
@@ -58,32 +61,32 @@ class Plan(msgspec.Struct):
         return self.wall_thickness.inner / 2 if self.wall_thickness else 0.0
 
     def join(self, parts: Mapping[int, int]) -> None:
-        """Say of rooms, by their numbers, of which others they are parts."""
+        """Set the rooms of which other rooms are parts, by their numbers."""
         places = {room.number: place for place, room in enumerate(self.rooms)}
         for place, room in enumerate(self.rooms):
             if room.number in parts:
                 self.rooms[place] = msgspec.structs.replace(room, part_of=places[parts[room.number]])
 
     def name(self, place: int) -> str:
-        """A room's."""
+        """Return the name of a room."""
         return self.rooms[place].name or f"R{place}"
 
     def between(self, door: PlanDoor) -> tuple[str, str]:
-        """The names of what a door joins."""
+        """Return the names of the rooms that a door joins."""
         one, other = (each if isinstance(each, str) else self.name(each) for each in door.between)
         return one, other
 
     def doors_of(self, place: int) -> list[PlanDoor]:
-        """The doors of a room, first the one by which it is entered."""
+        """Return the doors of a room, its entrance first."""
         doors = [door for door in self.doors if place in door.between]
         return sorted(doors, key=lambda door: door.between[0] != place)
 
     def windows_of(self, place: int) -> list[PlanWindow]:
-        """The windows of a room."""
+        """Return the windows of a room."""
         return [window for window in self.windows if window.room == place]
 
     def house(self, pieces: Sequence[Pieces], topology: str) -> House:
-        """The house of this plan and the furniture of its rooms."""
+        """Return the house of this plan and the furniture of its rooms."""
         rooms = [
             Room(
                 *sides(room),
@@ -107,14 +110,14 @@ class Plan(msgspec.Struct):
 
 
 class UnitRange(msgspec.Struct):
-    """The least and the greatest length that a unit may have, metres, and the inferences that it took."""
+    """Least and greatest length of a unit, metres, and the number of inferences that they took."""
 
     range: tuple[float, float]
     inferences: int
 
 
 class StarPlan(msgspec.Struct):
-    """The places of a star. Of fixed rooms ``rooms`` has None, and ``corner`` is where the main room's is."""
+    """Places of a star. ``rooms`` has None for fixed rooms, and ``corner`` is the main room's corner."""
 
     floor: Rect
     rooms: list[StarRoom | None]
@@ -125,5 +128,5 @@ class StarPlan(msgspec.Struct):
 
 
 def sides(rect: Rect) -> tuple[float, float, float, float]:
-    """Its x, y, width and height."""
+    """Return x, y, width and height of a rectangle."""
     return rect.x, rect.y, rect.width, rect.height

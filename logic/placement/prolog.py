@@ -1,8 +1,8 @@
 """SWI-Prolog in this process: predicates of the core are called with terms, and answer in JSON.
 
-Terms are built through pyswip's C interface. No text of Prolog is ever made, so no name in a rule file or in
-a request can become code. SWI-Prolog is one engine a process: this runs in a worker process
-(``logic.workers.worker``) and nowhere else.
+Terms are built through pyswip's C interface. This module never makes Prolog text, so that no name in a rule
+file or in a request can become code. A process has one engine of SWI-Prolog. Therefore this module runs only
+in a worker process (``logic.workers.worker``).
 """
 
 import json
@@ -25,15 +25,15 @@ FLAGS = swi.PL_Q_NODEBUG | swi.PL_Q_CATCH_EXCEPTION
 
 
 class Term:
-    """A compound term."""
+    """Compound term."""
 
     def __init__(self, name: str, *arguments: Any) -> None:
-        """A name and arguments, as for ``ask``."""
+        """Set a name, and arguments as for ``ask``."""
         self.name, self.arguments = name, arguments
 
 
 class PrologError(Exception):
-    """A predicate has raised an error; its text is the term."""
+    """Error that a predicate has raised, with the term as its text."""
 
 
 def load(file: Path) -> None:
@@ -42,21 +42,21 @@ def load(file: Path) -> None:
 
 
 def run(predicate: str, *arguments: Any, module: str) -> None:
-    """Call a predicate, see ``ask``."""
+    """Call a predicate with arguments as for ``ask``."""
     _called(module, predicate, arguments, answers=False)
 
 
 def ask(predicate: str, *arguments: Any, module: str = "core") -> Any:
-    """What a predicate answers: JSON, in the argument that follows these.
+    """Return the answer of a predicate: JSON, in the argument that follows these.
 
-    An argument is a number, a name, a symbol of clingo, a ``Term``, or some of these in order: a list. Raises
+    An argument is a number, a name, a symbol of clingo, a ``Term``, or a list of these. Raises
     ``PrologError`` if the predicate raises an error.
     """
     return json.loads(_called(module, predicate, arguments, answers=True))
 
 
 def _called(module: str, predicate: str, arguments: Sequence[Any], answers: bool) -> str:
-    """The text of the last argument, which the predicate is to bind, where it ``answers``."""
+    """Return the text of the last argument, which the predicate binds if it ``answers``."""
     frame = swi.PL_open_foreign_frame()
     terms, answer = _terms(arguments, answers), len(arguments)
     called = swi.PL_predicate(predicate, answer + answers, module)
@@ -80,7 +80,7 @@ def _text(term: int, kind: int) -> str:
 
 
 def _terms(values: Sequence[Any], more: bool = False) -> int:
-    """The first of new terms in a row, one for each value, and one more that is unbound."""
+    """Return the first of consecutive new terms: one for each value, and with ``more`` an unbound one."""
     terms = swi.PL_new_term_refs(len(values) + more)
     for place, value in enumerate(values):
         _put(terms + place, value)
@@ -88,7 +88,7 @@ def _terms(values: Sequence[Any], more: bool = False) -> int:
 
 
 def _put(term: int, value: Any) -> None:
-    """Make a new term what a value is."""
+    """Set a new term to a value."""
     match value:
         case Symbol():
             swi.PL_recorded(_record(value), term)
@@ -110,7 +110,7 @@ def _put(term: int, value: Any) -> None:
 
 @cache
 def _record(symbol: Symbol) -> int:
-    """A copy of a symbol's term: of a grammar's atoms there are few, and each is in many layouts."""
+    """Return a copy of a symbol's term, cached since a grammar has few atoms, each in many layouts."""
     term = swi.PL_new_term_ref()
     if symbol.type is SymbolType.Number:
         _put(term, symbol.number)

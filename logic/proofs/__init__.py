@@ -1,1 +1,1 @@
-"""Why there is no house: a minimal set of statements in conflict."""
+"""Proofs that there is no house: a minimal unsatisfiable core of the user's statements."""

@@ -1,8 +1,8 @@
-"""Where a search for a layout takes too long: without what of the user's one is soon found.
+"""Changes of a request with which a layout is soon found, for a search that takes too long.
 
-A search that ends at its limit says nothing of the rules. So the user's statements are left out one by one,
-and a layout is looked for with a bound on the conflicts that clingo may meet, again and again with a larger
-one. Nothing here is a proof: a search that ends at its bound shows nothing.
+A search that ends at its limit proves nothing about the rules. Therefore the user's statements are left out
+one by one. Each search for a layout has a limit on clingo's conflicts, which grows in each round. Nothing
+here is a proof, since a search that ends at its limit shows nothing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,15 +18,16 @@ from logic.layout.relaxed import Relaxed, Statement
 from logic.request.request import Request
 
 FIRST, LARGER = 2_000, 4
-"""Conflicts of clingo's in which a layout is soon found, and how many times as many are allowed next."""
+"""Number of conflicts of clingo in the first round, and the factor for each further round."""
 
 FEWER = (0.9, 0.75, 0.5)
-"""The shares of the rooms that are asked for which are tried too."""
+"""Fractions of the requested number of rooms that are tried, too."""
 
 
 def easing(builder: Builder, request: Request) -> Iterator[str]:
-    """What makes a layout easy to find, as it is found: without a statement of the user's, or with fewer
-    rooms. Rules of shipped grammars are not named. Goes on until something is found.
+    """Yield changes that make a layout easy to find: without a statement of the user, or with fewer rooms.
+
+    Rules of shipped grammars are not named. The search goes on until some change is found.
     """
     builder.account.at(LAYOUT, "what makes layouts hard to find (clingo)")
     feasibility = builder.maker_of(request).feasibility
@@ -51,7 +52,7 @@ def easing(builder: Builder, request: Request) -> Iterator[str]:
 
 
 def _has_layout(relaxed: Relaxed, statements: Sequence[Statement], conflicts: int) -> bool:
-    """Whether a layout is found, without stage 2, before clingo meets so many conflicts."""
+    """Return True if a layout, without stage 2, is found within this number of clingo's conflicts."""
     try:
         return relaxed.model(statements, conflicts=conflicts) is not None
     except TooMany:
@@ -59,7 +60,7 @@ def _has_layout(relaxed: Relaxed, statements: Sequence[Statement], conflicts: in
 
 
 def _is_own(statement: Statement) -> bool:
-    """Whether the user requires it: a choice of the request's, or a rule of a grammar that is not shipped."""
+    """Return True for a requirement of the user: a choice of the request, or a rule that is not shipped."""
     reason = statement.reason
     if not reason.file:
         return True
@@ -68,11 +69,11 @@ def _is_own(statement: Statement) -> bool:
 
 
 def _is_copied(statement: Statement) -> bool:
-    """Whether a shipped grammar says it too: those of users often begin as a copy."""
+    """Return True for a rule that a shipped grammar also has, since users often begin with a copy."""
     return bool(statement.reason.file) and statement.reason.text in _shipped()
 
 
 @cache
 def _shipped() -> str:
-    """The text of all shipped grammars, on one line."""
+    """Return the text of all shipped grammars, on one line."""
     return " ".join(" ".join(file.read_text(encoding="utf-8").split()) for file in SHIPPED.glob("*/*.lp"))

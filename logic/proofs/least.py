@@ -1,8 +1,8 @@
-"""A smallest set of statements that are impossible together, so that a proof is as short as there is one.
+"""Smallest sets of statements that are impossible together (smallest MUS), for proofs as short as possible.
 
-What does not hold in a layout is a correction set: each conflict has one of its statements. So the fewest
-statements that hit all correction sets found so far are a smallest conflict, if they have no layout; and if
-they have one, it leaves another correction set (Ignatiev, Previti, Liffiton and Marques-Silva, CP 2015).
+The statements that fail in a layout are a correction set: each conflict contains one of them. If the fewest
+statements that hit all correction sets found so far have no layout, they are a smallest conflict. If they
+have a layout, it yields another correction set (Ignatiev, Previti, Liffiton and Marques-Silva, CP 2015).
 """
 
 import contextlib
@@ -20,21 +20,23 @@ from logic.layout.program import TooMany
 from logic.layout.relaxed import Relaxed, Statement
 
 MOST_LAYOUTS = 400
-"""So many layouts are looked at for a smallest conflict; past them a minimal one has to do."""
+"""Largest number of layouts in the search for a smallest conflict, after which a minimal one suffices."""
 
 MOST_CONFLICTS = 10_000
-"""So many conflicts may clingo meet for one of these layouts; past them a minimal conflict has to do, too."""
+"""Largest number of clingo's conflicts for one layout, after which a minimal conflict suffices, too."""
 
 MOST_NAMED = 20
-"""So many statements of a given plan are named in a proof; more are one."""
+"""Largest number of statements of a given plan that a proof lists; more become one statement."""
 
 MOST_REFUTED = 60
-"""So many layouts are refuted in stage 2 to see whether a statement can be left out; past them it stays."""
+"""Largest number of layouts refuted in stage 2 to test if a statement can go; past it the statement stays."""
 
 
 def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list[Statement]:
-    """Statements that are impossible together, and possible with any one left out, or not known to be
-    impossible after ``MOST_REFUTED``: as few as can be, where stage 2 has no part in it.
+    """Return statements that are impossible together, and possible or undecided with any one left out.
+
+    A test is undecided after ``MOST_REFUTED`` layouts. If stage 2 has no part in the question, the statements
+    are as few as possible.
     """
     if isinstance(question, Question) and question.refuted is None:
         with contextlib.suppress(TooMany):
@@ -48,7 +50,7 @@ def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list
 def least_of_plan(
     question: Question, statements: Sequence[Statement], own: Collection[Reason]
 ) -> list[Statement]:
-    """As ``least``; more than ``MOST_NAMED`` of a plan's ``own`` statements become one."""
+    """Return the result of ``least``. More than ``MOST_NAMED`` of a plan's ``own`` statements become one."""
 
     def of_plan(some: Sequence[Statement]) -> list[Statement]:
         return [each for each in some if each.reason in own]
@@ -56,7 +58,7 @@ def least_of_plan(
     core = question.core(statements)
     if len(of_plan(core)) <= MOST_NAMED:
         return least(question, statements)
-    # Where a few of them are impossible, parts of them can be left out whole.
+    # If a few of them are impossible, whole parts of them can be left out.
     for parts in (2, 4, 8):
         for part in range(parts):
             mine = of_plan(core)
@@ -76,8 +78,10 @@ def least_of_plan(
 def least_of_brief(
     question: Question, statements: Sequence[Statement], own: Collection[Reason]
 ) -> list[Statement]:
-    """As ``least`` for a brief alone, whose rules are those of any plan: first of its ``own`` lines, while
-    all rules hold, then of the rules. So without any one of the lines the others have a house.
+    """Return the result of ``least`` for a brief alone, whose rules are those of any plan.
+
+    The result first has as few of the brief's ``own`` lines as possible while all rules hold, then as few
+    rules. Therefore without any one of the lines the others have a house.
     """
     rules = [each for each in statements if each.reason not in own]
     lines = [each for each in statements if each.reason in own]
@@ -94,7 +98,7 @@ def least_of_brief(
 
 
 def _may_be_possible(question: "Question | AnyOf", some: Sequence[Statement]) -> bool:
-    """Whether there is a layout, or it is not soon known that there is none."""
+    """Return True if there is a layout, or if a layout is neither found nor refuted soon."""
     try:
         return question.possible(some, MOST_REFUTED)
     except TooMany:
@@ -102,9 +106,9 @@ def _may_be_possible(question: "Question | AnyOf", some: Sequence[Statement]) ->
 
 
 def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement] | None:
-    """A smallest set of statements that are impossible together; of these one with the fewest shipped rules.
+    """Return a smallest set of statements that are impossible together, with the fewest shipped rules.
 
-    None where it is not found with ``MOST_LAYOUTS``; raises ``TooMany`` past ``MOST_CONFLICTS``.
+    Returns None if it is not found with ``MOST_LAYOUTS``. Raises ``TooMany`` after ``MOST_CONFLICTS``.
     """
     relaxed.prefer(statements)
     hitting = Hitting([str(SHIPPED) in (each.reason.file or "") for each in statements])
@@ -112,7 +116,7 @@ def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement]
     layouts = 0
     while layouts < MOST_LAYOUTS:
         some = smallest = [statements[place] for place in hitting.set()]
-        # Correction sets that share no statement say the most about how many are needed.
+        # Correction sets that share no statement show best how many statements are needed.
         while relaxed.model(some, conflicts=MOST_CONFLICTS) is not None:
             layouts += 1
             left_out = relaxed.left_out(statements)
@@ -124,11 +128,14 @@ def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement]
 
 
 class Hitting:
-    """A smallest set of things, by their places, that has one of each set that was added."""
+    """Smallest hitting set: the fewest indices that include one of each added set."""
 
     def __init__(self, dear: Sequence[bool]) -> None:
-        """Choose among as many things: where several sets would do, with the fewest ``dear`` ones, the first
-        ones.
+        """Set the number of indices.
+
+        Among equally small sets the one with the fewest ``dear`` indices is best.
+
+        Further ties go to the first indices.
         """
         self._control = clingo.Control(["--opt-strategy=usc"])
         with self._control.backend() as backend:
@@ -139,12 +146,12 @@ class Hitting:
             backend.add_minimize(0, [(atom, place) for place, atom in enumerate(self._atoms)])
 
     def add(self, some: Iterable[int]) -> None:
-        """One of these is to be in the set."""
+        """Require one of these indices in the set."""
         with self._control.backend() as backend:
             backend.add_rule([], [-self._atoms[place] for place in some])
 
     def set(self) -> list[int]:
-        """The cheapest set."""
+        """Return the best set."""
         best: list[int] = []
         with self._control.solve(yield_=True) as handle:
             for model in handle:
@@ -153,10 +160,13 @@ class Hitting:
 
 
 class AnyOf:
-    """Whether there is a layout in any of several questions, of which each has the same statements."""
+    """Question with several alternatives, which has a layout if one of them has.
+
+    All have the same statements.
+    """
 
     def __init__(self, questions: Sequence[Question], statements: Sequence[Sequence[Statement]]) -> None:
-        """Know the questions, and the statements of each; asked with those of the first."""
+        """Set the questions, and the statements of each. Methods take the statements of the first."""
         self._questions, self._statements = questions, statements
         self._places = {id(each): place for place, each in enumerate(statements[0])}
 
@@ -164,12 +174,12 @@ class AnyOf:
         return [self._statements[number][self._places[id(each)]] for each in some]
 
     def possible(self, some: Sequence[Statement], most: float = math.inf) -> bool:
-        """Whether these have a layout; raises as ``Question.layout``."""
+        """Return True if these statements have a layout. Raises as ``Question.layout`` does."""
         asked = enumerate(self._questions)
         return any(question.possible(self._of(number, some), most) for number, question in asked)
 
     def core(self, some: Sequence[Statement]) -> list[Statement]:
-        """Some of these, which have no layout, that have none by themselves."""
+        """Return a core: those of these statements, which have no layout, that suffice for a conflict."""
         found = set[int]()
         for number, question in enumerate(self._questions):
             core = {id(each) for each in question.core(self._of(number, some))}

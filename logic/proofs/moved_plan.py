@@ -1,4 +1,4 @@
-"""The least change of a user's plan with which it keeps the grammar's lengths: its lines move."""
+"""Smallest change of a user's plan with which it satisfies the grammar's lengths: its lines move."""
 
 from typing import TypeVar
 
@@ -25,17 +25,17 @@ from logic.request.request import Request
 R = TypeVar("R", Door, Window)
 
 LAYOUTS = 12
-"""So many choices of types, doors and windows are looked at where the plan does not say all of them."""
+"""Number of choices of types, doors and windows to try if the plan leaves some of them open."""
 
 
 class LoosePlanMaker(GivenPlanMaker):
-    """Layouts in a plan whose rooms may have any size."""
+    """Layouts of a plan whose rooms may have any size."""
 
     def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
         return []
 
     def moved(self, request: Request, rng: np.random.Generator) -> OwnPlan | None:
-        """The plan with its lines where they move by the least sum, of some layouts. Raises ``NoLayout``."""
+        """Return the plan with its lines moved by the least sum over some layouts. Raises ``NoLayout``."""
         best, least = None, float("inf")
         lines = _lines(self.plan)
         for _ in range(LAYOUTS):
@@ -49,7 +49,7 @@ class LoosePlanMaker(GivenPlanMaker):
     def _places(
         self, layout: list[Symbol], lines: tuple[list[float], list[float]]
     ) -> tuple[list[float], list[float], float] | None:
-        """Where the lines of x and of y are for a layout, metres, and how wide its doors are."""
+        """Return the places of the lines in x and in y for a layout, and the width of its doors, metres."""
         of_rooms = [[at[side][1] for side in ("west", "east", "north", "south")] for at in self.plan.lines]
         rooms = [Term("room", number, *some) for number, some in enumerate(of_rooms)]
         walls = []
@@ -66,7 +66,7 @@ def moved_plan(builder: Builder, request: Request, seed: int) -> OwnPlan | None:
 
     Typical rules give way, including all typical lengths. Raises ``Unsatisfiable`` if no lengths help.
     """
-    builder.maker_of(request)  # refuses what is no plan of this grammar
+    builder.maker_of(request)  # raises for a plan that the grammar cannot have
     assert request.plan
     rules = [*typical_lengths(builder.placer, builder.loaded.furniture).values()]
     while True:
@@ -80,7 +80,7 @@ def moved_plan(builder: Builder, request: Request, seed: int) -> OwnPlan | None:
 
 
 def _lines(plan: OwnPlan) -> tuple[list[float], list[float]]:
-    """Where the lines of x and of y are, metres, by their numbers."""
+    """Return the places of the lines in x and in y, metres, by their numbers."""
     found: tuple[dict[int, float], dict[int, float]] = {}, {}
     for room, lines in zip(plan.rooms, plan.lines, strict=True):
         for k, side in enumerate(WALLS):
@@ -91,7 +91,10 @@ def _lines(plan: OwnPlan) -> tuple[list[float], list[float]]:
 def _on_lines(
     plan: OwnPlan, lines: tuple[list[float], list[float]], least: float, thick: Thickness | None
 ) -> OwnPlan:
-    """The plan on other lines. Doors and windows go with their walls; doors are at least so wide, metres."""
+    """Return the plan on other lines.
+
+    Doors and windows move with their walls; doors have a least width, metres.
+    """
     rooms = []
     for room, at in zip(plan.rooms, plan.lines, strict=True):
         west, north, east, south = (round(lines[k % 2][at[side][1]], 12) for k, side in enumerate(WALLS))
@@ -103,7 +106,7 @@ def _on_lines(
 
 
 def _in_wall(plan: OwnPlan, old: Wall | None, opening: R, thick: Thickness | None, least: float = 0.0) -> R:
-    """A door or window in the wall that it was in."""
+    """Return a door or window, moved into its previous wall."""
     assert old
     k = WALLS.index(old.side) % 2
     same = [

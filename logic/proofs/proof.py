@@ -1,4 +1,4 @@
-"""The proof that there is no house, in the user's own words: the conflict, where it stands, what would do."""
+"""Proof that there is no house, in the user's own words: the core, its places, and possible remedies."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -26,20 +26,20 @@ from logic.request.request import MOST_ROOMS, Request
 from logic.spelling import article
 
 NEAR = 8
-"""How far from a number of rooms others are tried."""
+"""Largest distance of other numbers of rooms that are tried."""
 
 MOST_TRIED = 100
-"""So many layouts are refuted to find out whether another request has a house."""
+"""Largest number of refuted layouts in a test if another request has a house."""
 
 NEXT = 3
-"""The same for rooms that share walls, of which each number takes a tenth of a second or more."""
+"""``NEAR`` for rooms that share walls, for which each number takes a tenth of a second or more."""
 
 
 class Prover:
-    """Finds minimal sets of reasons why a request has no house."""
+    """Search for minimal sets of reasons why a request has no house."""
 
     def __init__(self, feasibility: Feasibility) -> None:
-        """Know the rules, as statements of which some may be left out."""
+        """Set the rules, as statements that may be left out."""
         self._of = feasibility
 
     def unsatisfiable(self, found: NoLayout) -> Unsatisfiable:
@@ -103,7 +103,7 @@ class Prover:
         named = False
         first, then = _others(request, far=not self._of.grammar.shares_walls)
         for rooms in (*first, *then):
-            # These take longer, and hardly ever end a conflict that the first do not.
+            # These take longer, and rarely end a conflict that the first numbers do not end.
             if rooms in then and conflict and not named:
                 break
             other = replace(request, rooms=rooms)
@@ -111,19 +111,19 @@ class Prover:
             some = [each for each in statements if each.reason in conflict]
             try:
                 possible = self._of.of_rooms(relaxed, other).possible(some, MOST_TRIED)
-            except TooMany:  # It may be: so the number is named.
+            except TooMany:  # It may have one, so the number is named.
                 named = True
                 continue
             if possible:
                 named = True
-                if request.fixed:  # Whether it fits between the fixed rooms is not known.
+                if request.fixed:  # It is unknown if the number fits between them.
                     return named, None
                 if self._has_house(other):
                     return named, rooms
         return named, None
 
     def _has_house(self, request: Request) -> bool:
-        """Whether a request is soon found to have a house: rooms, each of which can be furnished."""
+        """Return True if a request is soon found to have a house: rooms, each of which can be furnished."""
         relaxed, statements = self._of.house(request)
         question = self._of.of_rooms(relaxed, request)
         while (layout := _soon(question, statements)) is not None:
@@ -171,7 +171,7 @@ def asked(found: NoLayout) -> tuple[Question, list[Statement], Mapping[Reason, S
     for reason, rooms_ in refuted.items():
         nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
         statements.append(relaxed.proved(reason, nogoods))
-    # A line of the user's plan or brief explains more than a rule: it is left out last.
+    # A line of the user's plan or brief explains more than a rule, so it is left out last.
     if request.given:
         statements.sort(key=lambda each: each.reason.file is not None)
     fixed = {granted(each): True for each in fixed_requirements(request.fixed)}

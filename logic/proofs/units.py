@@ -1,4 +1,4 @@
-"""The proof that there is no house of units: which units there are not, and why, unit by unit."""
+"""Proof that there is no house of units: the infeasible units, and the reasons of each."""
 
 from logic.errors import Reason, Unsatisfiable
 from logic.generation.barred_units import no_unit, option_reasons
@@ -7,7 +7,7 @@ from logic.proofs.proof import Prover
 
 
 def no_house(found: NoUnits) -> Unsatisfiable:
-    """Why a request has no house: of units that there are not, the user's reasons for that."""
+    """Return the proof that a request has no house. For infeasible units it has the user's own reasons."""
     whole, of_unit = Prover(found.feasibility).unsatisfiable(found), Prover(found.unit)
     units = {no_unit(unit): unit for unit in found.barred.values()}
     reasons: dict[Reason, None] = {}

@@ -1,1 +1,1 @@
-"""Why a part of a house is as it is: its derivation, and what else could be."""
+"""Explanations of parts of a house: derivations, and alternatives."""

@@ -1,4 +1,4 @@
-"""What could be in a house instead: other values, all other choices as they are, or what forbids them."""
+"""Alternatives in a house: other values of a choice with all others fixed, or reasons against them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,23 +15,23 @@ from logic.layout.relaxed import Late, Statement
 from logic.why.answer import Alternative, Choice
 
 OTHERS = "other choices"
-"""Where it is not found in time which."""
+"""Name for other choices that the search did not find in time."""
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """The choices of a layout: what each variable picks (one value or several), and what it may pick."""
+    """Choices of a layout: what each variable picks (one value or several), and what it may pick."""
 
     picks: Mapping[Symbol, Sequence[Symbol]]
     options: Mapping[Symbol, Sequence[Symbol]]
 
 
 Tried = tuple[Choice | None, int]
-"""What is found of a choice, if anything, and of how many other values."""
+"""Finding about a choice, if any, and the number of other values that it covers."""
 
 
 class Search:
-    """Tries other values of the choices that made a layout."""
+    """Search for other values of the choices that made a layout."""
 
     def __init__(
         self,
@@ -41,10 +41,10 @@ class Search:
         layout: Iterable[Symbol],
         most: int | None = None,
     ) -> None:
-        """Know what can be asked of these statements, and the choices that made this layout.
+        """Set the question about these statements, and the choices that made this layout.
 
-        With ``most`` choices depend on each other as those of a plan do: conflicts are then of few rules and
-        many choices, and no more than ``most`` others are named that would have to change too.
+        With ``most`` choices depend on each other as those of a plan do. Conflicts then have few rules and
+        many choices, and the result names at most ``most`` other choices that would have to change, too.
         """
         self._most = most
         self._relaxed, self._statements, self._possible = question.relaxed, statements, question.possible
@@ -56,15 +56,15 @@ class Search:
         }
 
     def others(self, variables: Iterable[Symbol]) -> int:
-        """How many other values these variables have."""
+        """Return the number of other values of these variables."""
         return sum(len(self._chosen.options[each]) - 1 for each in variables)
 
     def choices(self, variables: Iterable[Symbol], until: float) -> Iterator[Tried]:
-        """These variables, each of which picks one value, with their other values as they come: of each
-        variable first those that are possible, then one by one those that are not.
+        """Yield these variables, each of which picks one value, with their other values as they are found.
 
-        Without those that make no difference: values that give the same layout, variables with no other. All
-        but those that are possible share the time ``until`` then, of ``time.monotonic``.
+        For each variable the possible values come first, then the others one by one. Values that give the
+        same layout are left out, and so are variables without other values. The search for reasons against
+        values shares the time until ``until``, of ``time.monotonic``.
         """
         asked = list(variables)
         left = self.others(asked)
@@ -76,7 +76,10 @@ class Search:
             left -= len(others)
 
     def of_atom(self, atom: Symbol, others: Iterable[Symbol], until: float) -> Iterator[Tried]:
-        """An atom that holds by several picks, and others that could instead: the last term differs."""
+        """Yield an atom that holds by several picks, and others that could replace it.
+
+        The last term differs.
+        """
         *subject, value = atom.arguments
         wanted = [(str(each.arguments[-1]), each) for each in sorted(others) if each != atom]
         name = str(Function(atom.name, subject))
@@ -91,7 +94,10 @@ class Search:
         until: float,
         left: int,
     ) -> Iterator[Tried]:
-        """A choice with the atoms wanted instead, of so many that are left to be tried ``until`` then."""
+        """Yield a choice with the atoms that could replace it.
+
+        ``left`` values share the time until ``until``.
+        """
         able, rest, same = [], [], 0
         for other, atom in wanted:
             self._relaxed.until = until
@@ -113,18 +119,18 @@ class Search:
     def _posed(
         self, atom: Symbol, variable: Symbol
     ) -> tuple[Statement, list[Statement], dict[Any, Statement]]:
-        """The wish that an atom holds, all that must hold with it, and the picks that shall stay."""
+        """Return the wish that an atom holds, the statements that must hold, too, and the picks to keep."""
         asked = self._relaxed.choice(Reason(str(atom)), [atom])
         hard, kept = [*self._statements, asked], {}
         for key, pick in self._kept.items():
-            if _depends(variable, key[0]):  # A piece that is not there stands anywhere.
+            if _depends(variable, key[0]):  # A piece that does not exist may stand anywhere.
                 hard.append(pick)
             elif key[0] != variable:
                 kept[key] = pick
         return asked, hard, kept
 
     def _kind(self, atom: Symbol, variable: Symbol) -> bool | None:
-        """Whether an atom could hold where all picks but the variable's stay; None if nothing changes."""
+        """Return True if an atom could hold with all picks but the variable's; None if nothing changes."""
         _, hard, kept = self._posed(atom, variable)
         layout = self._relaxed.model([*hard, *kept.values()])
         if layout is not None and set(layout) == self._layout:
@@ -132,7 +138,7 @@ class Search:
         return layout is not None and self._possible([*hard, *kept.values()])
 
     def _forbidden(self, value: str, atom: Symbol, variable: Symbol) -> Alternative:
-        """Why an atom cannot hold where all picks but the variable's stay, as far as it is found in time."""
+        """Return the reasons why an atom cannot hold with all other picks, as far as found in time."""
         asked, hard, kept = self._posed(atom, variable)
         because: tuple[Reason, ...] = ()
         able = None
@@ -154,7 +160,10 @@ class Search:
     def _changed(
         self, hard: Sequence[Statement], kept: dict[tuple[Symbol, Symbol], Statement], variable: Symbol
     ) -> tuple[str, ...]:
-        """Variables with whose change, and not without, the rest is possible: of the same thing first."""
+        """Return variables whose change makes the rest possible, and none of which can keep its value.
+
+        Variables about the same thing come first.
+        """
         given_up: list[tuple[Symbol, Symbol]] = []
         while not self._possible([*hard, *kept.values()]):
             core = self._relaxed.core([*hard, *kept.values()])
@@ -169,7 +178,7 @@ class Search:
     def _fewest(
         self, hard: Sequence[Statement], picks: Mapping[tuple[Symbol, Symbol], Statement]
     ) -> tuple[str, ...]:
-        """The fewest variables of these picks of which others make the rest possible."""
+        """Return the fewest variables of these picks whose change makes the rest possible."""
         assert self._most is not None
         for number in range(1, self._most + 1):
             kept = [*hard, self._relaxed.at_most(number, picks.values())]
@@ -189,12 +198,12 @@ def _pick(variable: Symbol, value: Symbol) -> Symbol:
 
 
 def _depends(variable: Symbol, other: Symbol) -> bool:
-    """Whether a variable is about a part of what another is about, as ``place(bed,1)`` of ``count(bed)``."""
+    """Return True if a variable is about a part of another's subject: ``place(bed,1)`` of ``count(bed)``."""
     most = len(other.arguments)
     return 0 < most < len(variable.arguments) and variable.arguments[:most] == other.arguments
 
 
 def _kinship(variable: Symbol, other: Symbol) -> int:
-    """How much two variables are about the same thing: that is the first to change."""
+    """Return the number of common first arguments of two variables. The most related one changes first."""
     pairs = zip(variable.arguments, other.arguments, strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))

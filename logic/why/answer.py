@@ -1,6 +1,6 @@
-"""Why a room, a piece or a door of a house is as it is: the answer, how it reads, and how to ask for it.
+"""Answer to the question why a room, a piece or a door of a house is as it is, and its text.
 
-It is found in a solver process, by ``logic.why.witness``.
+A solver process finds the answer, by ``logic.why.witness``.
 """
 
 import textwrap
@@ -20,14 +20,14 @@ WHERE = {
     "across": "from the room's left wall, as seen on entering",
     "inwards": "from the wall with the door",
 }
-"""What the lengths of places are; those of sizes are named by words that need no comment."""
+"""Meanings of the lengths of places. The names of sizes need no explanation."""
 
 
 class Derivation(msgspec.Struct, frozen=True):
-    """An atom of a layout, the rule that derives it, and the atoms from which it does so.
+    """Atom of a layout, the rule that derives it, and the atoms in the rule's body.
 
-    Without a rule it is explained above in the same answer. ``means`` is the rules' own comment on it;
-    ``options`` are the values of which a pick takes one.
+    Without a rule the atom is explained above in the same answer. ``means`` is the rules' own comment on the
+    atom. ``options`` are the possible values of a pick.
     """
 
     atom: str
@@ -37,17 +37,17 @@ class Derivation(msgspec.Struct, frozen=True):
     body: tuple["Derivation", ...] = ()
 
     def all(self) -> Iterator["Derivation"]:
-        """This and all below it, each before its own body."""
+        """Yield this derivation and all below it, each before its own body."""
         yield self
         for each in self.body:
             yield from each.all()
 
 
 class Alternative(msgspec.Struct, frozen=True):
-    """Another value of a choice, where all other picks stay: possible, or what forbids it.
+    """Another value of a choice with all other picks fixed: possible, or with the reasons against it.
 
-    ``because`` is a minimal conflict. ``also`` are other choices with whose change it is possible, and is not
-    without any one of them; where there are none, nothing helps. What was not ``known`` in time is left out.
+    ``because`` is a minimal conflict. ``also`` lists other choices that must all change to make the value
+    possible; if empty, no change helps. Results that are not ``known`` in time are left out.
     """
 
     value: str
@@ -58,7 +58,7 @@ class Alternative(msgspec.Struct, frozen=True):
 
 
 class Choice(msgspec.Struct, frozen=True):
-    """What was chosen, and what could have been."""
+    """Choice with its value and the alternatives."""
 
     name: str
     value: str
@@ -66,7 +66,7 @@ class Choice(msgspec.Struct, frozen=True):
 
 
 class Length(msgspec.Struct, frozen=True):
-    """A length of the house (metres), the least and the greatest that it could have been, and why no more."""
+    """Length of the house (metres), its least and greatest possible value, and the reasons for both."""
 
     name: str
     value: float
@@ -77,16 +77,17 @@ class Length(msgspec.Struct, frozen=True):
 
 
 class Bound(msgspec.Struct, frozen=True):
-    """A linear constraint that is tight in the house, in words, and why it binds."""
+    """Linear constraint that is tight in the house, in words, and the reasons for it."""
 
     text: str
     because: tuple[Reason, ...]
 
 
 class Why(msgspec.Struct, frozen=True):
-    """Why a part of a house is as it is. As text it is what ``vitruvius explain HOUSE --why`` prints.
+    """Explanation of a part of a house. Its text is the output of ``vitruvius explain HOUSE --why``.
 
-    Of ``others``, values of choices, ``tried`` were tried; ``limit`` says what ended that early, if anything.
+    The choices have ``others`` other values, of which ``tried`` were tried. ``limit`` states what ended the
+    search early, if anything.
     """
 
     target: str
@@ -100,7 +101,7 @@ class Why(msgspec.Struct, frozen=True):
     limit: str = ""
 
     def joined(self, more: "Why") -> "Why":
-        """This answer and what comes after it."""
+        """Return this answer together with the next part."""
         choices = {choice.name: choice for choice in self.choices}
         for choice in more.choices:
             before = choices[choice.name].instead if choice.name in choices else ()
@@ -117,12 +118,12 @@ class Why(msgspec.Struct, frozen=True):
         )
 
     def __str__(self) -> str:
-        """The answer, section by section."""
+        """Return the answer, section by section."""
         return "\n".join(as_text([self]))
 
 
 def as_text(parts: Iterable[Why]) -> Iterator[str]:
-    """The lines of an answer, part by part as it comes."""
+    """Yield the lines of an answer, part by part as it comes."""
     title, name = "", ""
     for number, part in enumerate(parts):
         if number == 0:
@@ -144,16 +145,16 @@ def as_text(parts: Iterable[Why]) -> Iterator[str]:
         name = part.choices[-1].name if part.choices else name
 
 
-# How it reads
+# Text
 
 
 def place(reason: Reason) -> str:
-    """As in ``rooms.lp:9``; of the core ``rules/room/room.lp:9``."""
+    """Return a place as in ``rooms.lp:9``, or ``rules/room/room.lp:9`` for the core."""
     return f"{file_name(reason.file or '')}:{reason.line}"
 
 
 def file_name(file: str | Path) -> str:
-    """A rule file in short: ``rooms.lp``, or ``rules/room/room.lp`` of the core."""
+    """Return the short name of a rule file: ``rooms.lp``, or ``rules/room/room.lp`` for the core."""
     file = Path(file)
     return f"rules/{file.relative_to(RULES)}" if RULES in file.parents else file.name
 
@@ -163,7 +164,7 @@ def _stated(reason: Reason) -> str:
 
 
 def _tree(node: Derivation, depth: int) -> Iterator[str]:
-    """The derivation line by line; facts of the core's own, which say what words mean, are left out."""
+    """Yield the lines of a derivation without the core's own facts, which define words."""
     indent = "  " * depth
     if depth == 1 and node.means:
         yield from textwrap.wrap(node.means, 110, initial_indent=indent, subsequent_indent=indent)
@@ -172,7 +173,7 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
         return
     body, said = node.body, _stated(node.rule)
     if node.options:
-        # The rule of all picks says nothing that the options and their own rule do not.
+        # The rule of all picks adds nothing to the options and their own rule.
         option = next(each for each in body if each.atom.startswith("option("))
         rule = _stated(option.rule) if option.rule else "see above"
         body, said = option.body, f"picked out of {_series(node.options)}; {rule}"
@@ -187,7 +188,7 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
 
 
 def _series(values: Sequence[str]) -> str:
-    """Values in words, as ``1..4`` where they are whole numbers in a row."""
+    """Return values as text, as ``1..4`` for consecutive whole numbers."""
     numbers = [int(value) for value in values if value.isdigit()]
     if len(values) == len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
         return f"{values[0]}..{values[-1]}"
@@ -195,7 +196,7 @@ def _series(values: Sequence[str]) -> str:
 
 
 def _choice(choice: Choice, new: bool) -> Iterator[str]:
-    """A ``new`` choice, or what forbids more values of the one before."""
+    """Yield a ``new`` choice, or the reasons against more values of the previous one."""
     able = [each.value for each in choice.instead if each.possible]
     others = f", or {_series(able)}" if able else ""
     if new:
@@ -207,7 +208,7 @@ def _choice(choice: Choice, new: bool) -> Iterator[str]:
 
 
 def _how(other: Alternative) -> str:
-    """How far from possible another value is."""
+    """Return the conditions under which another value would be possible."""
     if not other.because and not other.known:
         return "not with all other picks as they are; what forbids it was not found in time"
     also = " and ".join(other.also)
@@ -237,7 +238,7 @@ def _bound(bound: Bound) -> Iterator[str]:
 
 
 def _reasons(reasons: Sequence[Reason], label: str) -> Iterator[str]:
-    """Rules and clauses, a line each, then what holds in the layout."""
+    """Yield rules and clauses, a line each, then the atoms of the layout."""
     lines = [_stated(each) for each in reasons if each.file]
     atoms = [each.text for each in reasons if not each.file]
     if atoms:

@@ -1,4 +1,4 @@
-"""Which witness a house has: that of who makes it."""
+"""Witness of a house, by the class that generated the house."""
 
 from logic.generation.brief import BriefMaker
 from logic.generation.builder import Builder
@@ -24,7 +24,10 @@ WITNESSES: dict[type[Maker], type[Witness]] = {
 
 
 def witness_of(builder: Builder, house: House, inferences: int) -> Witness:
-    """The house, made again by the rules that it says it is of; raises as ``Witness``."""
+    """Return the witness of a house, which generates the house again from its provenance.
+
+    Raises as ``Witness`` does.
+    """
     assert house.provenance is not None
     request = Request.read(house.provenance.request)
     return WITNESSES[builder.maker_class(request)](builder, house, inferences)

@@ -1,4 +1,4 @@
-"""Why a part of a plan is as it is: a room, a door, the entrance, a window, a piece."""
+"""Explanations of parts of a plan: a room, a door, the entrance, a window, a piece."""
 
 import dataclasses
 import math
@@ -25,20 +25,20 @@ from logic.why.support import Support
 from logic.why.witness import Lengths, Witness
 
 MOST = 5
-"""How many other choices may have to change before they are no longer named."""
+"""Largest number of other choices that an alternative lists as necessary changes."""
 
 
 class PlanWitness(Witness):
-    """A plan that is made again."""
+    """Plan that is generated again."""
 
     OUTLINED = False
-    """Whether it cannot be larger or smaller."""
+    """True if the plan cannot be larger or smaller."""
 
     ENTRANCE = "the entrance"
-    """What the door is called that leads outside."""
+    """Name of the door that leads outside."""
 
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
-        """Why a room, a door, the entrance, a window or a piece is as it is."""
+        """Yield the explanation of a room, a door, the entrance, a window or a piece."""
         yield from self._parts(target, *target_in(self._house, target), until)
 
     def _parts(self, target: str, room: int | None, part: Part, until: float) -> Iterator[Why]:
@@ -62,7 +62,7 @@ class PlanWitness(Witness):
         maker = self._maker = self._builder.maker_of(self._request)
         arguments = self._request, made.seed, made.index, inferences
         self._builder.house(*arguments)
-        # The programs of rooms with these doors are known now: the second time they keep all that held.
+        # The programs of rooms with these doors are now known, so that they store all atoms the second time.
         for making in self._makings(maker):
             for program in (making.program, *(each.program for each in making.furniture.values())):
                 program.models = []
@@ -71,11 +71,11 @@ class PlanWitness(Witness):
         return again
 
     def _makings(self, maker: Any) -> Iterator[Making]:
-        """How the last house was made."""
+        """Yield the origins of the last house."""
         yield maker.making
 
     def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
-        """Why a room has its type, and walls on these lines."""
+        """Yield the explanation of a room's type and of the lines of its walls."""
         rect, number, support = self._house.rooms[room], Number(room), self._support
         about = f"{article(rect.type)}, {rect.width:.3f} by {rect.height:.3f} m ({self._origin})"
         if self._request.plan:
@@ -95,14 +95,14 @@ class PlanWitness(Witness):
             yield msgspec.structs.replace(part, choices=tuple(types) or part.choices)
 
     def _room_lengths(self, room: int) -> Lengths:
-        """The lengths of a room."""
+        """Return the lengths of a room."""
         if self._request.plan:
             return (), ()
         found = wall_bounds(self._builder.placer, self._making.layout, self._house.rooms, room, self.OUTLINED)
         return self._bounds(found, {})
 
     def _door(self, target: str, door: Door, until: float) -> Iterator[Why]:
-        """Why two rooms have a door between them."""
+        """Yield the explanation of the door between two rooms."""
         names = [room.name for room in self._house.rooms]
         one, other = (Number(names.index(name)) for name in door.between)
         (atom,) = [each for each in self._atoms("door", one) if each.arguments[1] == other]
@@ -113,7 +113,7 @@ class PlanWitness(Witness):
         return self._opening(target, about, [atom], [variable], door, until)
 
     def _entrance(self, target: str, door: Door, until: float) -> Iterator[Why]:
-        """Why the house is entered there."""
+        """Yield the explanation of the place of the entrance."""
         (name,) = (name for name in door.between if name != OUTSIDE)
         room = Number([room.name for room in self._house.rooms].index(name))
         about, atoms = f"{self.ENTRANCE}, into {self._named(name)}", self._atoms("entrance", room)
@@ -122,7 +122,7 @@ class PlanWitness(Witness):
         return self._opening(target, about, atoms, variables, door, until)
 
     def _window(self, target: str, room: int, window: Window, until: float) -> Iterator[Why]:
-        """Why there is a window in a wall."""
+        """Yield the explanation of a window in a wall."""
         side = Function(self._wall(window).side)
         atom = Function("window", [Number(room), side])
         about = f"a window in the {side} wall of {self._named(window.room)}"
@@ -153,7 +153,7 @@ class PlanWitness(Witness):
         )
 
     def _opening_lengths(self, opening: Door | Window) -> tuple[Length, Length]:
-        """How long a door or window could be in its wall, and where it could begin at its length."""
+        """Return the range of the length of a door or window in its wall, and that of its place."""
         wall = self._wall(opening)
         type_ = self._house.rooms[wall.room].type
         ends = opening.between if isinstance(opening, Door) else (OUTSIDE,)
@@ -192,7 +192,7 @@ class PlanWitness(Witness):
         return self._reasons([("clause", clause)])
 
     def _wall(self, opening: Door | Window) -> Wall:
-        """The part of a wall that a door or window may lie in."""
+        """Return the part of a wall that a door or window may lie in."""
         plan = OwnPlan(self._house.tiles)
         wall = plan.wall_of(opening) if isinstance(opening, Door) else plan.wall_around(opening)
         assert wall is not None
@@ -203,37 +203,37 @@ class PlanWitness(Witness):
         return f"{name}, {article(self._house.room(name).type)}"
 
     def _atoms(self, name: str, room: Symbol) -> list[Symbol]:
-        """The atoms of this name in the layout whose first argument is the room."""
+        """Return the layout's atoms with this name and the room as first argument."""
         return [each for each in self._making.layout if each.name == name and each.arguments[0] == room]
 
     @cached_property
     def _model(self) -> list[Symbol]:
-        """All that held when the walls were chosen."""
+        """All atoms that held when the walls were chosen."""
         kept = self._making.program.models or []
         return next(model for shown, model in reversed(kept) if shown is self._making.layout)
 
     @cached_property
     def _support(self) -> Support:
-        """What supports the layout of the rooms."""
+        """Support of the layout of the rooms."""
         return Support(self._making.program, self._model)
 
     @cached_property
     def _search(self) -> Search:
-        """What could be instead."""
+        """Search for alternatives."""
         relaxed, statements = self._maker.feasibility.house(self._request, laws=True)
         question = self._maker.feasibility.of_rooms(relaxed, self._request)
         return Search(question, statements, self._support.chosen, self._making.layout, MOST)
 
     @cache  # noqa: B019 (a witness is asked about one house)
     def _support_in(self, room: int) -> Support:
-        """What supports the furniture of a room."""
+        """Return the support of the furniture of a room."""
         how = self._making.furniture[room]
         (model,) = [model for shown, model in how.program.models or [] if shown is how.layout.furniture]
         return Support(how.program, model)
 
     @cache  # noqa: B019
     def _search_in(self, room: int) -> Search:
-        """What its furniture could be instead."""
+        """Return the search for alternatives to the furniture of a room."""
         how = self._making.furniture[room]
         fixed = LooseRoom(how.room, [None] * len(how.room.doors))
         given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())

@@ -1,4 +1,4 @@
-"""Why a part of a star is as it is: a room, its door, a piece, the main room."""
+"""Explanations of parts of a star: a room, its door, a piece, the main room."""
 
 import math
 from collections.abc import Iterator
@@ -22,10 +22,10 @@ from logic.why.witness import Lengths, Witness
 
 
 class StarWitness(Witness):
-    """A star that is made again."""
+    """Star that is generated again."""
 
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
-        """Why a room, its door, a piece or the main room is as it is."""
+        """Yield the explanation of a room, its door, a piece or the main room."""
         room, part = target_in(self._house, target)
         if room is None:
             yield self._main_room(target)
@@ -47,7 +47,7 @@ class StarWitness(Witness):
         return again
 
     def _room(self, target: str, layout: RoomLayout, part: Part, until: float) -> Iterator[Why]:
-        """Why a room has its type and side, or its door its place; any part of a fixed room."""
+        """Yield the explanation of a room, of its door, or of a part of a fixed room."""
         number, support = Number(layout.number), self._support
         type_, side = Function("room", [number, layout.type]), Function("side", [number, layout.side])
         about = f"{article(str(layout.type))} on the {layout.side} side of the main room"
@@ -82,19 +82,19 @@ class StarWitness(Witness):
 
     @cached_property
     def _support(self) -> Support:
-        """What supports the layout of the rooms."""
+        """Support of the layout of the rooms."""
         return Support(self._rooms, (self._rooms.models or [])[-1][1])  # the last one sampled is the house's
 
     @cached_property
     def _search(self) -> Search:
-        """What could be instead."""
+        """Search for alternatives."""
         relaxed, statements = self._builder.maker.feasibility.house(self._request, laws=True)
         question = self._builder.maker.feasibility.of_rooms(relaxed, self._request)
         return Search(question, statements, self._support.chosen, (self._rooms.models or [])[-1][0])
 
     @cache  # noqa: B019 (a witness is asked about one house)
     def _support_in(self, room: int) -> Support:
-        """What supports the furniture of a room."""
+        """Return the support of the furniture of a room."""
         layout = self._layout.rooms[room]
         program, _ = self._builder.programs.furniture_for(layout.type.name, self._request)
         (model,) = [model for shown, model in program.models or [] if shown is layout.furniture]
@@ -102,13 +102,13 @@ class StarWitness(Witness):
 
     @cache  # noqa: B019
     def _search_in(self, room: int) -> Search:
-        """What its furniture could be instead."""
+        """Return the search for alternatives to the furniture of a room."""
         layout = self._layout.rooms[room]
         asked = self._builder.maker.feasibility.furniture(self._request, layout.type.name, laws=True)
         return Search(*asked, self._support_in(room).chosen, layout.furniture)
 
     def _main_room(self, target: str) -> Why:
-        """Why the main room has its sizes: rules/star/main_room.pl."""
+        """Return the explanation of the main room's sizes: rules/star/main_room.pl."""
         floor, rooms = self._house.main, fixed_rooms(self._house)
         about = f"the main room, {floor.width:.3f} by {floor.height:.3f} m ({self._origin})"
         if self._request.fixed:

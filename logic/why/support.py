@@ -1,10 +1,10 @@
 # clingo.ast leaves the attributes of its nodes untyped.
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
-"""Which rules derive the atoms of a layout, down to facts and picks.
+"""Support of a layout: the rules that derive its atoms, down to facts and picks.
 
 Each rule ``h :- b, not c.`` of the core and the grammar is grounded as ``support(N,h,(b,)) :- b, not c.``
-over the atoms of the layout as facts: what it derives are the instances of the rule that hold (as in xclingo:
-Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming", ICLP 2020).
+with the atoms of the layout as facts. The derived atoms are the instances of the rule that hold (as in
+xclingo: Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming", ICLP 2020).
 """
 
 from collections.abc import Iterable, Sequence
@@ -26,21 +26,21 @@ from logic.why.alternatives import Chosen
 from logic.why.answer import Derivation
 
 SUPPORT = "support'"
-"""No rule of a user's derives it: a quote may end a name."""
+"""Name that no rule of a user derives, although names may end with a quote."""
 
 
 class _Instance(NamedTuple):
-    """A ground rule that holds: the rule's number, and its positive body."""
+    """Ground rule that holds: the rule's number, and its positive body."""
 
     rule: int
     body: tuple[Symbol, ...]
 
 
 class Support:
-    """The rules that hold in one layout."""
+    """Rules that hold in one layout."""
 
     def __init__(self, program: Program, atoms: Iterable[Symbol]) -> None:
-        """Ground the rules of a program over the atoms, all that hold, of one of its layouts."""
+        """Ground the rules of a program over all atoms that hold in one of its layouts."""
         self.rules: list[Reason] = []
         known = asp_entries()
         self._entries = {
@@ -64,14 +64,14 @@ class Support:
         self._instances: dict[Symbol, list[_Instance]] = {atom: [] for atom in holds}
         for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):
             number, head, body = atom.symbol.arguments
-            # A pool or an interval stands for each of its values, of which some may not hold.
+            # A pool or an interval represents each of its values, some of which may not hold.
             if head in holds:
                 self._instances[head].append(_Instance(number.number, tuple(body.arguments)))
         self._levels = self._derived()
         self.chosen = Chosen(_by_variable(holds, "pick"), _by_variable(holds, "option"))
 
     def _add(self, statement: ast.AST, builder: ast.ProgramBuilder) -> None:
-        """Take a statement of the rules: a rule as its instances."""
+        """Add a statement of the rules, and for a rule its instances."""
         if statement.ast_type in {ast.ASTType.Program, ast.ASTType.Definition}:
             builder.add(statement)
         elif statement.ast_type == ast.ASTType.Rule:
@@ -89,7 +89,7 @@ class Support:
             self.rules.append(Reason(written(statement), begin.filename, begin.line, begin.column))
 
     def _derived(self) -> dict[Symbol, int]:
-        """How many steps it takes to derive each atom: a proof by fewer steps is never circular."""
+        """Return the number of steps that derive each atom. A proof in fewest steps is never circular."""
         levels: dict[Symbol, int] = {}
         open_ = set(self._instances)
         for level in range(len(open_) + 1):
@@ -105,7 +105,7 @@ class Support:
         return levels
 
     def variables(self, subject: Sequence[Symbol]) -> list[Symbol]:
-        """The variables that pick one value for a subject: for bed 1 ``place(bed,1)``, ``count(bed)``."""
+        """Return the variables that pick one value for a subject, as ``place(bed,1)`` for bed 1."""
         return [
             variable
             for variable, values in self.chosen.picks.items()
@@ -114,7 +114,10 @@ class Support:
         ]
 
     def trees(self, atoms: Iterable[Symbol]) -> tuple[Derivation, ...]:
-        """The derivations of atoms that hold; what one has derived, the next ones only name."""
+        """Return the derivations of atoms that hold.
+
+        Each only names atoms that an earlier one has derived.
+        """
         explained: set[Symbol] = set()
         nodes = [node for atom in atoms for node in self._nodes(atom, explained, frozenset())]
         means = [node.means for node in nodes]
@@ -124,7 +127,7 @@ class Support:
         )
 
     def _nodes(self, atom: Symbol, explained: set[Symbol], above: frozenset[int]) -> list[Derivation]:
-        """An atom's derivation; where a rule ``above`` recurs, its body stands for it."""
+        """Return an atom's derivation, or only its body if a rule ``above`` recurs."""
         if atom in explained:
             return [Derivation(str(atom))]
         instance = self._best(atom)
@@ -148,7 +151,7 @@ class Support:
         return [Derivation(str(atom), self.rules[instance.rule], means, options, tuple(body))]
 
     def _options(self, variable: Symbol) -> tuple[str, ...]:
-        """What a variable may pick, with weights where they differ."""
+        """Return the options of a variable, with weights if these differ."""
         weights = {
             option.arguments[1]: option.arguments[2]
             for option in self._instances
@@ -160,7 +163,7 @@ class Support:
         )
 
     def _best(self, atom: Symbol) -> _Instance | None:
-        """The instance that derives an atom in the fewest steps, of those from the fewest atoms."""
+        """Return the instance that derives an atom in the fewest steps, and then from the fewest atoms."""
 
         def effort(instance: _Instance) -> tuple[int, int, int]:
             steps = max((self._levels[each] for each in instance.body), default=-1)
@@ -170,13 +173,13 @@ class Support:
         return min(known, key=effort, default=None)
 
     def means(self, atom: Symbol) -> str:
-        """What the reference says about this predicate, as in ``side(Number,Side): that room stands ..``."""
+        """Return the reference's text on this predicate, as in ``side(Number,Side): that room stands ..``."""
         entry = self._entries.get((atom.name, len(atom.arguments)))
         return f"{entry.name}({','.join(entry.arguments)}): {entry.text}" if entry else ""
 
 
 def _remark(rule: Reason | None) -> str:
-    """The whole comment in the lines right above a rule, as it says what a choice means."""
+    """Return the whole comment right above a rule, which explains a choice."""
     if rule is None or not rule.file or not rule.line:
         return ""
     above = Path(rule.file).read_text(encoding="utf-8").split("\n")[: rule.line - 1]
@@ -185,7 +188,7 @@ def _remark(rule: Reason | None) -> str:
 
 
 def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:
-    """Variables and their values, by the atoms ``pick(V,X)`` or ``option(V,X,W)``, in order."""
+    """Return variables and their values, in order, from the atoms ``pick(V,X)`` or ``option(V,X,W)``."""
     found: dict[Symbol, list[Symbol]] = {}
     for atom in sorted(atom for atom in atoms if atom.name == name):
         found.setdefault(atom.arguments[0], []).append(atom.arguments[1])
@@ -193,13 +196,13 @@ def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol
 
 
 class _Named(ast.Transformer):
-    """Gives each anonymous variable a name: as a term of a head it must have one."""
+    """Transformer that names each anonymous variable, which a term of a head requires."""
 
     def __init__(self) -> None:
         self._number = 0
 
     def visit_Variable(self, node: ast.AST) -> ast.AST:
-        """A variable."""
+        """Return a variable with a name."""
         if node.name != "_":
             return node
         self._number += 1
@@ -207,7 +210,7 @@ class _Named(ast.Transformer):
 
 
 def _heads(head: ast.AST) -> list[tuple[ast.AST, list[ast.AST]]]:
-    """The atoms that a head may make true, as terms, each with its condition."""
+    """Return the atoms that a head may make true, as terms, each with its condition."""
     if head.ast_type == ast.ASTType.Literal:
         return [(head.atom.symbol, [])] if _positive(head) else []
     if head.ast_type == ast.ASTType.Aggregate:
@@ -216,7 +219,7 @@ def _heads(head: ast.AST) -> list[tuple[ast.AST, list[ast.AST]]]:
 
 
 def _positive(literal: ast.AST) -> bool:
-    """Whether this is an atom that is to hold."""
+    """Return True if a literal is an atom without negation."""
     return (
         literal.ast_type == ast.ASTType.Literal
         and literal.sign == ast.Sign.NoSign

@@ -1,4 +1,4 @@
-"""Why a part of a house of units is as it is: each unit is a plan, in a house that stays as it is."""
+"""Explanations of parts of a house of units: each unit is a plan, and the rest of the house is fixed."""
 
 import math
 from collections.abc import Iterator
@@ -20,24 +20,24 @@ from logic.why.shared_walls import MOST, PlanWitness
 from logic.why.witness import Lengths
 
 OF_UNIT = ("unit", "way", "deep", "share")
-"""What is derived of a unit where one of its rooms is asked about."""
+"""Atoms of a unit that are derived for a question about one of its rooms."""
 
 
 class UnitWitness(PlanWitness):
-    """One unit. Its rooms have their names in the house; for its entrance, what is beyond it is outside."""
+    """Unit of a house. Its rooms keep their names, and everything beyond its entrance counts as outside."""
 
     OUTLINED = True
     ENTRANCE = "the door of its unit"
 
     def __init__(self, of: "UnitsWitness", maker: UnitMaker, house: House) -> None:
-        """Know the unit, its rooms, and how they were made."""
+        """Set the unit, its rooms, and their origin."""
         assert maker.making is not None
         self._builder, self._maker, self._request = of._builder, maker, maker.unit.request
         self._house, self._making, self._origin = house, maker.making, of._origin
 
     @cached_property
     def _search(self) -> Search:
-        """What could be instead in a unit of this depth, between its neighbours."""
+        """Search for alternatives in a unit of this depth, between its neighbours."""
         unit, feasibility = self._maker.unit, self._maker.feasibility
         relaxed, statements = feasibility.house(self._request, laws=True)
         known = unit.known([atom.arguments[0] for atom in self._making.program.atoms("step", 1)])
@@ -47,17 +47,17 @@ class UnitWitness(PlanWitness):
 
     @property
     def name(self) -> str:
-        """Its first and last room."""
+        """Name of the unit, from its first and last room."""
         return f"the unit of {self._house.rooms[0].name} to {self._house.rooms[-1].name}"
 
 
 class UnitsWitness(PlanWitness):
-    """A house of units that is made again: by itself it knows the public rooms, and which units there are."""
+    """House of units that is generated again, with the public rooms and the choice of units."""
 
     _maker: UnitsMaker  # pyright: ignore[reportIncompatibleVariableOverride] - of a grammar of units
 
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
-        """Why a room, a door, the entrance, a window or a piece is as it is."""
+        """Yield the explanation of a room, a door, the entrance, a window or a piece."""
         room, part = target_in(self._house, target)
         if isinstance(part, str):
             yield from self._unit_itself(target, int(part.removeprefix("U")) - 1, until)
@@ -81,7 +81,7 @@ class UnitsWitness(PlanWitness):
         yield from found
 
     def _unit_itself(self, target: str, index: int, until: float) -> Iterator[Why]:
-        """Why there is a unit, of so many rooms, at this place and as deep."""
+        """Yield the explanation of a unit, with its number of rooms, its place and its depth."""
         unit = self._maker.units[index].unit
         about = f"{self._unit(index).name}, {unit} ({self._origin})"
         depths, stated = self._builder.loaded.depths, self._reasons([("clause", "unit_depth")])
@@ -102,7 +102,7 @@ class UnitsWitness(PlanWitness):
 
     @cached_property
     def _firsts(self) -> list[int]:
-        """The place of each unit's first room."""
+        """Index of each unit's first room."""
         last, firsts = len(self._house.rooms), []
         for maker in reversed(self._maker.units):
             last -= maker.unit.request.rooms
@@ -110,7 +110,7 @@ class UnitsWitness(PlanWitness):
         return firsts[::-1]
 
     def _unit_of(self, room: int | None, part: Part) -> int | None:
-        """The place of a part's unit among the units; None for what is of public rooms alone."""
+        """Return the index of a part's unit, or None for a part of public rooms alone."""
         places = [] if room is None else [room]
         if isinstance(part, Door):
             names = [each.name for each in self._house.rooms]
@@ -120,7 +120,7 @@ class UnitsWitness(PlanWitness):
 
     @cache  # noqa: B019 (a witness is asked about one house)
     def _unit(self, index: int) -> UnitWitness:
-        """A unit by its place among them."""
+        """Return the witness of a unit by its index."""
         maker, first = self._maker.units[index], self._firsts[index]
         rooms = self._house.rooms[first : first + maker.unit.request.rooms]
         names = {room.name for room in rooms}
@@ -141,21 +141,21 @@ class UnitsWitness(PlanWitness):
 
     @staticmethod
     def _within(door: Door, unit: UnitWitness) -> tuple[str, ...]:
-        """What a door is between, as the unit has it."""
+        """Return the names of the spaces that a door joins, as seen from its unit."""
         names = {room.name for room in unit._house.rooms}
         return tuple(name if name in names else OUTSIDE for name in door.between)
 
     def _derived(self, number: int) -> tuple[Derivation, ...]:
-        """Why a unit has so many rooms, this place and this share of what is asked for."""
+        """Return the derivation of a unit's number of rooms, its place and its share of the request."""
         return self._support.trees(atom for name in OF_UNIT for atom in self._atoms(name, Number(number)))
 
     def _room_lengths(self, room: int) -> Lengths:
-        """Those of public rooms follow from the units along them."""
+        """Return no lengths, since those of public rooms follow from the units along them."""
         return (), ()
 
     @cached_property
     def _search(self) -> Search:
-        """What could be instead among the units and the public rooms."""
+        """Search for alternatives among the units and the public rooms."""
         feasibility = self._maker.units_feasibility
         relaxed, statements = feasibility.house(self._request, laws=True)
         question = feasibility.of_rooms(relaxed, self._request)

@@ -1,6 +1,6 @@
-"""Finds why a part of a house is as it is: the house is made again, and its layout asked for its reasons.
+"""Witness: a house that is generated again and whose layout is asked for its reasons.
 
-What holds for all houses; the rest is of stars (``star.py``) and of shared walls (``shared_walls.py``).
+This module is for all houses; ``star.py`` and ``shared_walls.py`` add the rest.
 """
 
 import math
@@ -35,13 +35,10 @@ Lengths = tuple[tuple[Length, ...], tuple[Bound, ...]]
 
 
 class Witness(ABC):
-    """A house that is made again, with all that held while it was."""
+    """House that is generated again, with all atoms that held in the process."""
 
     def __init__(self, builder: Builder, house: House, inferences: int) -> None:
-        """Make the house again from its provenance.
-
-        Raises ``HouseFileError`` if it comes out another.
-        """
+        """Generate the house again from its provenance. Raises ``HouseFileError`` if the result differs."""
         made = house.provenance
         assert made is not None
         self._builder, self._request, self._house = builder, Request.read(made.request), house
@@ -63,7 +60,7 @@ class Witness(ABC):
             raise HouseFileError(f"the rules do not make this house of {self._origin}: {why}")
 
     def why(self, target: str, until: float = math.inf) -> Why:
-        """Why a part of the house is as it is, whole: see ``parts``."""
+        """Return the whole explanation of a part of the house: see ``parts``."""
         found = self.parts(target, until)
         whole = next(found)
         for part in found:
@@ -72,13 +69,15 @@ class Witness(ABC):
 
     @abstractmethod
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
-        """Why a part of the house is as it is, by its name (``part_names``), as it is found: the derivation
-        first, and then what could be instead, which is searched for until that time, of ``time.monotonic``.
+        """Yield the explanation of a part of the house, by its name (``part_names``), as it is found.
+
+        The derivation comes first. Then come alternatives, for which the search ends at ``until``, of
+        ``time.monotonic``.
         """
 
     @abstractmethod
     def _made_again(self, made: Provenance, inferences: int) -> House:
-        """The house made again; how is kept."""
+        """Return the house that is generated again, and store its origin."""
 
     def _answer(
         self,
@@ -89,7 +88,7 @@ class Witness(ABC):
         search: Callable[[], Search],
         until: float,
     ) -> Iterator[Why]:
-        """An answer, its lengths, and what the variables could be instead."""
+        """Yield an answer, its lengths, and alternatives to the variables' values."""
         options = support.chosen.options
         yield msgspec.structs.replace(
             why, others=why.others + sum(len(options[each]) - 1 for each in variables)
@@ -100,7 +99,7 @@ class Witness(ABC):
         yield from self._tried(why.target, search().choices(variables, until) if variables else ())
 
     def _tried(self, target: str, tried: Iterable[Tried]) -> Iterator[Why]:
-        """What is found of choices."""
+        """Yield the findings about choices."""
         for choice, number in tried:
             yield Why(target, "", choices=() if choice is None else (choice,), tried=number)
 
@@ -113,7 +112,7 @@ class Witness(ABC):
         search: Callable[[], Search],
         until: float,
     ) -> Iterator[Why]:
-        """Why a piece or a companion stands where it does."""
+        """Yield the explanation of the place of a piece or a companion."""
         type_, atom = self._builder.placer.pieces(room)[index]
         piece = atom.arguments[:2]
         if atom.name == "with":
@@ -127,7 +126,7 @@ class Witness(ABC):
         yield from self._answer(why, support, own, lambda: self._lengths(room, atom), search, until)
 
     def _furnishable(self, feasibility: Feasibility, choice: Choice) -> Choice:
-        """A choice of a room's type, where those that cannot be furnished are not possible."""
+        """Return a choice of a room's type in which types without possible furniture are impossible."""
 
         def judged(other: Alternative) -> Alternative:
             never = not (other.possible or other.also)
@@ -138,18 +137,18 @@ class Witness(ABC):
         return Choice(choice.name, choice.value, tuple(map(judged, choice.instead)))
 
     def _lengths(self, room: RoomLayout, target: Symbol, taken: float | None = None) -> Lengths:
-        """The lengths of a target in a room, and the bounds on it that are tight: see ``Placer.bounds``."""
+        """Return the lengths of a target in a room, and the tight bounds on it: see ``room_bounds``."""
         types, atoms = zip(*self._builder.placer.pieces(room), strict=True)
         names = dict(zip(map(str, atoms), part_names(types), strict=True))
         return self._bounds(room_bounds(self._builder.placer, room, target, taken), names)
 
     def _bounds(self, found: Mapping[str, Any], names: Mapping[str, str]) -> Lengths:
-        """Lengths and tight bounds as SWI-Prolog gives them (``why/bounds.pl``), with names in words."""
+        """Return lengths and tight bounds from SWI-Prolog (``why/bounds.pl``), with names in words."""
         lengths = tuple(
             Length(name, value, least, greatest, self._reasons(no_less), self._reasons(no_more))
             for name, value, least, no_less, greatest, no_more in found["lengths"]
         )
-        # A length without another value says why itself.
+        # A length with only one value explains itself.
         single = [length.name for length in lengths if length.greatest - length.least < 1e-6]
         tight = tuple(
             Bound(_in_words(terms, relation, constant, names), self._reasons(reasons))
@@ -160,12 +159,12 @@ class Witness(ABC):
 
     @cached_property
     def _brief(self) -> dict[str, str]:
-        """The lines of the request's brief by the atoms that hold where they do."""
+        """Lines of the request's brief, by the atoms that represent them."""
         lines = brief_requirements(self._request.brief) if self._request.brief else ()
         return {str(granted(term)): words for words, terms in lines for term in terms}
 
     def _reasons(self, reasons: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
-        """Reasons as SWI-Prolog gives them: clauses by their places, then what holds and what does not."""
+        """Return reasons from SWI-Prolog: clauses by their places, then atoms that hold and that fail."""
         clauses = [parse_term(text) for kind, text in reasons if kind == "clause"]
         places = self._builder.placer.origins(clauses)
         found = [located(*places[clause]) for clause in clauses if clause in places]
@@ -176,7 +175,7 @@ class Witness(ABC):
 def _in_words(
     terms: Iterable[tuple[float, str, str]], relation: str, constant: float, names: Mapping[str, str]
 ) -> str:
-    """A sum that is at most zero, or zero, with what is negative on the other side."""
+    """Return a sum that is at most zero, or zero, with its negative terms on the other side."""
     sides: dict[bool, list[str]] = {True: [], False: []}
     for factor, thing, what in terms:
         number = "" if abs(factor) == 1 else f"{abs(factor):.4g} "
