@@ -23,7 +23,7 @@ from logic.readers.svg_shapes import Matrix, kind, placed, polygon_in
 FORMAT = "a plan of CubiCasa5K"
 
 PIXEL = 0.01
-"""Metres to a pixel where no label says so: its models are drawn in centimetres."""
+"""Metres per pixel if no label states it, since models are drawn in centimetres."""
 
 METRES = re.compile(
     r"(?<![\d.,])(\d{1,4}(?:[.,]\d{1,9})?)\s{0,9}m\s{0,9}[x×]\s{0,9}(\d{1,4}(?:[.,]\d{1,9})?)\s{0,9}m"
@@ -39,12 +39,12 @@ MAX_LABELS, MAX_PARTS, MAX_LETTERS = 64, 256, 1 << 10
 
 
 def is_cubicasa(content: bytes, _: Any) -> bool:
-    """Whether a file is a model of CubiCasa5K: an SVG picture with a class for each room."""
+    """Return True if a file is a model of CubiCasa5K: an SVG picture with a class for each room."""
     return b"<svg" in content[:4096] and re.search(rb'class="Space ', content) is not None
 
 
 def read_cubicasa(content: bytes, _: Any, storey: str | None) -> Sketch:
-    """Rooms by their classes; the unit by the sizes that labels say."""
+    """Return the rooms by their classes, with the unit from the sizes in labels."""
     try:
         tree = from_xml(content)
     except ValueError as error:
@@ -93,7 +93,7 @@ def _is_space(group: Element) -> bool:
 
 
 def _units(group: Element, polygon: Polygon) -> Iterator[float]:
-    """Metres to a pixel by the sizes in a room's label, in the order in which both sides agree."""
+    """Yield metres per pixel from the sizes in a room's label, in the order in which both sides agree."""
     west, north, east, south = polygon.bounds
     for label in islice((each for each in group.iter() if kind(each) == "text"), MAX_LABELS):
         text = "".join(islice(label.itertext(), MAX_PARTS))[:MAX_LETTERS]
@@ -105,8 +105,8 @@ def _units(group: Element, polygon: Polygon) -> Iterator[float]:
         else:
             continue
         if min(one, other) < 1.5 or min(east - west, south - north) <= 0:
-            continue  # a label is rounded, which is much of a small room
+            continue  # a label is rounded, which matters in a small room
         pairs = [(a / (east - west), b / (south - north)) for a, b in ((one, other), (other, one))]
         a, b = min(pairs, key=lambda pair: abs(log(pair[0] / pair[1])))
-        if abs(log(a / b)) < 0.05:  # else the room is no rectangle
+        if abs(log(a / b)) < 0.05:  # otherwise the room is no rectangle
             yield (a + b) / 2

@@ -51,7 +51,7 @@ def from_text(content: bytes) -> Any:
 
 
 def features(record: Mapping[str, Any]) -> list[Any]:
-    """The features of a collection, or the one that a feature or a geometry is."""
+    """Return the features of a collection, or the single one of a feature or a geometry."""
     kind = record.get("type") if isinstance(record, Mapping) else None
     if kind == GEOJSON and isinstance(record.get("features"), list) and record["features"]:
         return record["features"]
@@ -65,7 +65,7 @@ def features(record: Mapping[str, Any]) -> list[Any]:
 
 
 def inner_wall(thick: Any) -> float:
-    """How thick walls between rooms are, in the unit of the file."""
+    """Return the thickness of walls between rooms, in the unit of the file."""
     try:
         return msgspec.convert(thick, Thickness).inner
     except msgspec.ValidationError as error:

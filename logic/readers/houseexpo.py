@@ -37,8 +37,11 @@ BEVEL = 0.03
 """Greatest length of a bevel along an axis, metres."""
 
 PART, OF_ROOM, OF_BOX = 0.8, 0.6, 0.7
-"""Least area in square metres of a room without walls in another; share of a room that a box of all of it has
-at least; share of a box that lies in the room that it is a part of."""
+"""Limits for a room without walls in another room.
+
+In order: its least area, square metres; the least fraction of a room that a box of the whole room covers; and
+the least fraction of a box that lies in the room of which the box is a part.
+"""
 
 SNAP = 0.3
 """Distance within which a side of such a part moves onto a wall, metres."""

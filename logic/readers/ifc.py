@@ -24,10 +24,10 @@ FORMAT = "IFC"
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'IFC", re.IGNORECASE)
 
 ENDINGS = (".ifc", ".ifcxml")
-"""How the names of IFC in an archive end."""
+"""Suffixes of IFC files in an archive."""
 
 MAX_BYTES = 1 << 24
-"""Size of all files of an archive together, unpacked."""
+"""Largest size of all files of an archive together, unpacked, in bytes."""
 
 SECONDS = 120
 """Wall-clock time that IfcOpenShell may take, seconds."""
@@ -65,7 +65,7 @@ def _unpacked(content: bytes) -> bytes:
 
 
 def read_ifc(content: bytes, _: Any, storey: str | None) -> Sketch:
-    """Spaces are rooms. Raises ``ModuleNotFoundError`` without IfcOpenShell."""
+    """Return the spaces of the file as rooms. Raises ``ModuleNotFoundError`` without IfcOpenShell."""
     content = _unpacked(content)
     if find_spec("ifcopenshell") is None:
         raise ModuleNotFoundError("IfcOpenShell reads IFC", name="ifcopenshell")

@@ -1,5 +1,6 @@
-"""What spaces, doors and windows of IFC look like from above, by IfcOpenShell: a process of its own, which a
-damaged file may end. ``ifc.py`` writes it the file, and reads the answer.
+"""Outlines of IFC's spaces, doors and windows from above, by IfcOpenShell in a separate process.
+
+A damaged file may end the process. ``ifc.py`` writes the file to it, and reads the answer.
 """
 
 import re
@@ -18,7 +19,7 @@ from logic.errors import RequestError
 from logic.readers.sketch import chosen
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
-"""Address space and processor time of this process, as for a solver process."""
+"""Largest address space, bytes, and processor time, seconds, of this process, as for a solver process."""
 
 SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']{1,40})'", re.IGNORECASE)
 
@@ -166,13 +167,13 @@ def _required(product: Any, solid: Triangles) -> Triangles:
 
 
 def _above(solid: Triangles) -> shapely.Geometry:
-    """What a solid covers, seen from above."""
+    """Return the area that a solid covers, seen from above."""
     flat = [each for each in map(Polygon, solid[:, :, :2]) if each.area > 1e-6]
     return shapely.union_all(flat, grid_size=1e-4)
 
 
 def _outline(solid: Triangles) -> shapely.Geometry:
-    """Around what a door or window covers."""
+    """Return the convex outline of a door or window, seen from above."""
     return shapely.convex_hull(shapely.MultiPoint(solid[:, :, :2].reshape(-1, 2)))
 
 

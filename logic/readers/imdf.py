@@ -21,11 +21,11 @@ FORMAT = "IMDF"
 MEMBERS = ("unit.geojson", "opening.geojson", "level.geojson")
 
 MOST_BYTES = 1 << 24
-"""Size of all files of an archive together, unpacked."""
+"""Largest size of all files of an archive together, unpacked, in bytes."""
 
 
 def is_imdf(content: bytes, record: Any) -> bool:
-    """Whether a file is an archive of IMDF or a collection of its features."""
+    """Return True if a file is an archive of IMDF or a collection of its features."""
     if content.startswith(ZIPPED):
         return any(name.endswith(MEMBERS[0]) for name in _archive(content).namelist())
     features = record.get("features") if isinstance(record, Mapping) else None
@@ -33,7 +33,7 @@ def is_imdf(content: bytes, record: Any) -> bool:
 
 
 def read_imdf(content: bytes, record: Any, storey: str | None) -> Sketch:
-    """Units are rooms and openings doors, on the plane that touches the earth in their midst."""
+    """Return units as rooms and openings as doors, on the plane that touches the earth at their centre."""
     features = _of_level(_unpacked(content) if content.startswith(ZIPPED) else record["features"], storey)
     units, openings = ([each for each in features if _kind(each) == kind] for kind in ("unit", "opening"))
     require_few(len(units), len(openings))
@@ -74,7 +74,7 @@ def _names(properties: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _spaces(unit: Any, shape: Geometry) -> Iterable[Space]:
-    """A room for each polygon of a unit."""
+    """Yield a room for each polygon of a unit."""
     properties = _properties(unit)
     named = list(_names(properties))
     category = str(properties.get("category") or "")

@@ -1,6 +1,6 @@
-"""A sketch made regular: metres, along the axes, rooms as boxes that share walls without a thickness.
+"""Conversion of a sketch to regular form: metres, along the axes, boxes that share walls without thickness.
 
-Whatever the format: here alone are units, rotation, noise, walls and rooms of several corners.
+This module handles units, rotation, noise, walls and rooms of several corners for all formats.
 """
 
 from cmath import exp, phase
@@ -144,7 +144,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
 
 
 def passed_over(others: Iterable[Space]) -> str:
-    """Return the note on what is no room."""
+    """Return the note on areas that are no rooms."""
     return f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
 
 
@@ -155,9 +155,7 @@ def bounds_of(shape: Geometry) -> Box:
 
 
 def unlike(names: Iterable[str]) -> Iterator[str]:
-    """Names of which each is one room's: those that stand twice get numbers, as in ``Bedroom 2``. None is
-    what lies around the house.
-    """
+    """Yield distinct names: repeated names get numbers, as in ``Bedroom 2``, and none is ``outside``."""
     names = [_words(name) for name in names]
     taken, seen = set(names), {OUTSIDE}
     for name in names:
@@ -192,7 +190,7 @@ def _surrounded(
 
 
 def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: str | None) -> None:
-    """Refuse rooms whose sizes are no rooms' in metres; ``unit`` is what the user says."""
+    """Raise ``RequestError`` if sizes are implausible for rooms in metres; ``unit`` is the user's."""
     sides = [
         metres * side
         for west, south, east, north in (shape.bounds for shape in shapes)

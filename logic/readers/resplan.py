@@ -17,20 +17,21 @@ from logic.readers.sketch import Passage, Sketch, Space, polygons, require_none,
 FORMAT = "a plan of ResPlan"
 
 PARTS = ("inner", "wall", "door", "window")
-"""What each plan has beside its rooms."""
+"""Keys of every plan in addition to its rooms."""
 
 OTHERS = (*PARTS, "front_door", "land")
-"""Geometries that are no rooms."""
+"""Keys of geometries that are no rooms."""
 
 
 def is_resplan(_: bytes, record: Any) -> bool:
-    """Whether a value is one of ResPlan's plans."""
+    """Return True if a value is a plan of ResPlan."""
     return isinstance(record, Mapping) and set(PARTS) <= record.keys()
 
 
 def read_resplan(_: bytes, record: Any, storey: str | None) -> Sketch:
-    """Each polygon of a type is a room. A plan is 256 units wide; its ``area`` in square metres says how many
-    metres that is.
+    """Return each polygon of a type as a room.
+
+    A plan is 256 units wide. Its ``area`` in square metres determines the metres per unit.
     """
     require_none(storey)
     drawn = {

@@ -18,8 +18,9 @@ FAR = 1e8
 
 
 MAX_CORNERS, MAX_MEETINGS, MAX_CROSSINGS = 1 << 16, 20, 1 << 14
-"""Number of corners of all polygons of a file; average number of sides that a side meets; number of crossings
-of sides, each counted for both sides.
+"""Largest numbers: corners in a file, sides that a side meets on average, and crossings of sides.
+
+Each crossing counts for both sides.
 """
 
 SIDES_PER_QUERY = 256

@@ -13,7 +13,7 @@ import msgspec
 from logic.readers.sketch import Space
 
 OUTSIDE = "outside"
-"""In the table: of what is no room of the house, such as a balcony or a column."""
+"""Type in the table for an area that is no room of the house, such as a balcony or a column."""
 
 MAX_LETTERS, MAX_WORDS = 100, 4
 """Number of letters of a name that are read, and of words in one phrase, such as ``salle de bain``."""
@@ -30,7 +30,7 @@ PART, HUMP = re.compile(r"[^\W\d_]+"), re.compile(r"(?<=[a-zà-ÿ])(?=[A-ZÀ-Þ]
 UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
 
 Uses = tuple[str, ...]
-"""Types that a word means: several for a room of several uses, and an empty one for any type."""
+"""Types that a word means: several for a room of several uses, an empty one for any type."""
 
 
 class Least(msgspec.Struct, frozen=True):
@@ -158,7 +158,7 @@ def _words() -> dict[str, Uses]:
 
 @cache
 def _elements() -> dict[str, str]:
-    """Return what each word means beside rooms."""
+    """Return the element of a house, other than rooms, that each word means."""
     return {_letters(word): what for what, words in table().elements.items() for word in words}
 
 

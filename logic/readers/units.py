@@ -22,8 +22,9 @@ EQUATOR, ECCENTRICITY = 6378137.0, 0.00669437999014
 """Equatorial radius, metres, and squared first eccentricity of the ellipsoid WGS 84."""
 
 WEB_MERCATOR = re.compile(r"(?:^|\D)(?:3857|3785|900913|102100|102113)$")
-"""How the name of the projection of the web's maps ends: ``urn:ogc:def:crs:EPSG::3857``. Its metres grow with
-the latitude.
+"""Suffix of the name of Web Mercator, the projection of web maps: ``urn:ogc:def:crs:EPSG::3857``.
+
+Its metres grow with the latitude.
 """
 
 

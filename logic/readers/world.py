@@ -1,7 +1,7 @@
-"""Plans whose walls stand at any angle, as houses to simulate: HouseExpo's JSON, and GeoJSON.
+"""Plans with walls at any angle, as houses to simulate: HouseExpo's JSON, and GeoJSON.
 
-Such a house is a map (``House.occupancy``): its cells say what lies outside, and ``House.free_walls`` are the
-walls as they are, which stop rays and bodies before the cells do. It has one room and no furniture.
+Such a house is a map (``House.occupancy``) with one room and no furniture. Its cells mark the outside.
+``House.free_walls`` are the exact walls, which stop rays and robots before the cells do.
 """
 
 import json
@@ -30,30 +30,32 @@ from logic.readers.units import degrees_of, is_web_mercator, plane
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
-"""Size of a file."""
+"""Largest size of a file, in bytes."""
 
 CELL = 0.1
-"""Metres. A body must not fit between a wall and the cells behind it."""
+"""Side of a cell, metres. A robot must not fit between a wall and the cells behind it."""
 
 BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS = 64, 4, 1 << 21
 """Cells along a side of a block; parts into which a side is split; number of blocks that are tested."""
 
 SAME = 1e-3
-"""Metres within which lines are one: files are written to a millimetre."""
+"""Distance within which lines are one, metres, as files are precise to a millimetre."""
 
 SMALLEST, THICKEST, LARGEST_DEGREES = 1.0, 10.0, 0.02
-"""Metres: what is smaller is in other units; walls are not so thick. Degrees: plans are not so large."""
+"""Limits of a plausible plan: least size and greatest thickness of walls, metres; greatest size, degrees."""
 
 
 def read_world(content: bytes, path: Path) -> House | None:
-    """The house that a file of HouseExpo or GeoJSON is, its middle at (0, 0); None for another file.
+    """Return the house in a file of HouseExpo or GeoJSON, its middle at (0, 0); None for another file.
 
-    Of GeoJSON, in metres and with y growing north: polygons are floor with walls around it, lines are walls,
-    as thick as their ``thickness`` says. By the property ``kind`` polygons are solid (``wall``, ``piece``),
-    and lines and polygons are doors, open where they join two polygons of floor. Windows are shut; points and
-    features without a geometry are passed over. Warns (``PlanWarning``) of doors that are shut, but for those
-    of our own files to the outside. Raises ``HouseFileError`` if there is no floor or another unit, and
-    for more cells or walls than a house may have.
+    GeoJSON is in metres, with y growing north. Polygons are floor with walls around it. Lines are walls with
+    their ``thickness``. By the property ``kind`` polygons are solid (``wall``, ``piece``), and lines and
+    polygons are doors. A door is open if it joins two polygons of floor. Windows are shut. Points and
+    features without a geometry are ignored.
+
+    Warns (``PlanWarning``) of shut doors, except those of our own files to the outside. Raises
+    ``HouseFileError`` if there is no floor or another unit, and for more cells or walls than a house may
+    have.
     """
     try:
         record = from_text(content)
@@ -68,10 +70,10 @@ def read_world(content: bytes, path: Path) -> House | None:
 
 
 def _of_geojson(record: Mapping[str, Any]) -> House:
-    """What the features of a collection are together."""
+    """Return the house of all features of a collection."""
     floor, doors, solids, walls = list[Any](), list[Any](), list[Any](), list[FreeWall]()
     entrances = list[Any]()
-    # Of our own files with thick walls: their doors are lines in the middle of these.
+    # Doors of our own files with thick walls are lines in the middle of these.
     thick = record.get("wall_thickness")
     deep = inner_wall(thick) / 2 if thick else 0.0
     if len(all_features := features(record)) > MAX_CORNERS:
@@ -118,9 +120,9 @@ def _in_metres(shapes: list[tuple[Any, Mapping[str, Any]]]) -> list[tuple[Any, M
 
 
 def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
-    """A feature's geometry and its properties."""
+    """Return a feature's geometry and its properties."""
     geometry = feature.get("geometry", {}) if isinstance(feature, Mapping) else {}
-    if geometry is None:  # as RFC 7946 has it for what has no place
+    if geometry is None:  # RFC 7946 uses null for a feature without a place
         return Point(), {}
     if not isinstance(geometry, Mapping) or not geometry:
         raise ValueError(f"{where}: has no geometry")
@@ -147,9 +149,10 @@ def _house(
     doors: Sequence[Any] = (),
     entrances: Sequence[Any] = (),
 ) -> House:
-    """Floor without what is solid, with walls around each part of it but where doors are, and more walls.
+    """Return a house of floor without solids, with walls around its parts, and ``more`` walls.
 
-    Warns (``PlanWarning``) of doors that stay shut; entrances do where no floor is outside.
+    The walls are open at doors. Warns (``PlanWarning``) of doors that stay shut. Entrances stay shut if no
+    floor is outside.
     """
     require_plain([*shapes, *solids, *doors, *entrances])
     solid = shapely.union_all([part for each in solids for part in polygons(each)])
@@ -174,7 +177,7 @@ def _house(
         FreeWall(wall.x1 - x, wall.y1 - y, wall.x2 - x, wall.y2 - y, wall.thickness)
         for wall in (*_walls(outlines, 0.0), *more)
     )
-    # A point may be repeated, and two far from the origin be one here.
+    # A point may be repeated, and two points far from the origin may be one here.
     walls = tuple(wall for wall in placed if (wall.x1, wall.y1) != (wall.x2, wall.y2))
     if len(walls) > MOST_WALLS:
         raise ValueError(f"it has {len(walls):,} walls: at most {MOST_WALLS:,} are read")
@@ -182,7 +185,10 @@ def _house(
 
 
 def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
-    """Say how many doors are in no gap that is opened. One in the midst of floor has no wall to open."""
+    """Warn of the number of doors that are in no open gap.
+
+    A door in the midst of floor has no wall to open.
+    """
     inner = floor.buffer(-SAME) if doors else floor
     if shut := sum(not inner.covers(door.centroid) for door in doors):
         join, are = ("joins", "is") if shut == 1 else ("join", "are")
@@ -191,14 +197,14 @@ def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
 
 
 def _walls(shape: Any, thickness: float) -> list[FreeWall]:
-    """A wall along each stretch of lines."""
+    """Return a wall along each segment of lines."""
     lines = [line for line in shapely.get_parts(shape) if isinstance(line, LineString)]
     ends = (pair for line in lines for pair in pairwise(line.coords))
     return [FreeWall(x1, y1, x2, y2, thickness) for (x1, y1), (x2, y2) in ends]
 
 
 def _outside(inside: Any, x: float, y: float) -> OccupancyGrid:
-    """The map, its middle at (0, 0), whose free cells are those that floor is in."""
+    """Return the map, its middle at (0, 0), whose free cells contain floor."""
     west, north, east, south = inside.bounds
     if max(east - west, south - north) < SMALLEST:
         raise ValueError(

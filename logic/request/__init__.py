@@ -1,1 +1,1 @@
-"""What a user asks for: counts of rooms, fixed rooms, or a plan of their own."""
+"""Requests: counts of rooms, fixed rooms, briefs, or a plan of the user."""

@@ -1,7 +1,7 @@
-"""A brief: what a user wants of the rooms of a house, each by its name.
+"""Briefs: requirements on the rooms of a house, each room by its name.
 
-Its form is JSON (``docs/briefs.md``). What cannot be meant is refused here; what cannot be met is found
-later, as a proof that names lines of the brief (``logic.generation.brief``).
+The form is JSON (``docs/briefs.md``). This module rejects briefs that make no sense. A brief that no house
+can satisfy is found later, with a proof that names lines of the brief (``logic.generation.brief``).
 """
 
 import json
@@ -20,74 +20,74 @@ from logic.opener import content_of, from_json
 from logic.spelling import unknown
 
 MOST_BYTES = 1 << 20
-"""Size of a file, unpacked."""
+"""Largest size of a file, unpacked, in bytes."""
 
 MOST_ROOMS = 24
-"""Of a brief: the rules grow with the cube of the number of its rooms."""
+"""Largest number of rooms of a brief, as the rules grow with the cube of the number."""
 
 TOLERANCE, LEAST_TOLERANCE = 0.1, 0.001
-"""Of an area or a size that is one number: so much more or less, as a share of it."""
+"""Default and least tolerance of an area or a size that is one number, as a fraction of it."""
 
 LEAST_SIDE = 0.5
-"""Metres: no side of a room with an area is shorter; ``rules/brief/brief.pl``."""
+"""Least side of a room with an area, metres: ``rules/brief/brief.pl``."""
 
 LEAST_VOID = 1.0
-"""Metres: no side of a void is shorter; ``rules/brief/brief.pl``."""
+"""Least side of a void, metres: ``rules/brief/brief.pl``."""
 
 LARGEST_ROOM = 5_000.0
-"""Square metres: of a room, whose area is known in steps of its width."""
+"""Largest area of a room, square metres, since stage 1 knows an area in steps of the width."""
 
 LENGTHS = {"area", "size", "width", "depth"}
 """Keys of a brief's lengths and areas."""
 
 LONGEST, LARGEST = 400.0, 100_000.0
-"""Metres and square metres: what whole numbers of stage 1 can hold."""
+"""Largest length in metres and area in square metres, so that whole numbers of stage 1 can hold them."""
 
 Side = Literal["north", "east", "south", "west"]
 Span = float | tuple[float, float]
-"""One number, or the least and the greatest: metres, or square metres."""
+"""One number, or a least and a greatest one: metres, or square metres."""
 
 Tolerance = Annotated[float, Meta(ge=0, le=0.5)]
-"""A share: so much more or less."""
+"""Fraction by which a value may be greater or less."""
 
 Pair = tuple[Name, Name]
 
 
 class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
-    """A part of a brief's JSON."""
+    """Part of a brief's JSON."""
 
     comment: str = ""
-    """A note for people, which the reader ignores."""
+    """Note for people, which the reader ignores."""
 
 
 class BriefRoom(Part, frozen=True):
-    """A room that is wanted. All but its name may be left out."""
+    """Requirements on a room. All but its name may be left out."""
 
     name: Name
     type: str = ""
-    """One of the grammar's."""
+    """Room type of the grammar."""
     label: str = ""
-    """What it is called in the place of a type, by a grammar that has none."""
+    """Name of its kind, in place of a type, for a brief without a grammar."""
     area: Span | None = None
-    """Square metres; one number is met within the ``tolerance``."""
+    """Area in square metres; one number allows for the ``tolerance``."""
     size: tuple[Span, Span] | None = None
-    """Its two sides, either way round, metres."""
+    """Its two sides in any order, metres."""
     tolerance: Tolerance | None = None
     outside: bool | tuple[Side, ...] = False
-    """Whether it has an outer wall, or which of its sides are outer walls."""
+    """True if it has an outer wall, or the sides that are outer walls."""
     windows: tuple[Side, ...] = ()
-    """Sides in which it has a window."""
+    """Sides with a window."""
 
 
 class Entrance(Part, frozen=True):
-    """By which room, and which of its sides, the house is entered."""
+    """Room, and optionally its side, by which one enters the house."""
 
     room: Name
     side: Side | None = None
 
 
 class Void(Part, frozen=True):
-    """A part of the outline that is no house, metres: a notch at a corner, or a court that lies anywhere."""
+    """Part of the outline that is not house, metres: a notch at a corner, or a court anywhere."""
 
     width: Span | None = None
     depth: Span | None = None
@@ -97,7 +97,7 @@ class Void(Part, frozen=True):
 
 
 class Outline(Part, frozen=True):
-    """The rectangle around the house, metres: its width from west to east, its depth from north to south."""
+    """Rectangle around the house, metres: its width from west to east, its depth from north to south."""
 
     width: Span | None = None
     depth: Span | None = None
@@ -105,7 +105,7 @@ class Outline(Part, frozen=True):
 
 
 class Brief(Part, frozen=True):
-    """What is wanted of the rooms of a house, each by its name."""
+    """Requirements on the rooms of a house, each room by its name."""
 
     rooms: tuple[BriefRoom, ...]
     doors: tuple[Pair, ...] = ()
@@ -115,8 +115,11 @@ class Brief(Part, frozen=True):
     apart: tuple[Pair, ...] = ()
     """Rooms that do not share a wall."""
     other_doors: bool = False
-    """True permits doors that are not in ``doors``, as far as the grammar's rules do. By default there are
-    only one more door into each group of rooms that ``doors`` join, and the doors that the rules require."""
+    """True permits doors that are not in ``doors``, as far as the grammar's rules do.
+
+    By default there are only one more door into each group of rooms that ``doors`` join, and the doors that
+    the rules require.
+    """
     entrance: Name | Entrance | None = None
     outline: Outline = Outline()
     area: Span | None = None
@@ -127,17 +130,17 @@ class Brief(Part, frozen=True):
 
     @property
     def names(self) -> list[str]:
-        """Of its rooms, in their order."""
+        """Names of its rooms, in their order."""
         return [room.name for room in self.rooms]
 
     @property
     def is_alone(self) -> bool:
-        """Whether it says by itself what the house is: see ``alone``."""
+        """True if the brief alone defines the house: see ``alone``."""
         return all(room.label for room in self.rooms)
 
 
 def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
-    """A brief, from its JSON form or a file of it. Raises ``RequestError`` for what cannot be meant."""
+    """Return the brief in a JSON form or in a JSON file. Raises ``RequestError`` if it makes no sense."""
     if isinstance(source, str | Path):
         try:
             source = from_json(content_of(source, MOST_BYTES), Any)
@@ -154,13 +157,13 @@ def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema of a brief."""
+    """Return the JSON Schema of a brief."""
     found = json.loads(json.dumps(msgspec.json.schema(Brief)))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
 
 
 def alone(brief: Brief) -> Brief:
-    """The brief without a grammar, whose types of rooms are labels."""
+    """Return the brief without a grammar, with labels instead of room types."""
     rooms = [
         msgspec.structs.replace(room, type="", label=room.label or room.type or room.name)
         for room in brief.rooms
@@ -169,19 +172,19 @@ def alone(brief: Brief) -> Brief:
 
 
 def tolerance_of(brief: Brief, room: BriefRoom) -> float:
-    """That of a room, or of the brief."""
+    """Return the tolerance of a room, or else that of the brief."""
     return brief.tolerance if room.tolerance is None else room.tolerance
 
 
 def bounds(span: Span, tolerance: float) -> tuple[float, float]:
-    """The least and the greatest that is meant."""
+    """Return the least and the greatest value of a span."""
     if isinstance(span, tuple):
         return span
     return span * (1 - tolerance), span * (1 + tolerance)
 
 
 def area_range(span: Span, tolerance: float) -> tuple[int, int]:
-    """Square centimetres; of some width, however exact it is meant: sizes are sampled in it."""
+    """Return the range of an area, square centimetres, widened if necessary so that sizes can be sampled."""
     least, most = bounds(span, max(tolerance, LEAST_TOLERANCE))
     if most < least * (1 + 2 * LEAST_TOLERANCE):
         middle = (least + most) / 2
@@ -190,19 +193,19 @@ def area_range(span: Span, tolerance: float) -> tuple[int, int]:
 
 
 def room_area_range(span: Span, tolerance: float) -> tuple[int, int]:
-    """Square centimetres, at least what the least sides make."""
+    """Return the range of a room's area, square centimetres, at least the area with the least sides."""
     least, most = area_range(span, tolerance)
     return max(least, round(1e4 * LEAST_SIDE**2)), most
 
 
 def length_range(span: Span, tolerance: float) -> tuple[int, int]:
-    """Millimetres."""
+    """Return the range of a length, millimetres."""
     least, most = bounds(span, tolerance)
     return floor(1e3 * least + 1e-6), ceil(1e3 * most - 1e-6)
 
 
 def _require_sense(brief: Brief) -> None:
-    """Refuse what cannot be meant."""
+    """Raise ``RequestError`` for a brief that makes no sense."""
     if not 1 <= len(brief.rooms) <= MOST_ROOMS:
         raise RequestError(f"brief: rooms: 1 to {MOST_ROOMS} rooms, not {len(brief.rooms)}")
     names = brief.names

@@ -1,4 +1,4 @@
-"""What a brief requires, line by line: in words, and as terms of ``rules/brief/brief.lp``."""
+"""Requirements of a brief, line by line: in words, and as terms of ``rules/brief/brief.lp``."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -14,13 +14,13 @@ from logic.request.brief import (
 )
 
 Where = tuple[str | int, ...]
-"""A place in the JSON of a brief: ``("rooms", 0, "area")``."""
+"""Place in the JSON of a brief: ``("rooms", 0, "area")``."""
 
 
 class Requirement(NamedTuple):
-    """What a line of a brief requires, in words and as terms of ``rules/brief/brief.lp``: name, arguments.
+    """Requirement of a line of a brief, in words and as terms of ``rules/brief/brief.lp``: name, arguments.
 
-    Lengths are whole millimetres, areas square centimetres; boxes are numbers of rooms, then of voids, or
+    Lengths are whole millimetres, areas square centimetres. Boxes are numbers of rooms, then of voids, or
     ``outline``.
     """
 
@@ -30,22 +30,22 @@ class Requirement(NamedTuple):
 
     @property
     def reason(self) -> str:
-        """As a proof names it."""
+        """Text of the requirement in a proof."""
         return f"brief: {self.words}"
 
 
 def requirements(brief: Brief) -> list[Requirement]:
-    """What a brief requires, line by line."""
+    """Return the requirements of a brief, line by line."""
     return list(_requirements(brief))
 
 
 def void_numbers(brief: Brief) -> range:
-    """The numbers of its voids."""
+    """Return the numbers of the voids of a brief."""
     return range(len(brief.rooms), len(brief.rooms) + len(brief.outline.voids))
 
 
 def area_ranges(brief: Brief) -> dict[int | str, tuple[int, int]]:
-    """The least and the greatest area of each box that has one, square centimetres."""
+    """Return the least and the greatest area of each box that has one, square centimetres."""
     found: dict[int | str, tuple[int, int]] = {
         number: room_area_range(room.area, tolerance_of(brief, room))
         for number, room in enumerate(brief.rooms)
@@ -90,7 +90,7 @@ def _requirements(brief: Brief) -> Iterator[Requirement]:
 def _of_room(
     brief: Brief, number: int, areas: Mapping[int | str, tuple[int, int]]
 ) -> Iterator[tuple[Where, str, tuple[Any, ...]]]:
-    """What is required of a room: where in its JSON, in words, and the term."""
+    """Yield the requirements on a room: place in its JSON, words, and term."""
     room = brief.rooms[number]
     if room.type:
         yield ("type",), f"is of type {room.type}", ("typed", number, room.type)
@@ -144,7 +144,7 @@ def _void_words(void: Void) -> str:
 
 
 def _void_area(void: Void) -> tuple[int, int]:
-    """Square centimetres, of one whose width and depth are given."""
+    """Return the area of a void with given width and depth, square centimetres."""
     assert void.width is not None
     assert void.depth is not None
     (w, wide), (d, deep) = length_range(void.width, 0), length_range(void.depth, 0)

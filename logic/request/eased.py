@@ -1,4 +1,4 @@
-"""A brief that asks for less: some of its lines left out, or its lengths in wider bounds."""
+"""Briefs that ask for less: without some lines, or with wider bounds of lengths."""
 
 import json
 from collections.abc import Collection
@@ -15,14 +15,14 @@ LENGTHS = {"area", "size", "width", "depth"}
 
 
 def is_length(place: Where) -> bool:
-    """Whether an area or a length stands at this place of a brief's JSON."""
+    """Return True if a place in a brief's JSON has an area or a length."""
     return place[-1] in LENGTHS
 
 
 def without(brief: Brief, places: Collection[Where]) -> Brief:
-    """The brief without what stands at these places of its JSON."""
+    """Return the brief without the values at these places of its JSON."""
     record = json.loads(msgspec.json.encode(brief))
-    for *way, last in sorted(places, reverse=True):  # of a list, the last ones first
+    for *way, last in sorted(places, reverse=True):  # the last items of a list first
         part = record
         for key in way:
             part = part[key]
@@ -31,8 +31,9 @@ def without(brief: Brief, places: Collection[Where]) -> Brief:
 
 
 def widened(brief: Brief, place: Where, down: float, up: float) -> Brief:
-    """The brief with a length or an area of wider bounds: its least divided by 1 + ``down``, its greatest
-    times 1 + ``up``; ``is_length`` says of which places.
+    """Return the brief with wider bounds of the length or area at a place (see ``is_length``).
+
+    The least value is divided by 1 + ``down``, the greatest multiplied by 1 + ``up``.
     """
     *way, last = place
     record = json.loads(msgspec.json.encode(brief))
@@ -46,7 +47,7 @@ def widened(brief: Brief, place: Where, down: float, up: float) -> Brief:
 
 
 def off_by(house: House, brief: Brief, place: Where) -> float:
-    """The share by which the bounds of a length are to be wider for a house to keep it."""
+    """Return the fraction by which the bounds of a length must widen for a house to satisfy them."""
     *way, last = place
     if way[:1] == ["rooms"]:
         room = house.rooms[int(way[1])]
@@ -65,7 +66,7 @@ def off_by(house: House, brief: Brief, place: Where) -> float:
 
 
 def _bounds(brief: Brief, place: Where) -> list[tuple[float, float]]:
-    """The least and the greatest of the lengths at a place."""
+    """Return the least and the greatest value of the lengths at a place."""
     *way, last = place
     part: Any = brief
     for key in way:

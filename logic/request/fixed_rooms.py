@@ -17,10 +17,11 @@ SIDES = ("north", "east", "south", "west")
 
 @dataclass(frozen=True)
 class FixedRoom:
-    """A fixed room: on which side of the main room, and its measures as seen from there, clockwise.
+    """Fixed room: its side of the main room, and its measures as seen from there, clockwise.
 
-    Metres: ``width`` along the wall with the door, ``depth``, ``door`` from the room's start to the door's,
-    ``along`` where it starts on that wall and ``wall`` where the wall is, in the house's own coordinates.
+    Metres: ``width`` along the wall with the door, ``depth``, and ``door`` from the room's start to the
+    door's. ``along`` is the room's start on that wall and ``wall`` the wall's place, in the house's own
+    coordinates.
     """
 
     room: StarRoom
@@ -33,9 +34,9 @@ class FixedRoom:
 
 
 def fixed_rooms(house: House) -> list[FixedRoom]:
-    """All rooms of a house as fixed rooms, clockwise from the north-west corner.
+    """Return all rooms of a house as fixed rooms, clockwise from the north-west corner.
 
-    Raises ``RequestError`` if it is no star of ours or a door is on no wall of its room.
+    Raises ``RequestError`` if the house is no star of ours, or a door is on no wall of its room.
     """
     if house.kind is Kind.SHARED_WALLS:
         raise RequestError(f"keep: only rooms of a star can be fixed, not of the topology {house.topology!r}")
@@ -65,6 +66,6 @@ def _fixed(room: StarRoom, name: str) -> FixedRoom:
 
 
 def from_records(records: Sequence[dict[str, Any]]) -> list[FixedRoom]:
-    """Fixed rooms from their JSON form, clockwise."""
+    """Return fixed rooms from their JSON form, clockwise."""
     rooms = tuple(msgspec.convert(record, StarRoom) for record in records)
     return fixed_rooms(House.of_star(Star(rooms[0], rooms))) if rooms else []

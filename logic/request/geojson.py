@@ -21,7 +21,7 @@ from logic.readers.units import metres_to
 from logic.shapes.lines import FACING, MOST_WALL
 
 LEAST_WALL = 0.04
-"""Least thickness of a wall, metres; rooms nearer to each other are meant to touch."""
+"""Least thickness of a wall, metres. Rooms nearer to each other are meant to touch."""
 
 
 class Plan(NamedTuple):
@@ -88,7 +88,7 @@ def _tiles(
         if kind == OUTSIDE:
             outdoors.append(placed(each.shape))
             continue
-        # Edges are rounded, not sizes: what two rooms share stays shared.
+        # Edges are rounded, not sizes, so that shared edges stay shared.
         x, right, y, bottom = (round(m, 6) for m in (west - left, east - left, top - north, top - south))
         size = round(right - x, 6), round(bottom - y, 6)
         part_of = each.whole if each.whole in wholes else UNSET

@@ -1,7 +1,7 @@
-"""A plan of the user's: rooms that have their places, for doors, windows and furniture to be generated in.
+"""Plans of the user: rooms with given places, for which doors, windows and furniture are generated.
 
-It is read from a house file or from GeoJSON, and refused here if it is no plan: rooms that overlap, lie apart
-or leave gaps. Which rules it breaks is found later, as a proof (``logic.generation.given_plan``).
+A plan comes from a house file or from GeoJSON. This module rejects rooms that overlap, lie apart or leave
+gaps. The rules that a plan breaks are found later, in a proof (``logic.generation.given_plan``).
 """
 
 import io
@@ -38,7 +38,7 @@ from logic.shapes.lines import MOST_WALL
 from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
-"""What is read of a file, unpacked."""
+"""Largest size of a file, unpacked, in bytes."""
 
 SNAP, MOST_SNAP = 0.01, 0.5
 """Default and greatest distance of edges that count as one wall, metres."""
@@ -144,10 +144,10 @@ def _snap_that_does(
 
 
 def keeping(plan: OwnPlan, house: House) -> OwnPlan:
-    """The plan in which all rooms of a house are as they are there, with their types and furniture.
+    """Return the plan with all rooms of a house as they are there, with their types and furniture.
 
-    Raises ``RequestError`` if the plan has another room in the place of one of them, or no doors: what is
-    kept stands clear of the doors that there were.
+    Raises ``RequestError`` if the plan has another room in place of one of them. Raises it, too, for a plan
+    without doors, since kept furniture stands clear of the previous doors.
     """
     rooms = {room.name: room for room in house.tiles}
     places = {room.name: room.box for room in plan.rooms}
@@ -169,7 +169,7 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
 def _read(
     source: str | Path | House | Mapping[str, Any], storey: str | None
 ) -> House | Sketch | Mapping[str, Any]:
-    """A house, a plan of another program, or GeoJSON."""
+    """Return the house, the plan of another program, or the GeoJSON in a source."""
     found = _from_file(Path(source), storey) if isinstance(source, str | Path) else source
     if isinstance(found, House):
         if found.occupancy:
@@ -186,11 +186,11 @@ def _from_file(path: Path, storey: str | None) -> House | Sketch | dict[str, Any
     except OSError as error:
         if error.errno == EFBIG:
             raise HouseFileError(f"{path}: {error.strerror}: a plan is of one house") from None
-        content = b""  # ``load`` says why
+        content = b""  # ``load`` raises the error
     record, damage = None, ""
     try:
         record = from_text(content)
-    except ValueError as error:  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
+    except ValueError as error:  # An absent file, or one that is no JSON; JSON Lines are no GeoJSON.
         damage = str(error) if content else ""
     if found := sketch(content, record, storey):
         return found
@@ -208,7 +208,7 @@ def _from_file(path: Path, storey: str | None) -> House | Sketch | dict[str, Any
 
 
 def _require_rooms(rooms: Sequence[Room]) -> None:
-    """Refuse rooms that are none, each by its name."""
+    """Raise ``RequestError`` for invalid rooms, with their names."""
     if len(rooms) > MOST_ROOMS:
         raise RequestError(f"plan: it has {numbered(len(rooms), 'room')}: at most {MOST_ROOMS:,} are read")
     names = [room.name for room in rooms]

@@ -1,4 +1,4 @@
-"""Doors and windows that are near walls of a plan, put into them."""
+"""Doors and windows near walls of a plan, moved into these walls."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -13,10 +13,10 @@ from logic.request.own_plan import OwnPlan, Wall
 from logic.shapes.lines import MOST_WALL
 
 REACH = MOST_WALL / 2 + 0.15
-"""Metres: how far from a wall its doors and windows may be drawn."""
+"""Greatest distance from a wall at which its doors and windows may be drawn, metres."""
 
 ROUND = 0.05
-"""Metres: doors are so many of them wide, where noise is all that is between."""
+"""Unit to which the widths of doors are rounded if only noise lies between, metres."""
 
 ALL = 0.2
 """Metres by which an opening without a leaf may be shorter than its wall and still open the whole wall."""
@@ -38,9 +38,9 @@ class Placed(NamedTuple):
 def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     """Return the doors and windows of a drawing, moved into the nearest walls of a plan of its rooms.
 
-    Where a drawing does not know its entrance, that is one of the doors that lead outside, by the types of
-    their rooms; the others are garden doors. A door that is known to be no entrance, or is before a balcony,
-    is a window in a drawing with windows. Between the parts of one room all of their wall is open.
+    If a drawing does not state its entrance, one of the doors that lead outside is the entrance, by the types
+    of their rooms; the others are garden doors. A door that is known to be no entrance, or is before a
+    balcony, becomes a window in a drawing with windows. The whole wall between the parts of one room is open.
     """
     names = [room.name for room in plan.rooms]
     inner = [wall for wall in plan.walls if wall.behind is not None and wall.room < wall.behind]
@@ -131,9 +131,9 @@ def _pieces(opening: Opening, inner: Sequence[Wall]) -> Iterator[Opening]:
 
 
 def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, float] | None:
-    """The wall that an opening is in, and from where to where it is drawn along it, metres."""
+    """Return the wall that contains an opening, and its start and end as drawn along the wall, metres."""
     box = opening.box
-    axis = int(box[2] - box[0] > box[3] - box[1])  # across which it is thin
+    axis = int(box[2] - box[0] > box[3] - box[1])  # the axis across which it is thin
     middle, low, high = (box[axis] + box[axis + 2]) / 2, box[1 - axis], box[3 - axis]
     best, least = None, REACH
     for wall in walls:
@@ -146,13 +146,13 @@ def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, floa
 
 
 def _rounded(length: float, noise: float) -> float:
-    """The length of a door without noise."""
+    """Return the length of a door without noise."""
     whole = round(length / ROUND) * ROUND
     return whole if abs(whole - length) <= 2 * noise + 1e-6 else length
 
 
 def _segment(wall: Wall, start: float, length: float) -> Box:
-    """x, y, width and height of a part of a wall, or of all of it."""
+    """Return x, y, width and height of a part of a wall, or of the whole wall."""
     length = round(min(length, wall.end - wall.start), 6)
     start = round(max(wall.start, min(start, wall.end - length)), 6)
     if WALLS.index(wall.side) % 2:
@@ -161,7 +161,7 @@ def _segment(wall: Wall, start: float, length: float) -> Box:
 
 
 def _leads_out(opening: Opening, drawn: Regular) -> bool:
-    """Whether a door leads to a balcony or the like."""
+    """Return True if a door leads to a balcony or a similar area."""
     box = shapely.box(*opening.box)
     return any(shapely.distance(box, each) < REACH for each in drawn.outdoors)
 
@@ -174,7 +174,7 @@ def _joints(drawn: Regular, inner: Sequence[Wall], names: Sequence[str]) -> Iter
 
 
 def _unreached(names: Sequence[str], doors: Sequence[Door]) -> list[str]:
-    """The rooms that no way through doors leads to from the room that most of them do."""
+    """Return the rooms outside the largest group of rooms that doors join."""
     reached = {name: {name} for name in names}
     for one, other in (door.between for door in doors if not door.is_entrance):
         joined = reached[one] | reached[other]
@@ -184,7 +184,7 @@ def _unreached(names: Sequence[str], doors: Sequence[Door]) -> list[str]:
 
 
 def _widest(doors: Sequence[Door], notes: list[str]) -> Iterator[Door]:
-    """One door between any two rooms."""
+    """Yield one door between any two rooms, the widest."""
     best: dict[frozenset[str], Door] = {}
     for door in sorted(doors, key=lambda door: door.length, reverse=True):
         one, other = door.between

@@ -1,4 +1,4 @@
-"""What a file is that is given as a plan and is none: known by how it begins, whatever its name."""
+"""Recognition of files that are not plans, by their first bytes whatever their names."""
 
 import re
 from collections.abc import Mapping
@@ -85,14 +85,14 @@ def _json(content: bytes) -> tuple[str, str] | None:
 
 
 def _yaml(content: bytes) -> tuple[str, str] | None:
-    """Recognise YAML that names levels, floors or rooms, but no picture as a map of ROS does."""
+    """Return the format of YAML that names levels, floors or rooms, but no picture as a map of ROS does."""
     if YAML.search(content[:65536]) is None or re.search(rb"(?m)^image[ \t]*:", content[:65536]):
         return None
     return "a floor plan in YAML, as of Open-RMF, PyRoboSim or ESPresense", GEOJSON
 
 
 def _table(content: bytes) -> tuple[str, str] | None:
-    """Recognise lines with equally many commas, semicolons or tabs each that are not JSON."""
+    """Return the format of lines with equal numbers of commas, semicolons or tabs that are not JSON."""
     lines = content[:4096].splitlines()[:3]
     if len(lines) < 2 or lines[0].lstrip()[:1] in (b"{", b"["):
         return None

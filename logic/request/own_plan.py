@@ -1,4 +1,4 @@
-"""Rooms that have their places, and what lies behind each of their walls."""
+"""Rooms with given places, and the rooms behind each of their walls."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from logic.house.walls import remaining
 
 @dataclass(frozen=True)
 class Wall:
-    """A part of one side of a room: on the other side is one other room, by its number, or the outside.
+    """Part of one side of a room. On the other side is one other room, by its number, or the outside.
 
     Metres: ``place`` across the wall, ``start`` and ``end`` along it.
     """
@@ -30,16 +30,17 @@ class Wall:
 class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
     """Rooms with names, types (empty: any) and places in metres, x east, y south.
 
-    If there are doors between rooms, there will be no others; likewise an entrance, and windows.
+    If the plan has doors between rooms, the house has no others. The same holds for an entrance, and for
+    windows.
     """
 
     rooms: Annotated[tuple[Room, ...], msgspec.Meta(min_length=1)]
     doors: tuple[Door, ...] = ()
     windows: tuple[Window, ...] = ()
     kept: tuple[str, ...] = ()
-    """Names of the rooms whose furniture stays; the others have none yet."""
+    """Names of the rooms whose furniture stays. The other rooms have none yet."""
     has_more_doors: bool = False
-    """Whether there may be other doors between rooms than those."""
+    """True if doors between rooms may be added."""
 
     @cached_property
     def lines(self) -> list[dict[str, tuple[str, int]]]:
@@ -52,19 +53,19 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
 
     @property
     def outline(self) -> Box:
-        """The box around all rooms: (west, north, east, south), metres."""
+        """Box around all rooms: (west, north, east, south), metres."""
         west, north, east, south = zip(*(room.box for room in self.rooms), strict=True)
         return min(west), min(north), max(east), max(south)
 
     @cached_property
     def walls(self) -> list[Wall]:
-        """The sides of all rooms, each cut at what lies behind it."""
+        """Sides of all rooms, each divided at the corners of the rooms behind it."""
         return [
             wall for number in range(len(self.rooms)) for side in WALLS for wall in self._side(number, side)
         ]
 
     def wall_of(self, opening: Door | Window) -> Wall | None:
-        """The wall that a door or window lies in, on the side of its first room; None if in none."""
+        """Return the wall that a door or window lies in, on the side of its first room, or None."""
         names = [room.name for room in self.rooms]
         between = opening.between if isinstance(opening, Door) else (opening.room, OUTSIDE)
         room, behind = sorted((names.index(name) if name != OUTSIDE else None for name in between), key=str)
@@ -72,7 +73,7 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
         return next((wall for wall in walls if _holds(wall, opening)), None)
 
     def wall_around(self, window: Window) -> Wall | None:
-        """The same, whatever is behind the wall: a window may be towards a room that is outside."""
+        """Return the wall around a window with anything behind it, as a window may face an outdoor room."""
         walls = (wall for wall in self.walls if self.rooms[wall.room].name == window.room)
         return next((wall for wall in walls if _holds(wall, window)), None)
 
@@ -92,7 +93,7 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
 
 
 def _numbers(values: Iterable[float]) -> dict[float, int]:
-    """The number of each value in their order; those that differ by a tolerance at most have the same."""
+    """Return the number of each value in ascending order. Values within a tolerance have the same number."""
     numbers: dict[float, int] = {}
     last, number = float("-inf"), -1
     for value in sorted(set(values)):
@@ -107,7 +108,7 @@ def _common(one: Box, other: Box, axis: int) -> tuple[float, float]:
 
 
 def _holds(wall: Wall, opening: Door | Window) -> bool:
-    """Whether all of an opening lies in a wall."""
+    """Return True if the whole of an opening lies in a wall."""
     k = WALLS.index(wall.side) % 2
     start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
     along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE

@@ -1,4 +1,4 @@
-"""What a house must have: the user's choices, beside what the grammar says."""
+"""Requests: the user's choices in addition to the grammar's rules."""
 
 import operator
 from collections.abc import Iterable, Mapping
@@ -16,22 +16,23 @@ from logic.request.own_plan import OwnPlan
 from logic.spelling import numbered, unknown
 
 Range = tuple[int, int | None]
-"""The least number and the greatest, None for no bound."""
+"""Least and greatest number; None for no bound."""
 
 Count = int | tuple[int, int | None]
-"""An exact number, or a range."""
+"""Exact number, or a range."""
 
 MAX_CELL_M = 2
-"""Width of a grid cell, metres."""
+"""Largest width of a grid cell, metres."""
 
 MOST_ROOMS = 128
 MOST = 2**31 - 1
-"""The greatest number of clingo: no bound."""
+"""Largest number of clingo, which stands for no bound."""
 
 
 def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
-    """A whole number of any library, as Python's. Raises ``RequestError`` for another value, and out of
-    ``least`` to ``most``.
+    """Return a whole number of any library as Python's.
+
+    Raises ``RequestError`` for another value, and for a number outside ``least`` to ``most``.
     """
     try:
         if isinstance(value, bool):
@@ -59,11 +60,11 @@ class Stated(msgspec.Struct, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class Request:
-    """The number of secondary rooms, how many are of each type, and how much furniture they have.
+    """Number of secondary rooms, numbers of rooms of each type, and their furniture.
 
-    ``furniture`` counts pieces in each room that may have them (``bed``) or in rooms of one type
-    (``bedroom.bed``); both hold where both are given. ``cell`` is the side of a grid's cell in metres, 0
-    for none.
+    ``furniture`` gives numbers of pieces in each room that may have them (``bed``) or in rooms of one type
+    (``bedroom.bed``). If both are given, both hold. ``cell`` is the side of a grid's cell in metres, 0 for
+    none.
     """
 
     rooms: int
@@ -84,7 +85,7 @@ class Request:
 
     @property
     def given(self) -> Brief | OwnPlan | None:
-        """Return the brief or the plan, which states rooms by name; None without either."""
+        """Brief or plan, which states rooms by name; None without either."""
         return self.brief or self.plan
 
     @classmethod
@@ -114,7 +115,7 @@ class Request:
             raise RequestError(f"request: {str(error)[0].lower()}{str(error)[1:]}") from None
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON form: exact numbers as such, ranges as lists."""
+        """Return the JSON form, with exact numbers as such and ranges as lists."""
         record: dict[str, Any] = {"rooms": self.rooms, "types": _counts(self.types)}
         if self.furniture:
             record["furniture"] = _counts(self.furniture)
@@ -129,7 +130,7 @@ class Request:
         return record
 
     def furniture_of(self, type_: str) -> list[tuple[str, str, Range]]:
-        """What a room of this type must have: each count by its name, the piece, and how many."""
+        """Return the required furniture of a room of this type: name of the count, piece, and range."""
         found = []
         for name, wanted in sorted(self.furniture.items()):
             of, _, piece = name.rpartition(".")
@@ -138,7 +139,7 @@ class Request:
         return found
 
     def pieces_of(self, type_: str) -> dict[str, Range]:
-        """How many pieces of each kind a room of this type must have, by all counts together."""
+        """Return the range of each kind of piece in a room of this type, by all counts together."""
         pieces: dict[str, Range] = {}
         for _, piece, (least, most) in self.furniture_of(type_):
             a, b = pieces.get(piece, (0, None))
@@ -147,7 +148,7 @@ class Request:
         return pieces
 
     def __str__(self) -> str:
-        """In words, as in ``3 rooms, 2 of type bedroom``."""
+        """Return the request in words, as in ``3 rooms, 2 of type bedroom``."""
         rooms = numbered(self.rooms, "room")
         types = [f"{in_words(wanted)} of type {name}" for name, wanted in self.types.items()]
         pieces = []
@@ -165,7 +166,7 @@ class Request:
 
 
 def as_range(name: str, count: Any) -> Range:
-    """A count as a range; raises ``RequestError`` if it is none."""
+    """Return a count as a range. Raises ``RequestError`` for an invalid count."""
     count = plain(count)
     least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
     if type(least) is not int or not (most is None or type(most) is int):
@@ -185,8 +186,9 @@ def require_series(record: Mapping[str, Any]) -> None:
 
 
 def request_at(index: int, request: dict[str, Any]) -> dict[str, Any]:
-    """What house ``index`` of a series is asked for by, whose ``rooms`` may be a range, as a list: they have
-    one number of rooms after the other then, from the least.
+    """Return the request of house ``index`` of a series, whose ``rooms`` may be a range, as a list.
+
+    The numbers of the range then follow each other from house to house, from the least on.
     """
     if isinstance(request["rooms"], int):
         return request
@@ -195,19 +197,19 @@ def request_at(index: int, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def in_words(wanted: Range) -> str:
-    """As in ``2``, ``1 to 3``, ``2 or more``."""
+    """Return a range in words, as in ``2``, ``1 to 3``, ``2 or more``."""
     least, most = wanted
     return f"{least}" if most == least else f"{least} or more" if most is None else f"{least} to {most}"
 
 
 def as_option(wanted: Range) -> str:
-    """As on the command line: ``2``, ``1..3``, ``2..``."""
+    """Return a range as on the command line: ``2``, ``1..3``, ``2..``."""
     least, most = wanted
     return f"{least}" if most == least else f"{least}..{'' if most is None else most}"
 
 
 def from_option(text: str) -> Count:
-    """What ``as_option`` wrote, and ``..3``; raises ``ValueError``."""
+    """Return the count in a text of ``as_option``, or in ``..3``. Raises ``ValueError`` for another text."""
     if ".." not in text:
         return int(text)
     least, _, most = text.partition("..")
@@ -215,7 +217,7 @@ def from_option(text: str) -> Count:
 
 
 def known(what: str, name: str, names: Iterable[str]) -> None:
-    """Raise ``RequestError`` for a name that is none of these."""
+    """Raise ``RequestError`` for a name that is not one of these."""
     names = sorted(names)
     if name not in names:
         raise RequestError(unknown(what, name, names))

@@ -1,4 +1,4 @@
-"""Walls of a plan that lie so near to each other that they are meant to be one: put on one line."""
+"""Walls of a plan that nearly coincide, moved onto one line."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ R = TypeVar("R", bound=Rect)
 
 
 class Snapped(NamedTuple):
-    """Rooms, doors and windows on common lines, how many edges moved, and how far the farthest (m)."""
+    """Rooms, doors and windows on common lines, number of moved edges, and the largest move, metres."""
 
     rooms: tuple[Room, ...]
     doors: tuple[Door, ...]
@@ -27,11 +27,11 @@ class Snapped(NamedTuple):
 def snapped(
     rooms: Sequence[Room], doors: Sequence[Door], windows: Sequence[Window], within: float
 ) -> Snapped:
-    """The edges of rooms that lie ``within`` metres of each other on one line, that of most of them, where
-    any two rooms nearly share a wall. Else nothing moves: the ends of walls may lie as near as that.
+    """Move near edges of rooms onto one line, that of most of them, if rooms nearly share walls.
 
-    Doors and windows go with their walls. Raises ``RequestError`` if lines follow each other so that an
-    edge would move further than that.
+    Edges are near within ``within`` metres. Otherwise nothing moves, since ends of walls may lie as near.
+    Doors and windows move with their walls. Raises ``RequestError`` if lines follow each other so that an
+    edge would move further than ``within``.
     """
     if not _nearly_shared(rooms, within):
         return Snapped(tuple(rooms), tuple(doors), tuple(windows), 0, 0.0)
@@ -45,7 +45,10 @@ def snapped(
 
 
 def _nearly_shared(rooms: Sequence[Room], within: float) -> bool:
-    """Whether walls of two rooms face each other that near, over more than that, and not on one line."""
+    """Return True if walls of two rooms face each other at most ``within`` metres apart, not on one line.
+
+    They must overlap over more than ``within`` metres.
+    """
     boxes = [room.box for room in rooms]
     for one, other in permutations(boxes, 2):
         for k in (0, 1):
@@ -56,7 +59,7 @@ def _nearly_shared(rooms: Sequence[Room], within: float) -> bool:
 
 
 def _lines(values: Sequence[float], within: float, axis: str) -> dict[float, float]:
-    """For each value the line that it lies on."""
+    """Return for each value the line that it lies on."""
     counts, groups = Counter(values), list[list[float]]()
     for value in sorted(counts):
         if not groups or value - groups[-1][-1] > max(within, TOLERANCE):
@@ -82,8 +85,8 @@ def _on_lines(room: Room, lines: Sequence[dict[float, float]]) -> Room:
 
 
 def _with_wall(opening: R, lines: Sequence[dict[float, float]], within: float) -> R:
-    """A door or window on the line nearest to it, as long as it was."""
-    axis = int(opening.height == 0)  # across which it has no length
+    """Return a door or window on the line nearest to it, with its length unchanged."""
+    axis = int(opening.height == 0)  # the axis across which it has no length
     place = opening.box[axis]
     near = min(lines[axis], key=lambda value: abs(value - place))
     if not TOLERANCE < abs(lines[axis][near] - place) <= 2 * within + TOLERANCE:
