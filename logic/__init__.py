@@ -66,7 +66,7 @@ __all__ = [
 
 
 def _plan(house: House, width: int) -> str:
-    from logic.drawing.draw import plan_svg  # Here: it imports matplotlib.
+    from logic.drawing.draw import plan_svg  # Imported here, since it imports matplotlib.
 
     return plan_svg(house, width)
 

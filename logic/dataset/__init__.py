@@ -1,1 +1,1 @@
-"""Sets of many houses: files of rows, generated independently, reproducible, and readable by other tools."""
+"""Sets of many houses: files of reproducible rows that other tools can read."""

@@ -1,7 +1,7 @@
-"""Houses in the formats of other tools, a file for each house: the output of ``vitruvius convert --to``.
+"""Houses in the formats of other tools, for ``vitruvius convert --to``.
 
-A format is a function that writes a house: ``write(house, path)``, with a path without an ending. Its
-libraries are imported when it is used.
+A format is a function that writes a house to a file: ``write(house, path)``, with a path without an ending.
+Its libraries are imported when it is used.
 """
 
 from collections.abc import Callable, Iterable

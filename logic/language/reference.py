@@ -162,7 +162,7 @@ def _table(entries: Iterable[Entry]) -> str:
 
 @dataclass(frozen=True)
 class Rules:
-    """Print the reference of the rule language: every predicate, recipes, what cannot be said."""
+    """Print the reference of the rule language: predicates, recipes, and its limits."""
 
     def run(self) -> None:
         """Print the reference as Markdown."""

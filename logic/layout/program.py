@@ -61,9 +61,9 @@ EVERY = ("--models=0", "--project=show")
 LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
-By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so it
-would keep, and propagate, all that it ever learns. This keeps fewer, and more within a long search. The
-heuristic has nothing to choose: a cheap one.
+By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has few
+conflicts, so that clasp would keep, and propagate, everything that it learns. These settings keep fewer
+nogoods, and more within a long search. The heuristic has no choice to make, so a cheap one suffices.
 """
 
 FREE = ("--configuration=handy", "--sat-prepro=no", "--sign-def=rnd", "--rand-freq=0.02")

@@ -123,7 +123,7 @@ class Relaxed:
         self._given: list[int] = []
         self._failing: set[int] = set()
         self.until = math.inf
-        """When no more layouts are looked for, by ``time.monotonic``."""
+        """Time, of ``time.monotonic``, at which searches for layouts end."""
         self.statements = [
             Statement(reason, (self._literal_of[stated_symbol(number)],), clause)
             for number, (reason, clause) in enumerate(found)

@@ -1,4 +1,4 @@
-"""Readers of plans of other programs; a reader recognises its format by the content of the file."""
+"""Readers of plans of other programs, each of which recognises its format by a file's content."""
 
 from codecs import BOM_UTF8
 from collections.abc import Callable

@@ -1,7 +1,8 @@
 """ResPlan (Abouagour and Garyfallidis, 2025): geometries by type, of one flat, with y as in pictures.
 
-The data set is a pickle, which runs what its writer wants, so it is not read here. One plan of it is JSON by
-``json.dump(plan, file, default=shapely.geometry.mapping)``; in Python ``generate`` takes the plan itself.
+The data set is a pickle, which can run any code of its writer, so that this module does not read it.
+``json.dump(plan, file, default=shapely.geometry.mapping)`` writes one plan of it as JSON. In Python
+``generate`` takes the plan itself.
 """
 
 from collections.abc import Mapping

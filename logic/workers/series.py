@@ -31,7 +31,7 @@ _warned: set[str] = set()
 
 @dataclass(frozen=True)
 class HouseSeries:
-    """All that determines a house except its seed and index, with the limits for each house."""
+    """Grammar, request and limits of houses, which a seed and an index complete."""
 
     grammar: Grammar
     request: dict[str, Any]

@@ -36,7 +36,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
     together: dict[tuple[str, str], list[GrammarError]] = {}
     for statement, put, error in _misplaced(own, refused):
         if put and statement.program == "base":
-            # A rule derived in the first stage may serve both.
+            # An atom derived in the first stage may serve both.
             together.setdefault((str(error.file), put.partition(" or ")[0]), []).append(error)
         else:
             yield error

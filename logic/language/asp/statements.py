@@ -24,7 +24,7 @@ class Statement(NamedTuple):
 
 
 def read(files: Sequence[Path]) -> list[Statement]:
-    """Return all statements of these files and of included files, in order; typical ones are of the house.
+    """Return all statements of these files and of included files, in order. Typical ones belong to the house.
 
     Raises ``GrammarError`` for the first syntax error.
     """
