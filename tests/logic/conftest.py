@@ -1,4 +1,4 @@
-"""What the tests of the rules share."""
+"""Fixtures for the tests of the rules."""
 
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -9,6 +9,6 @@ import pytest
 
 @pytest.fixture(scope="session")
 def solver() -> Iterator[ProcessPoolExecutor]:
-    """One process for all grammars that are wrong or hostile: it takes a while to load the core."""
+    """Yield one process for all wrong or hostile grammars, since loading the core takes a while."""
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         yield pool

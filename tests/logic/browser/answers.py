@@ -1,4 +1,4 @@
-"""What the playground's worker answers, without the page around it."""
+"""Answers of the playground's worker, without the page around it."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,5 +20,5 @@ PARTS = """([grammar, files, request]) => new Promise((resolve, reject) => {
 def answered(
     page: Page, grammar: str, files: Mapping[str, str], request: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """The parts of a sheet of houses, by a worker that stays with the page."""
+    """Return the parts of a sheet of houses, from a worker that stays with the page."""
     return page.evaluate(PARTS, [grammar, files, request])

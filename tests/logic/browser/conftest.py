@@ -14,7 +14,7 @@ from tests.conftest import opened_page
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory) -> Iterator[Server]:
-    """The page's folder, served as ``vitruvius playground`` serves it."""
+    """Serve the page's folder as ``vitruvius playground`` does."""
     made = tmp_path_factory.mktemp("playground") / "page"
     try:
         folder.write(made)
@@ -28,14 +28,15 @@ def site(tmp_path_factory) -> Iterator[Server]:
 
 @pytest.fixture(scope="module")
 def at(site: Server) -> str:
-    """The page's address."""
+    """Return the page's address."""
     return f"http://{site.server_name}:{site.server_port}/"
 
 
 @pytest.fixture(scope="module")
 def opened(browser: Browser, at: str) -> Iterator[Page]:
-    """A document beside the page, from which the page's worker is asked: it stays for all tests of a module,
-    and starts no solvers of its own.
+    """Open a document beside the page, from which tests ask the page's worker.
+
+    The document stays for all tests of a module, and starts no other solvers.
     """
     with opened_page(browser) as page:
         page.goto(f"{at}page.css")

@@ -19,7 +19,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watched]:
 
 @pytest.fixture
 def editor(server: Watched, page: Page) -> Page:
-    """The page with the brief that one begins with: the rooms and the door of the house that is shown."""
+    """Open the page with the initial brief: the rooms and the door of the house that is shown."""
     page.goto(f"{server.address}#rooms=2&seed=0&count=2&size=260")
     drawn(page, 2)
     page.get_by_label("By a brief").check()
@@ -29,7 +29,7 @@ def editor(server: Watched, page: Page) -> Page:
 
 
 def brief(page: Page) -> dict[str, Any]:
-    """What the page says as JSON."""
+    """Return the brief that the page shows as JSON."""
     return json.loads(page.locator("#brief-json").input_value())
 
 

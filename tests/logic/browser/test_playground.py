@@ -1,4 +1,4 @@
-"""The playground: houses, mistakes and proofs by solvers in the browser, beside those of Python."""
+"""The playground: houses, mistakes and proofs of solvers in the browser, compared with those of Python."""
 
 import json
 import re
@@ -21,7 +21,7 @@ from tests.logic.browser.answers import answered
 from tests.programs import PATIENCE
 
 WHOLE = 1000 * PATIENCE
-"""Milliseconds for an answer."""
+"""Timeout of an answer, milliseconds."""
 
 SHEETS = {
     "family": {"rooms": 5, "seed": 3, "count": 2, "types": {"bedroom": 2, "hall": [1, None]}},
@@ -32,12 +32,12 @@ SHEETS = {
 
 
 def rules(grammar: str) -> dict[str, str]:
-    """The rule files of a shipped grammar, by name."""
+    """Return the rule files of a shipped grammar, by name."""
     return {file.name: file.read_text() for file in SHIPPED.joinpath(grammar).glob("*.[lp][lp]")}
 
 
 def houses_of(page: Page, grammar: str, **asked: Any) -> list[dict[str, Any]]:
-    """The houses that the browser makes."""
+    """Return the houses that the browser generates."""
     request = {"types": {}, "furniture": {}, **asked}
     return [part["house"] for part in answered(page, grammar, rules(grammar), request) if "house" in part]
 

@@ -52,13 +52,13 @@ MISTAKES = {
 
 
 def on_the_command_line(text: str) -> str:
-    """A reason of the page's as Python has it: ``rooms: 3`` is ``--rooms 3``."""
+    """Return a reason of the page in Python's words: ``--rooms 3`` for ``rooms: 3``."""
     name, _, count = text.partition(": ")
     return f"--rooms {count}" if name == "rooms" else re.sub(r"^(\w+): (\d.*)$", r"--type \1=\2", text)
 
 
 def asked(page: Page, files: Mapping[str, str], rooms: int, types: Mapping[str, int]) -> tuple[str, Any]:
-    """The kind of an answer of the page's, and the answer: houses, a place with its error, or a proof."""
+    """Return the kind of an answer of the page, and the answer: houses, an error's place, or a proof."""
     request = {"rooms": rooms, "types": types, "furniture": {}, "seed": 1, "count": 1}
     *_, last = answered(page, "home", files, request)
     if "findings" in last:
@@ -70,7 +70,7 @@ def asked(page: Page, files: Mapping[str, str], rooms: int, types: Mapping[str, 
 
 
 def made(folder: Path, files: Mapping[str, str], rooms: int, types: Mapping[str, int]) -> tuple[str, Any]:
-    """The same of Python's."""
+    """Return the kind of Python's answer, and the answer."""
     folder.mkdir()
     for name, text in files.items():
         (folder / name).write_text(text)
@@ -134,7 +134,7 @@ STARS: tuple[tuple[int, dict[str, int]], ...] = (
     (2, {"kitchen": 3}),
     (4, {"hall": 4}),
 )
-"""Rooms and types of which `family` has no house; of several conflicts of the last, one is the smallest."""
+"""Rooms and types for which `family` has no house; the last has several conflicts, one of them smallest."""
 
 
 def test_proofs_of_stars_have_the_fewest_reasons_as_those_of_python(opened, tmp_path):

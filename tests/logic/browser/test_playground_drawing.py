@@ -40,7 +40,7 @@ HOUSES = {
 
 
 def drawn(houses: Iterable[House], grammar: str, tmp_path: Path) -> list[str]:
-    """The plans of the playground's script, by the Node that comes with pyright."""
+    """Return the plans of the playground's script, run by the Node that comes with pyright."""
     node = Path(executable.ROOT_DIR, "bin", "node")
     page = {
         "houses": [house.to_dict() for house in houses],
@@ -64,7 +64,7 @@ def drawn(houses: Iterable[House], grammar: str, tmp_path: Path) -> list[str]:
 
 
 def shapes(text: str) -> Iterator[tuple[str, list[float]]]:
-    """The shapes of a plan but for its walls, in order: what each is, and its numbers."""
+    """Yield the shapes of a plan without its walls, in order: kind and numbers of each."""
     for each in ElementTree.fromstring(text).iter():
         name, part = each.tag.rpartition("}")[2], each.attrib.get("data-part", "")
         is_wall = name == "path" and each.attrib["fill"] == PALETTES["colour"].wall

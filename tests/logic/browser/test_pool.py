@@ -1,4 +1,4 @@
-"""Which solver processes of a page's pool are asked again."""
+"""Reuse of solver processes in a page's pool."""
 
 import asyncio
 import threading
@@ -15,34 +15,35 @@ from logic.workers.solver import Solver
 
 
 class Ready(Solver):
-    """A process that has loaded its rules, and is slow to die."""
+    """Process that has loaded its rules, and is slow to end."""
 
     def __init__(self) -> None:
         self._interrupted, self.unanswered = False, 0
 
     def prepared(self) -> None:
-        """At once."""
+        """Return at once."""
 
     def open(self, opening: Any) -> None:
-        """At once."""
+        """Return at once."""
 
     def loaded(self, seconds: float = 0.0) -> Any:
-        """Without a remark."""
+        """Return without a remark."""
 
     def is_alive(self) -> bool:
-        """Still."""
+        """Return True."""
         return True
 
     def _kill(self) -> None:
-        """It takes longer than the next question."""
+        """Do nothing: ending takes longer than the next question."""
 
     def end(self) -> None:
-        """Nothing runs."""
+        """Do nothing, since nothing runs."""
 
 
 def test_a_process_that_answers_as_it_is_told_to_end_is_asked_no_more(monkeypatch):
-    """Its answer came after the caller had gone, and past the time that it had: then it dies, and whoever
-    asked it next was told that there is no house.
+    """Its answer came after the caller had gone and its time was over, so the process ends.
+
+    A later caller that still asked it was told that there is no house.
     """
     monkeypatch.setattr(pools, "GRACE", 0.01)
     spares: Any = SimpleNamespace(take=Ready)
@@ -78,7 +79,7 @@ def test_limits_of_all_kinds_are_limits_on_the_page_and_nothing_else_is():
 
 
 def test_a_request_without_a_path_is_refused() -> None:
-    """As ``OPTIONS *`` is, of RFC 9110."""
+    """Such as ``OPTIONS *`` of RFC 9110."""
     answers = list[Any]()
 
     async def nothing(*_: Any) -> Any:

@@ -39,25 +39,25 @@ expect.set_options(timeout=1000 * PATIENCE)
 
 @dataclass
 class Watched:
-    """A grammar that a process watches, and the page's address."""
+    """Grammar that a process watches, and the page's address."""
 
     folder: Path
     address: str
     process: subprocess.Popen[str]
 
     def save(self, name: str, text: str) -> None:
-        """Save a file as many editors do: beside it, and renamed."""
+        """Save a file as many editors do: write another file, and rename it."""
         (self.folder / "new").write_text(text)
         (self.folder / "new").rename(self.folder / name)
 
     def restore(self) -> None:
-        """All files as they are shipped."""
+        """Restore all files of the shipped grammar."""
         for file in (SHIPPED / "family").iterdir():
             if (self.folder / file.name).read_text() != file.read_text():
                 self.save(file.name, file.read_text())
 
     def ask(self, path: str = "", body: object = None, **headers: str) -> tuple[int, str]:
-        """The status and the text of an answer, by a plain request."""
+        """Return the status and the text of an answer to a plain request."""
         url = urlsplit(self.address)
         connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=PATIENCE)
         method = "GET" if body is None else "POST"
@@ -69,7 +69,7 @@ class Watched:
 
 @contextmanager
 def watching(folder: Path, grammar: str = "family") -> Iterator[Watched]:
-    """The command at work on a copy of a grammar."""
+    """Run the command on a copy of a grammar."""
     shutil.copytree(SHIPPED / grammar, folder)
     command = [sys.executable, "-m", "vitruvius.cli", "watch", str(folder)]
     root = str(Path(__file__).parents[3])
@@ -89,7 +89,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watched]:
 
 @pytest.fixture
 def watched(server: Watched, page: Page) -> Watched:
-    """The page open, its first sheet drawn, four houses of the shipped rules."""
+    """Open the page with its first sheet, four houses of the shipped rules."""
     server.restore()
     page.goto(f"{server.address}#rooms=4&seed=0&count=4&size=260")
     drawn(page, 4)
@@ -97,14 +97,14 @@ def watched(server: Watched, page: Page) -> Watched:
 
 
 def drawn(page: Page, houses: int) -> None:
-    """Wait until the page shows so many houses of the rules as they are."""
+    """Wait until the page shows this number of houses of the current rules."""
     expect(page.locator("#status")).to_contain_text(f"{houses} house{'s' * (houses > 1)}, drawn in")
     expect(page.locator("#sheet li:not(.old) svg")).to_have_count(houses)
     expect(page.locator("#sheet .old")).to_have_count(0)
 
 
 def rooms(page: Page, type_: str) -> int:
-    """How many rooms of a type all houses of the page have together."""
+    """Return the number of rooms of a type in all houses of the page."""
     return (
         page.locator(f'#sheet [data-part][aria-label$=", {type_}"]')
         .and_(page.locator('[data-part]:not([data-part*="."])'))
@@ -235,7 +235,7 @@ def test_the_page_shows_the_houses_that_generate_makes(watched: Watched, page: P
 
 
 def versions(watched: Watched) -> Iterator[dict[str, Any]]:
-    """The rules, as the stream of events tells them: as they are, then at each change."""
+    """Yield the rules from the stream of events: the current ones, then at each change."""
     url = urlsplit(watched.address)
     connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=PATIENCE)
     connection.request("GET", f"{url.path}events")
@@ -380,7 +380,7 @@ def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, pa
     page.evaluate("answers[0]()")
     page.wait_for_timeout(50)
     assert page.locator("#sheet").inner_text() == "seed 1"
-    # From when the page asked, not from when the rules were saved; what lint says comes behind it.
+    # The time counts from the page's request, not from the save. The findings of lint follow.
     said = re.compile(r"1 house, drawn in \d\.\d\d s\. Not all rules were judged\.")
     expect(page.locator("#status")).to_have_text(said)
 
@@ -459,7 +459,7 @@ def test_ctrl_c_ends_it_at_once_with_all_processes(tmp_path: Path) -> None:
 
 def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothing(tmp_path: Path) -> None:
     lookup = tmp_path / "swipl"
-    # A folder notes that it has started: solver processes may write no file.
+    # A file in the folder marks that the process has started, since solver processes may write no file.
     lookup.write_text(f"#!/bin/sh\ntrap '' PIPE\nmkdir {tmp_path}/started.$$\nsleep 0.5\necho 'A=\"b\"'\n")
     lookup.chmod(0o755)
     parent = (
@@ -504,7 +504,7 @@ def test_past_its_end_the_page_starts_no_process() -> None:
 
 
 def children(parent: int) -> list[int]:
-    """Processes of this one."""
+    """Return the child processes of a process."""
     listed = Path(f"/proc/{parent}/task").glob("*/children")
     return [int(child) for each in listed for child in each.read_text().split()]
 

@@ -1,4 +1,4 @@
-"""The independent check passes what is right and names what is wrong."""
+"""The independent check passes correct houses and names mistakes."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -34,7 +34,7 @@ BEDROOM, BATHROOM, KITCHEN, HALL = range(4)
 
 
 def original(house: House) -> House:
-    """The same rooms after the original's convention: the main room reaches a metre behind every wall."""
+    """Return the same rooms in the original's convention: the main room reaches a metre behind every wall."""
     x, y, width, height = (
         house.star.floor.x,
         house.star.floor.y,
@@ -58,7 +58,7 @@ def with_piece(house: House, index: int, place: int, new: Piece) -> House:
 
 
 def plain(bedroom: tuple[Piece, ...], size: tuple[float, float] = (3.6, 3.8)) -> House:
-    """The plain house, whose bedroom (north of the main room) holds these pieces."""
+    """Return the plain house with these pieces in the bedroom, which is north of the main room."""
     first, *others = sketches()
     first = Sketch("bedroom", *size, pieces=bedroom)
     return built(4.2, 4.2, ((first,), *((sketch,) for sketch in others)))
@@ -71,7 +71,7 @@ def test_a_correct_house_has_no_violation_in_our_format_and_in_the_original_s(ho
     assert check(original(house)) == []
 
 
-# Each of these makes one mistake in a correct house and says what the check must answer, all of it.
+# Each of these makes one mistake in a correct house and states the check's complete answer.
 
 
 def narrow_door(house: House) -> tuple[House, list[str]]:
@@ -93,7 +93,7 @@ def door_on_another_wall(house: House) -> tuple[House, list[str]]:
 
 
 def quarter(house: House, room: StarRoom) -> int:
-    """How many quarters a room north of the main room was turned to stand on its side."""
+    """Return the number of quarter turns of a room that was north of the main room before the turn."""
     if room.door.height == 0:
         return 0 if room.y < house.star.floor.y else 2
     return 3 if room.x < house.star.floor.x else 1
@@ -196,7 +196,7 @@ def front_to_the_wall(house: House) -> tuple[House, list[str]]:
 @settings(max_examples=10)
 @given(house=houses())
 def test_a_star_may_have_an_entrance_which_furniture_keeps_clear_of(house: House) -> None:
-    """Its door is the main room's, and no other room's."""
+    """The entrance is the main room's door, and no other room's."""
     main = house.main
     entrance = Door(main.x, main.y, DOOR, 0.0, ("main", "outside"))
     entered = replace(house, format="vitruvius-2", doors=(*house.doors, entrance))
@@ -262,12 +262,15 @@ def test_the_distance_to_a_door_is_measured_in_a_straight_line() -> None:
 
 
 def barrier(deep: float, gap: float) -> House:
-    """A wardrobe across the bedroom, this deep from the door, leaving this gap at the east wall."""
+    """Return a house with a wardrobe across the bedroom.
+
+    The wardrobe is ``deep`` metres from the door and leaves ``gap`` metres at the east wall.
+    """
     return plain((piece("wardrobe", 0.0, 3.8 - deep - 0.6, 3.6 - gap, 0.6),))
 
 
 def test_furniture_that_bars_the_way_behind_a_door_is_a_violation() -> None:
-    """Body and square turn round inside the door (0.45 m), but get no further."""
+    """The robot and the square turn around inside the door (0.45 m), but get no further."""
     assert check(barrier(0.45, 0.0)) == [
         "R0 (bedroom): the body reaches 14% of its free floor from its door (at least 60%)",
         "R0 (bedroom): 9.90 m² of its floor lie behind passages narrower than 0.42 m",
@@ -367,7 +370,7 @@ def test_what_stands_nearer_than_a_passage_before_a_piece_that_is_used_from_ther
 
 
 def turned_piece(house: House, quarters: int, front: str) -> Piece:
-    """The bedroom's second piece in the turned house, with another front."""
+    """Return the bedroom's second piece in the turned house, with another front."""
     return replace(turned(house.star.rooms[BEDROOM].children[1], quarters), orientation=front)
 
 
@@ -383,7 +386,7 @@ def test_a_piece_may_have_its_own_companions_before_it_and_none_before_its_back(
 
 
 def test_a_share_of_the_room_and_an_area_are_promises_of_a_piece() -> None:
-    """A table of 0.9 by 0.7 m in a bedroom of 3.6 by 3.8 m."""
+    """The table has 0.9 by 0.7 m in a bedroom of 3.6 by 3.8 m."""
     house = plain((piece("wardrobe", 0.0, 0.0, 0.9, 0.7),))
     assert check(house, Promises(shares={"wardrobe": (0.18, 0.25)}, tops={"wardrobe": (0.63, 0.7)})) == []
     assert check(house, Promises(shares={"wardrobe": (0.2, 0.24)}, tops={"wardrobe": (0.64, 0.7)})) == [
@@ -454,7 +457,7 @@ def test_the_houses_of_the_original_keep_every_promise() -> None:
 def test_the_original_keeps_clear_of_a_door_in_front_of_it_and_not_beside_it(
     away: float, quarters: int
 ) -> None:
-    """By the paper's foot and a half."""
+    """The distance is the paper's foot and a half."""
     beside = piece("wardrobe", 0.6 + DOOR, 3.8 - 0.6, 0.5, 0.6)
     assert check(original(turned_house(plain((beside,)), quarters))) == []
     before = piece("wardrobe", 0.6 + DOOR - 0.1, 3.8 - 0.6 - away, 0.5, 0.6)

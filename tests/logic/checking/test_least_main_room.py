@@ -1,4 +1,4 @@
-"""The least main room that fits a house's rooms, against a search and a linear program."""
+"""The least main room that fits a house's rooms, compared with a search and a linear program."""
 
 import math
 
@@ -27,7 +27,7 @@ def test_no_rectangle_is_smaller_than_the_least_rectangle(width: float, height: 
 @settings(max_examples=60)
 @given(data=st.data())
 def test_the_least_main_room_is_that_of_rooms_pushed_together(data: st.DataObject) -> None:
-    """Against a linear program that moves the rooms of each side and shrinks its wall."""
+    """The comparison is with a linear program that moves the rooms of each side and shrinks its wall."""
     sketch = st.builds(
         Sketch,
         st.just("bedroom"),
@@ -59,14 +59,14 @@ def test_the_least_main_room_is_that_of_rooms_pushed_together(data: st.DataObjec
 
 
 def _corners(sides: list, side: int) -> tuple[bool, bool]:
-    """Whether the chain of a side must stay inside at its first and at its last corner."""
+    """Return for each end of a side True if the chain of rooms must stay inside its corner."""
     first = bool(sides[side - 1]) and not (sides[side] and sides[side][0].shift < -1e-6)
     end = sides[side] and sides[side][-1].shift + sides[side][-1].width > 15.0 + 1e-6
     return first, bool(sides[(side + 1) % 4]) and not end
 
 
 def _shortest_wall(row: tuple[Sketch, ...], gap: float, first: bool, last: bool) -> float:
-    """Variables: the place of each room on the wall, and the wall's length, which is made least."""
+    """Return the least length of a wall, by a linear program over the places of its rooms and its length."""
     if not row:
         return 0.0
     count = len(row)

@@ -1,4 +1,4 @@
-"""The independent check of houses that are no stars: each mistake in a correct plan has its own answer."""
+"""The independent check of houses that are not stars: each mistake in a correct plan has its own answer."""
 
 import re
 from collections.abc import Callable
@@ -75,7 +75,7 @@ def test_a_correct_plan_has_no_violation(name: str) -> None:
 
 
 def test_furniture_may_stand_behind_the_wall_beside_a_door_of_other_rooms() -> None:
-    """In the kitchen's corner, beside the door between corridor and bathroom."""
+    """The furniture is in the kitchen's corner, beside the door between corridor and bathroom."""
     house = with_door(("R0", "R5"), x=2.9)
     rooms = with_piece("R6", 3.9, 4.8, 0.15, 0.3).rooms
     assert check(replace(house, rooms=rooms)) == []
@@ -147,7 +147,7 @@ def test_a_door_is_as_wide_as_a_passage_where_no_width_is_promised() -> None:
 
 
 def test_the_number_of_other_rooms_that_a_room_has_doors_to_is_a_promise() -> None:
-    """The corridor has six; an entrance is none, nor are doors to public rooms."""
+    """The corridor has six; entrances and doors to public rooms do not count."""
     assert check(FLAT, Promises(degree={"corridor": (6, 6), "hall": (1, 1), "living": (2, 2)})) == []
     assert check(FLAT, Promises(degree={"corridor": (1, 5)})) == [
         "R0 (corridor): has doors to 6 other rooms (must be 1 to 5)"
@@ -157,7 +157,7 @@ def test_the_number_of_other_rooms_that_a_room_has_doors_to_is_a_promise() -> No
 
 
 def test_what_the_sides_of_a_house_keep_together_is_a_promise() -> None:
-    """It is of 10.2 by 8.4 m."""
+    """The house has 10.2 by 8.4 m."""
     assert check(FLAT, Promises(house_size=((1.0, -1.0, 1.8), (0.0, 1.0, 8.4)))) == []
     assert check(FLAT, Promises(house_size=((1.0, -1.0, 1.7), (0.0, 1.0, 8.3)))) == [
         "house: it is 10.200 m long and 8.400 m deep (must be: length <= depth + 1.7)",
@@ -166,7 +166,7 @@ def test_what_the_sides_of_a_house_keep_together_is_a_promise() -> None:
 
 
 def test_what_the_sides_of_a_room_keep_together_holds_one_way_or_the_other() -> None:
-    """The hall is of 1.8 by 3.6 m."""
+    """The hall has 1.8 by 3.6 m."""
     assert check(FLAT, Promises(room_relations={"hall": ((2.0, -1.0, 0.0), (-2.0, 1.0, 0.0))})) == []
     assert check(FLAT, Promises(room_relations={"hall": ((-2.0, 1.0, 0.0), (2.0, -1.0, 0.0))})) == []
     assert check(FLAT, Promises(room_relations={"hall": ((1.0, -1.0, 0.0), (-1.0, 1.0, 0.0))})) == [
@@ -175,7 +175,7 @@ def test_what_the_sides_of_a_room_keep_together_holds_one_way_or_the_other() -> 
 
 
 def test_what_the_sides_of_a_piece_keep_together_is_a_promise() -> None:
-    """Beds are of 1.5 by 2.1 m, each with its back to the north wall."""
+    """Beds have 1.5 by 2.1 m, each with its back to the north wall."""
     deeper = Promises(piece_relations={"bed": ((1.0, -1.0, -0.6),)})
     assert check(FLAT, deeper) == []
     rooms = tuple(replace(room, children=tuple(map(turned, room.children))) for room in FLAT.rooms)
@@ -188,7 +188,7 @@ def turned(piece: Piece) -> Piece:
 
 
 THICK = thickened(FLAT)
-"""Walls of 0.3 m between its rooms."""
+"""The flat with walls of 0.3 m between its rooms."""
 
 
 def test_a_door_reaches_as_far_as_the_wall_across_and_no_farther() -> None:
@@ -206,7 +206,7 @@ def test_a_door_reaches_as_far_as_the_wall_across_and_no_farther() -> None:
 
 @pytest.mark.parametrize("at_end", [False, True])
 def test_a_window_and_an_entrance_reach_no_farther_than_the_wall_across(at_end: bool) -> None:
-    """The wall of 0.3 m is half a room's: what lies further on is on no wall of the room."""
+    """Half of the wall of 0.3 m belongs to a room. An opening further out is on no wall of the room."""
     for kind, name, words in (
         ("windows", "R3", r"R3 \(bedroom\): its window at \(.*\) reaches 0.14 m into the wall across"),
         ("doors", "R4", r"door between R4 \(hall\) and outside: reaches 0.14 m into the wall across"),
@@ -222,7 +222,7 @@ def test_a_window_and_an_entrance_reach_no_farther_than_the_wall_across(at_end: 
 
 @pytest.mark.parametrize(("start", "behind"), [(1.75, False), (1.95, True)])
 def test_an_opening_behind_another_room_s_outer_wall_is_found(start: float, behind: bool) -> None:
-    """Of two rooms side by side one reaches farther south: its outer wall begins at 2.8 m."""
+    """One of two adjacent rooms reaches farther south, with an outer wall from 2.8 m on."""
     room = {"type": "a", "x": 0, "y": 0, "width": 3, "height": 3}
     rooms = [{**room, "name": "A"}, {**room, "name": "B", "x": 3.1, "height": 6}]
     opening, door = {"x": start, "y": 3.05, "width": 1, "height": 0}, {"x": 3.05, "y": 1, "width": 0}
@@ -248,7 +248,7 @@ def test_each_mistake_has_its_answer(words: str) -> None:
 
 
 def test_a_crowd_has_a_thousand_violations_and_a_line_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of 512 doors in one place there are 130,816 pairs."""
+    """The 512 doors in one place make 130,816 pairs."""
     (one, *_), asked = [door for door in FLAT.doors if not door.opening], []
     monkeypatch.setattr(checked, "_between", lambda *_: asked.append(1) or "door")
     said = check(replace(FLAT, doors=(one,) * 512), HOME)
@@ -260,7 +260,7 @@ def test_a_crowd_has_a_thousand_violations_and_a_line_that_says_so(monkeypatch: 
 def test_the_check_compares_openings_and_rooms_by_array_not_pair_by_pair(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Rooms in a row, each with a window and a door to the next: four times as many are read four times."""
+    """In a row of rooms with windows and doors, four times the rooms take four times the reads."""
     read, box = [0], Rect.box.fget
     assert box
 

@@ -1,4 +1,4 @@
-"""The independent check tells what is right from what is nearly right."""
+"""The independent check distinguishes correct houses from nearly correct ones."""
 
 import pytest
 from msgspec.structs import replace
@@ -11,14 +11,14 @@ from tests.plans import flat
 
 
 def with_bedroom(*pieces: Piece) -> House:
-    """A star whose bedroom of 3.6 by 3.8 m, north of the main room, holds these pieces."""
+    """Return a star with these pieces in a bedroom of 3.6 by 3.8 m, north of the main room."""
     _, *others = sketches()
     first = Sketch("bedroom", 3.6, 3.8, pieces=pieces)
     return built(4.2, 4.2, ((first,), *((sketch,) for sketch in others)))
 
 
 def flat_with(new: Piece) -> House:
-    """A flat whose bedroom R1 of 3.6 by 3.6 m, with a window from x = 0.9 m to 2.4 m, holds it."""
+    """Return a flat with this piece in bedroom R1, 3.6 by 3.6 m, with a window from x = 0.9 m to 2.4 m."""
     house = flat()
     return replace(house, rooms=(house.rooms[0], replace(house.rooms[1], children=(new,)), *house.rooms[2:]))
 
@@ -34,7 +34,7 @@ def test_a_piece_beside_a_window_does_not_hide_it(x: float, hidden: bool) -> Non
     ("side", "words"), [(1.6, []), (1.61, ["R0 (bedroom): has no free square of 1.61 m"])]
 )
 def test_the_free_square_of_a_room_is_measured_to_the_centimetre(side: float, words: list[str]) -> None:
-    """Between two racks of 1 m in a bedroom that is 3.6 m wide."""
+    """The square is between two racks of 1 m in a bedroom that is 3.6 m wide."""
     house = with_bedroom(piece("rack", 0.0, 0.0, 1.0, 2.9), piece("rack", 2.6, 0.0, 1.0, 2.9))
     assert [line for line in check(house, Promises(turning={"bedroom": side})) if "square" in line] == words
 
@@ -79,7 +79,7 @@ def without(house: House, *between: str) -> House:
 
 
 def test_each_unit_has_one_door_to_a_public_room() -> None:
-    """The hall has a door outside too; the kitchen and the living room have two to the public corridor."""
+    """The hall has a door outside, too; kitchen and living room have two to the public corridor."""
     public = Promises(public=("corridor",))
     kitchen = "R6 (kitchen): its unit is entered by 2 doors (must be one)"
     assert check(flat(), public) == ["R4 (hall): its unit is entered by 2 doors (must be one)", kitchen]
@@ -113,7 +113,7 @@ def test_a_main_room_on_a_grid_is_of_whole_cells() -> None:
 
 
 def with_a_part(width: float) -> House:
-    """The flat, where the kitchen R6 is a part of the living room R7: 3.6 m of wall between them."""
+    """Return the flat with the kitchen R6 as a part of the living room R7, and 3.6 m of wall between them."""
     house = flat()
     kitchen = replace(house.room("R6"), part_of="R7", children=())
     doors = without(house, "R6", "R7").doors
@@ -137,7 +137,7 @@ def test_a_room_is_a_part_of_a_room_of_a_type_that_is_promised() -> None:
 
 
 def test_the_area_of_a_room_is_that_with_its_parts_where_that_is_promised() -> None:
-    """9.72 square metres of the kitchen, and 12.96 of the living room."""
+    """The kitchen has 9.72 square metres, and the living room 12.96."""
     parts = {"kitchen": ("living",)}
     assert check(with_a_part(3.6), Promises(parts=parts, whole_area={"living": (22.6, 22.7)})) == []
     assert check(with_a_part(3.6), Promises(parts=parts, whole_area={"living": (20.0, 22.6)})) == [

@@ -1,4 +1,4 @@
-"""Where a body can go in a house, against a raster of its floor."""
+"""Places that the robot can reach in a house, compared with a raster of its floor."""
 
 import math
 

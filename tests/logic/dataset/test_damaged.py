@@ -1,4 +1,4 @@
-"""A set is what its manifest says, or is refused in one line, by the name of the file, at once."""
+"""A set matches its manifest, or is refused at once, in one line that names the file."""
 
 import contextlib
 import json
@@ -40,7 +40,7 @@ def copy(made_set: Path, tmp_path: Path) -> Path:
 
 
 def shard(folder: Path) -> Path:
-    """The first file of rows to train on."""
+    """Return the first file of training rows."""
     return sorted((folder / "data").glob("train-*"))[0]
 
 
@@ -51,7 +51,7 @@ def manifest(folder: Path) -> Manifest:
 
 
 def refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
-    """The one line of a command that refuses a file."""
+    """Return the one line of a command that refuses a file."""
     assert command(*words) == 5
     [line] = capsys.readouterr().err.splitlines()
     return line
@@ -67,7 +67,7 @@ def test_check_counts_what_it_read(of_format: Path, capsys: pytest.CaptureFixtur
 
 
 def halved(path: Path) -> None:
-    """Lose half of the rows of a file, which is whole as such."""
+    """Remove half of the rows of a file and leave the file itself valid."""
     rows = list(read(path))
     if path.suffix == ".jsonl":
         path.write_bytes(b"".join(msgspec.json.encode(row) + b"\n" for row in rows[::2]))
@@ -84,7 +84,7 @@ def instead(put: Callable[[Path], object]) -> Callable[[Path], None]:
 
 
 def moved_out(path: Path) -> None:
-    """Lay the same file elsewhere, and a link to it in its place."""
+    """Move a file elsewhere, and put a link to it in its place."""
     path.symlink_to(shutil.move(path, path.parents[2] / path.name))
 
 
@@ -202,23 +202,23 @@ def test_rules_that_a_link_leads_out_to_are_not_read(copy: Path, capsys: pytest.
 
 
 def dictionary(text: str, rows: int) -> Any:
-    """A column of one text."""
+    """Return a column of one text."""
     return pa.DictionaryArray.from_arrays(pa.array([0] * rows, pa.int32()), pa.array([text]))
 
 
 def table(rows: int, **columns: Any) -> Any:
-    """Rows of nothing but in some columns."""
+    """Return a table of null values except in some columns."""
     made = {field.name: columns.get(field.name, pa.nulls(rows, field.type)) for field in schema()}
     return pa.table(made)
 
 
 def bomb_of_texts() -> Any:
-    """A text of a megabyte in each of 4,000 rows: 4 GB."""
+    """Return a table with a text of a megabyte in each of 4,000 rows: 4 GB."""
     return table(4000, why=dictionary("x" * (1 << 20), 4000))
 
 
 def bomb_of_lists() -> Any:
-    """A text of a megabyte 100,000 times in the types of each row: 100 GB."""
+    """Return a table with a text of a megabyte 100,000 times in the types of each row: 100 GB."""
     number = 100_000
     types = pa.ListArray.from_arrays(pa.array([0, number], pa.int32()), dictionary("x" * (1 << 20), number))
     return table(1, types=types)
@@ -266,7 +266,7 @@ def test_parquet_that_unpacks_to_gigabytes_is_refused_before_it_does(tmp_path: P
 
 @pytest.mark.parametrize("of_format", ["parquet"], indirect=True)
 def test_parquet_that_is_damaged_anywhere_is_refused_or_read(of_format: Path, tmp_path: Path) -> None:
-    """Each of 99 files has a byte that differs."""
+    """Each of 99 files has one changed byte."""
     content, chance = shard(of_format).read_bytes(), random.Random(12)
     path = tmp_path / "it.parquet"
     for _ in range(99):

@@ -1,4 +1,4 @@
-"""Shards as tasks of Ray: the same set as without it, whatever is lost or stopped on the way."""
+"""Shards as tasks of Ray: the set is the same as without Ray, whatever is lost or stopped on the way."""
 
 import os
 import pickle
@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[3]
 MARK = "VITRUVIUS_TEST_ENGINE"
 
 LOCAL = re.compile(r"^vitruvius (generate .+) --engine ray --workers 2 --out homes$", re.MULTILINE)
-"""The command of docs/scale.md that makes a set by Ray on one machine."""
+"""Command of docs/scale.md that generates a set by Ray on one machine."""
 
 [COMMAND] = LOCAL.findall((ROOT / "docs" / "scale.md").read_text())
 ALL = COMMAND.split()
@@ -59,7 +59,7 @@ with cluster.connected(sys.argv[1]) as nodes:
         except Exception as error:
             print(f"{type(error).__name__}: {error}")
 """
-"""Tasks that go wrong in each way."""
+"""Tasks that fail in each way."""
 
 ONCE = """
 import os, pathlib, signal, sys
@@ -72,7 +72,7 @@ else:
     os.kill(os.getppid(), signal.SIGKILL)
     signal.pause()
 """
-"""Ends its parent, and in another process says whether it is there, and how many processors it has."""
+"""Program that kills its parent; a second process then prints if the parent exists, and its processors."""
 
 STUDY = """
 import sys
@@ -102,7 +102,7 @@ print((folder / "once" / "log.txt").read_text(), (folder / "wrong" / "failed.txt
 
 
 def start(folder: Path, *words: str) -> subprocess.Popen[str]:
-    """The command at work, in a session of its own; all that it starts has its folder in the environment."""
+    """Start the command in a session of its own. All processes that it starts have its folder in ``MARK``."""
     return subprocess.Popen(
         [sys.executable, "-m", "vitruvius.cli", *ALL, "--out", str(folder), *words],
         cwd=ROOT,
@@ -114,7 +114,7 @@ def start(folder: Path, *words: str) -> subprocess.Popen[str]:
 
 
 def started_for(folder: Path) -> dict[int, str]:
-    """The processes that have a folder in their environment, with their commands."""
+    """Return the processes that have a folder in their environment, with their commands."""
     found = {}
     for process in Path("/proc").glob("[0-9]*"):
         try:
@@ -126,7 +126,7 @@ def started_for(folder: Path) -> dict[int, str]:
 
 
 def left_of(folder: Path) -> list[str]:
-    """Those that are there after some seconds to end."""
+    """Return the commands of processes that still run after some seconds."""
     end = time.monotonic() + 10
     while (found := started_for(folder)) and time.monotonic() < end:
         time.sleep(0.1)
@@ -134,7 +134,7 @@ def left_of(folder: Path) -> list[str]:
 
 
 def wait(process: subprocess.Popen[str], until: Callable[[], bool]) -> None:
-    """Wait for what a command does on its way."""
+    """Wait until a condition of a running command holds."""
     end = time.monotonic() + PATIENCE
     while not until():
         assert process.poll() is None, process.communicate()[1]
@@ -148,7 +148,7 @@ def shards_of(folder: Path) -> list[Path]:
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The set as it is made without an engine."""
+    """Generate the set without an engine."""
     folder = tmp_path_factory.mktemp("plain") / "set"
     assert command(*ALL, "--out", folder) == 0
     return folder
@@ -156,7 +156,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def nodes() -> Iterator[Any]:
-    """A cluster of a node with two processors, that others can be added to."""
+    """Yield a cluster of one node with two processors, to which other nodes can be added."""
     pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
 
@@ -169,7 +169,10 @@ def nodes() -> Iterator[Any]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 def test_a_node_that_is_killed_is_made_up_for_by_the_others(nodes: Any, plain: Path, tmp_path: Path) -> None:
-    """Its raylet and all that runs there: the set has each row once and the bytes of a plain one."""
+    """The test kills the node's raylet and all processes there.
+
+    The set has each row once and the same bytes.
+    """
     folder, there = tmp_path / "set", tmp_path / "lost"
     node = nodes.add_node(num_cpus=1, object_store_memory=cluster.STORE, env_vars={MARK: str(there)})
     process = start(folder, "--engine", "ray", "--address", nodes.address)
@@ -205,7 +208,7 @@ def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 def test_evaluations_and_jobs_of_studies_are_tasks_with_the_same_results(nodes: Any, tmp_path: Path) -> None:
-    """A job ends with the process of its task, and is begun again."""
+    """A job ends with the process of its task, and is started again."""
     ended = finished([sys.executable, "-c", STUDY, nodes.address, str(tmp_path)], cwd=ROOT)
     assert ended.stdout.splitlines() == ["True", "False 1", "failed, exit code 1: no good"], ended.stderr
 
@@ -301,11 +304,11 @@ with cluster.connected(workers=1):
     table = [line.split() for line in tables.splitlines()]
     print(*(line[1] for line in table if line[3] == "0A" and f"socket:[{line[9]}]" in sockets))
 """
-"""A program that starts Ray and prints the addresses on which its processes listen."""
+"""Program that starts Ray and prints the addresses on which its processes listen."""
 
 
 def test_a_cluster_here_listens_on_the_loopback_interface_alone() -> None:
-    """In a process of its own: another test may have left Ray's sockets in this one."""
+    """The test uses a process of its own, since another test may have left Ray's sockets in this one."""
     ended = subprocess.run(
         [sys.executable, "-c", LISTENING], cwd=ROOT, capture_output=True, text=True, check=True, timeout=300
     )

@@ -1,4 +1,4 @@
-"""A set that is made under kills ends in the bytes of one that nobody disturbed."""
+"""A set that is generated under kills has the same bytes as an undisturbed one."""
 
 import random
 import subprocess
@@ -18,7 +18,7 @@ KILLS = 3
 
 
 def start(folder: Path) -> subprocess.Popen[bytes]:
-    """The command at work."""
+    """Start the command."""
     command = [sys.executable, "-m", "vitruvius.cli", *SET.split(), "--out", str(folder)]
     return subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL)
 
@@ -40,7 +40,7 @@ def test_a_set_that_is_killed_at_any_time_ends_in_the_same_bytes(tmp_path: Path)
 
 
 def test_shards_that_begin_at_once_make_one_set(tmp_path: Path) -> None:
-    """As those of a Slurm array do: none takes what another has begun for something else."""
+    """A Slurm array starts shards like this. No shard mistakes another's beginning for something else."""
     words = "generate --rooms 2 --grammar family --count 6 --files jsonl --shard {}/6 --out {}"
     for turn in range(3):
         folder = tmp_path / f"{turn}"

@@ -1,4 +1,4 @@
-"""Libraries that others use read a set as it is, by their own means."""
+"""Common libraries read a set as it is, by their own means."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ SPLITS = {"train": 12, "validation": 3, "test": 2}
 
 @pytest.fixture
 def files(of_format: Path) -> str:
-    """All shards, as a pattern."""
+    """Return a pattern for all shards."""
     return str(of_format / "data" / f"*.{kind(of_format)}")
 
 
@@ -26,7 +26,7 @@ def kind(folder: Path) -> str:
 
 
 def require_same(folder: Path, rows: list[dict[str, Any]], off: float = 0.0) -> None:
-    """The rows are those of the set, each with the house that its hash names, or with lengths so far off."""
+    """Check that rows are those of the set, each with the house of its hash or lengths off by ``off``."""
     of = read_set(folder)
     assert of
     own = {row["id"]: row for row in HouseSet(folder).rows()}
@@ -64,7 +64,7 @@ def test_pandas_reads_rows_with_their_nested_houses(of_format: Path) -> None:
 
 
 def plain(value: Any) -> Any:
-    """A value without NumPy's arrays and numbers."""
+    """Return a value without NumPy's arrays and numbers."""
     if isinstance(value, dict):
         return {key: plain(each) for key, each in value.items()}
     if hasattr(value, "tolist"):
@@ -77,7 +77,7 @@ def test_polars_reads_rows_with_their_nested_houses(of_format: Path, files: str)
 
     table = polars.read_parquet(files) if files.endswith("parquet") else polars.read_ndjson(files)
     assert dict(table.group_by("split").len().iter_rows()) == SPLITS
-    # Of JSON it reads numbers to the last bit but one.
+    # It reads numbers of JSON to the last bit but one.
     require_same(of_format, table.to_dicts(), off=0.0 if files.endswith("parquet") else 1e-15)
 
 

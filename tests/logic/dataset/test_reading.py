@@ -1,4 +1,4 @@
-"""A set is read as a list, in flat memory, and any row of it is made again."""
+"""A set is read as a list, in constant memory, and any row of it can be generated again."""
 
 import hashlib
 import json
@@ -86,7 +86,7 @@ def test_a_set_that_is_not_whole_or_lost_a_file_is_one_line(
 
 
 def test_memory_is_flat_in_the_number_of_houses(of_format: Path, tmp_path: Path) -> None:
-    """20,224 houses take less than 40 MB more than 1,024 do; as a list they would take hundreds."""
+    """20,224 houses take less than 40 MB more than 1,024 houses; as a list they would take hundreds of MB."""
     folder = shutil.copytree(of_format, tmp_path / "set")
     of = read_set(folder)
     assert of
@@ -113,7 +113,7 @@ def manifest(folder: Path) -> Manifest:
 
 
 def peak(folder: Path, rows: int) -> int:
-    """The most memory of a process that reads all houses, KiB."""
+    """Return the peak memory of a process that reads all houses, KiB."""
     program = (
         "import resource, sys; from logic import load; houses = load(sys.argv[1]); "
         "print(sum(1 for _ in houses), houses[len(houses) // 2].rooms[0].name, "

@@ -1,4 +1,4 @@
-"""Shards are a function of what is asked for alone; what is there is verified; no file of others is lost."""
+"""Shards are a function of the request; existing ones are verified; no other file is lost."""
 
 import json
 import os
@@ -189,7 +189,7 @@ def test_what_is_no_shard_of_the_set_is_one_line_and_nothing_is_lost(
 def test_a_house_that_ends_in_a_limit_is_a_row_that_says_so(
     tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every third house ends in one; at the fifth a solver process is killed, twice."""
+    """Every third house reaches a limit; at the fifth a solver process is killed, twice."""
     outcomes, kills = HouseSeries.outcomes, [0, 0]
 
     def disturbed(
@@ -243,7 +243,7 @@ def test_a_solver_that_is_killed_each_time_ends_the_shard_and_leaves_nothing(
 
 @pytest.mark.parametrize("files", ["parquet", "jsonl"])
 def test_a_full_disk_ends_it_in_one_line_and_leaves_no_half_of_a_shard(files: str, tmp_path: Path) -> None:
-    """Here no file can be as large as the shard is."""
+    """The limit on the size of files is below the size of the shard."""
     words = ("generate --rooms 9 --grammar family --count 12 --shard all/2 --out set --files", files)
     program = f'ulimit -f {16 if files == "parquet" else 32}; exec "$@"'
     ended = finished(

@@ -1,4 +1,4 @@
-"""Plans show what is there, in words and colours that stay, and their files are whole."""
+"""Plans show the house in stable words and colours, and their files are complete."""
 
 import dataclasses
 import math
@@ -57,13 +57,13 @@ NAMESPACE = "{http://www.w3.org/2000/svg}"
 
 
 def block(drawing: Drawing, name: str) -> Block:
-    """The first rectangle of a part: of a room its floor."""
+    """Return the first rectangle of a part, which is the floor of a room."""
     part = next(shape for shape in drawing.shapes if isinstance(shape, Part) and shape.name == name)
     return next(shape for shape in part.shapes if isinstance(shape, Block))
 
 
 class Picture:
-    """A plan's image, asked in metres."""
+    """Image of a plan, for questions in metres."""
 
     def __init__(self, house: House) -> None:
         self.image = plan_png(house)
@@ -74,24 +74,24 @@ class Picture:
         self.left, self.top = left - self.scale * first.x, top - self.scale * first.y
 
     def shows(self, colour: str, x: float, y: float) -> bool:
-        """Whether the point at these metres is of this colour."""
+        """Return True if the point at these metres has this colour."""
         place = round((self.left + self.scale * x) * DENSITY), round((self.top + self.scale * y) * DENSITY)
         return self.image.getpixel(place) == ImageColor.getrgb(colour)
 
 
 def words(drawing: Drawing) -> dict[str, Text]:
-    """What is written on a drawing."""
+    """Return the words on a drawing."""
     return {shape.text: shape for shape in flat(drawing.shapes) if isinstance(shape, Text)}
 
 
 def metre(drawing: Drawing, house: House) -> float:
-    """CSS pixels to a metre."""
+    """Return the number of CSS pixels per metre."""
     left, _, right, _ = block(drawing, house.rooms[0].name).box
     return (right - left) / house.rooms[0].width
 
 
 def many_rooms(sides: list[int]) -> House:
-    """A house with these rooms by the number of their side, each of the four types in turn."""
+    """Return a house with rooms on sides of these numbers, of the four types in turn."""
     around: tuple[list[Sketch], ...] = ([], [], [], [])
     for number, side in enumerate(sides):
         sketch = sketches()[number % 4]
@@ -140,7 +140,7 @@ THICK = replace(
 
 @pytest.mark.parametrize("house", [HOUSE, *PLANS.values(), THICK])
 def test_walls_are_one_path_that_is_the_union_of_all_their_boxes(house: House) -> None:
-    """Of boxes side by side each joint would be a line of another shade, or a step of a pixel."""
+    """With adjacent boxes each joint would be a line of another shade, or a step of a pixel."""
     frame, [region] = Frame(40.0, 0, 0), regions(house_shapes(house, Frame(40.0, 0, 0), style([house])))
     rings = [shapely.Polygon(ring) for ring in region.rings]
     drawn = reduce(shapely.symmetric_difference, rings)
@@ -262,7 +262,7 @@ def test_a_garden_door_has_no_tip() -> None:
 
 @pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
 def test_all_walls_have_one_face_indoors_and_outer_ones_are_thicker_outside(house: House) -> None:
-    """So an outer wall that goes on as an inner one has no step where rooms meet."""
+    """Therefore an outer wall that continues as an inner one has no step at a corner of rooms."""
     picture, half = Picture(house), INNER / 2
     boxes = [room.box for room in house.rooms]
     openings = [each.box for each in (*house.doors, *house.windows)]
@@ -364,7 +364,7 @@ def test_a_leaf_sweeps_over_furniture_only_where_each_other_way_would_too() -> N
 
 
 def sweeps_over_furniture(house: House, leaf: Leaf) -> bool:
-    """Whether a point of the quarter of a circle, of many, lies on a piece."""
+    """Return True if one of many points of the quarter circle lies on a piece."""
     (x, y), (tip_x, tip_y), (jamb_x, jamb_y) = leaf.hinge, leaf.tip, leaf.jamb
     boxes = [piece.box for piece in house.room(leaf.room).pieces]
     for k, m in product(range(1, 20), range(31)):
@@ -383,7 +383,7 @@ def sweeps_over_furniture(house: House, leaf: Leaf) -> bool:
 def test_every_symbol_s_front_faces_as_its_piece_does(
     kind: str, box: tuple[float, float, float, float]
 ) -> None:
-    """A piece turned by quarters, with its orientation, is drawn as the one before, turned by quarters."""
+    """A piece that is turned by quarters, with its orientation, is drawn like the turned drawing."""
     x, y, width, height = box
     frame, look = Frame(40.0, 0.0, 0.0), style([HOUSE])
     drawn = []
@@ -402,14 +402,14 @@ def test_every_symbol_s_front_faces_as_its_piece_does(
 
 
 def back(point: tuple[float, float], quarters: int) -> tuple[float, float]:
-    """A point turned back by quarters, counter-clockwise about the origin."""
+    """Return a point turned back by quarters, counter-clockwise about the origin."""
     for _ in range(quarters):
         point = point[1], -point[0]
     return point
 
 
 def test_every_symbol_shows_its_front_but_those_of_pieces_that_have_none() -> None:
-    """What is the same seen from behind could not say where it faces."""
+    """A symbol that looks the same from behind could not show the direction of its front."""
 
     def seen(turned_round: bool, forms: tuple) -> list:
         found = []
@@ -439,7 +439,7 @@ def test_a_mark_shows_where_the_front_of_a_piece_without_a_symbol_faces(quarters
 
 
 def strange_pieces(house: House) -> House:
-    """The house with pieces of a type that has no symbol."""
+    """Return the house with pieces of a type that has no symbol."""
 
     def strange(piece: Piece) -> Piece:
         return replace(piece, type="piano", children=tuple(map(strange, piece.children)))
@@ -449,7 +449,7 @@ def strange_pieces(house: House) -> House:
 
 
 def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
-    """Its ``floor`` reaches under the rooms, and the words for its fronts are not to be trusted."""
+    """The original's ``floor`` reaches under the rooms, and the orientations of its pieces are unreliable."""
     floor = Rect(-3.1, -3.1, 6.2, 6.2)
     house = House.of_star(replace(HOUSE.star, floor=floor), ORIGINAL)
     picture = Picture(house)

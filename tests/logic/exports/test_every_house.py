@@ -1,4 +1,4 @@
-"""Every format of export meets every kind of house and of name, and other tools read what is written."""
+"""Every format exports every kind of house and of name, and other tools read the files."""
 
 # mujoco and usd-core have no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -33,14 +33,14 @@ from tests.thick import thickened
 
 
 def own(*rooms: Room, doors: Iterable[Door] = (), topology: str = "own", **more: Any) -> House:
-    """A house that is entered by its first room, which is its hub."""
+    """Return a house whose first room has the entrance and is the hub."""
     first = rooms[0]
     entrance = Door(first.x + 1.0, first.y, 0.9, 0.0, (first.name, OUTSIDE))
     return House(rooms, (entrance, *doors), hub=first.name, topology=topology, **more)
 
 
 def grid(*extra: Room) -> House:
-    """A map of 6 x 4 m with walls in it, a part that is unknown, furniture, and floor at its west edge."""
+    """Return a map of 6 x 4 m with walls, an unknown part, furniture, and floor at its west edge."""
     cells = np.zeros((40, 60), int)
     cells[[0, -1]], cells[:, -1], cells[15:25, 15:25], cells[:10, 40:] = 100, 100, 100, -1
     house = House.from_grid(cells, 0.1, (0.0, 0.0))
@@ -90,11 +90,11 @@ NAMES = {
     "but for a dot": ("a.b", "a_b"),
     "as other parts": ("wall_0", "floor"),
 }
-"""Pairs of names, of the first two rooms."""
+"""Pairs of names for the first two rooms."""
 
 
 def named(house: House, names: tuple[str, ...]) -> House:
-    """The house whose first rooms have other names, as ``vitruvius-2``."""
+    """Return the house with other names for its first rooms, as ``vitruvius-2``."""
     new = dict(zip((room.name for room in house.rooms), names, strict=False))
 
     def of(name: str) -> str:
@@ -113,7 +113,7 @@ def named(house: House, names: tuple[str, ...]) -> House:
 
 
 CORNERS = np.array([*product((-1, 1), repeat=3)])
-"""Of a cube from -1 to 1: (8, 3)."""
+"""Corners of a cube from -1 to 1: (8, 3)."""
 
 
 def require_filled(solid: Solid, corners: np.ndarray) -> None:
@@ -126,7 +126,7 @@ def require_filled(solid: Solid, corners: np.ndarray) -> None:
 
 
 def is_usd(house: House, path: Path) -> None:
-    """All solids are prims that bodies collide with, under their own names."""
+    """Check that all solids are prims with collisions, under their own names."""
     stage = Usd.Stage.Open(str(path))
     assert (UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)) == (1, "Z")
     cubes = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Cube)]
@@ -142,7 +142,7 @@ def is_usd(house: House, path: Path) -> None:
 
 
 def is_gltf(house: House, path: Path) -> None:
-    """All solids are nodes, under their names."""
+    """Check that all solids are nodes, under their names."""
     expected = {each.name: each for each in solids(house)}
     scene = trimesh.load_scene(path)
     assert {*scene.graph.nodes_geometry} == {*expected}
@@ -153,7 +153,7 @@ def is_gltf(house: House, path: Path) -> None:
 
 
 def is_mjcf(house: House, path: Path) -> None:
-    """All solids are geoms, and the robot stands free: it touches nothing, and its range finders see."""
+    """Check that all solids are geoms, and that the robot touches nothing and its range finders see."""
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -165,7 +165,7 @@ def is_mjcf(house: House, path: Path) -> None:
 
 
 def is_geojson(house: House, path: Path) -> None:
-    """All parts are valid shapes; the room of a map is its free cells."""
+    """Check that all parts are valid shapes, and that the room of a map is its free cells."""
     features = json.loads(path.read_bytes())["features"]
     shapes = [shapely.geometry.shape(each["geometry"]) for each in features]
     kinds = [each["properties"]["kind"] for each in features]
@@ -189,7 +189,7 @@ def is_geojson(house: House, path: Path) -> None:
 
 
 def is_ros(house: House, path: Path) -> None:
-    """Cells in pieces are occupied, those in the middle of openings and rooms without pieces are free."""
+    """Check that cells in pieces are occupied, and cells amid openings and empty rooms free."""
     said = yaml.safe_load(path.read_bytes())
     with Image.open(path.parent / said["image"]) as picture:
         cells = np.asarray(picture)[::-1]

@@ -34,13 +34,13 @@ HOUSES = pytest.mark.parametrize("house", [HOME, STAR, ORIGINAL], ids=["home", "
 
 
 def only(house: House, path: Path, format: str) -> Path:
-    """The file of one house in a format."""
+    """Return the file of one house in a format."""
     (written,) = export([house], path, format)
     return written
 
 
 def wall_area(house: House) -> float:
-    """Square metres of all walls from floor to top, seen from one side, doorways cut out."""
+    """Return the area of all walls from floor to top, seen from one side, without doorways, m²."""
     length = sum(high - low for lines in house.walls for _, low, high in lines)
     return length * WALL_HEIGHT
 
@@ -78,7 +78,7 @@ def test_thick_walls_close_their_corners_and_leave_doorways_as_wide_as_they_are(
 
 
 def boxes_of_glb(path: Path) -> np.ndarray:
-    """All boxes of a binary glTF as trimesh has them: (n, 6), x, z, y from and to; y grows upwards."""
+    """Return all boxes of a binary glTF by trimesh: (n, 6), x, z, y from and to; y grows upwards."""
     scene = trimesh.load_scene(path)
     placed = [(scene.graph[node], scene.geometry) for node in scene.graph.nodes_geometry]
     return np.array(
@@ -87,7 +87,7 @@ def boxes_of_glb(path: Path) -> np.ndarray:
 
 
 def boxes_of_usd(path: Path) -> np.ndarray:
-    """All cubes of a stage as OpenUSD bounds them: (n, 6), x, y, z from and to, with y turned south."""
+    """Return the bounds of all cubes of a stage by OpenUSD: (n, 6), x, y, z from and to; y grows south."""
     stage = Usd.Stage.Open(str(path))
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
     cubes = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Cube)]
@@ -101,7 +101,7 @@ def boxes_of_usd(path: Path) -> np.ndarray:
 def test_readers_find_walls_of_2_5_m_and_doorways_that_are_open_to_2_m(
     house: House, format: str, read: Callable[[Path], np.ndarray], tmp_path: Path
 ) -> None:
-    """Over the middle of each wall, door and entrance: what stands there, from the floor upwards."""
+    """The test examines the solids over the middle of each wall, door and entrance, upwards."""
     boxes = read(only(house, tmp_path, format))
     boxes = boxes[boxes[:, 5] > 0.01]  # without floors
 
@@ -114,7 +114,7 @@ def test_readers_find_walls_of_2_5_m_and_doorways_that_are_open_to_2_m(
     middles = [(at, (low + high) / 2) for at, low, high in verticals]
     middles += [((low + high) / 2, at) for at, low, high in horizontals]
     wall, window, entrance = {(0.0, 2.5)}, {(0.0, 0.9), (0.9, 2.1), (2.1, 2.5)}, {(0.0, 2.0), (2.0, 2.5)}
-    # Furniture that stands against a wall is over its middle too.
+    # Furniture that stands against a wall is over its middle, too.
     assert all(any(heights(*middle) >= each for each in (wall, window, entrance)) for middle in middles)
     for door in house.doors:
         middle = door.x + door.width / 2, door.y + door.height / 2
@@ -152,7 +152,7 @@ def test_geojson_of_a_home_is_a_plan_to_generate_in(tmp_path: Path) -> None:
 
 
 class OccupancyGrid(NamedTuple):
-    """A map as ROS has it: nav_msgs/OccupancyGrid."""
+    """Map in the form of ROS: nav_msgs/OccupancyGrid."""
 
     cells: np.ndarray
     """(H, W) int8: 100 occupied, 0 free, -1 unknown. Row 0 is the southernmost."""
@@ -162,8 +162,9 @@ class OccupancyGrid(NamedTuple):
 
 
 def occupancy_grid(path: Path) -> OccupancyGrid:
-    """A map by the rules of ``loadMapYaml`` and ``loadMapFromFile`` of nav2_map_server 1.5.0, src/map_io.cpp,
-    for maps that are trinary, turned by no angle and nowhere transparent, as ours are.
+    """Return a map by the rules of ``loadMapYaml`` and ``loadMapFromFile`` of nav2_map_server 1.5.0.
+
+    The source is src/map_io.cpp. The map must be trinary, without rotation and transparency, as ours are.
     """
     description = yaml.safe_load(path.read_text())
     assert description["mode"] == "trinary"
@@ -183,8 +184,9 @@ def occupancy_grid(path: Path) -> OccupancyGrid:
 def test_each_cell_of_the_map_of_ros_is_occupied_free_or_unknown_as_the_house_says(
     house: House, tmp_path: Path
 ) -> None:
-    """Occupied where a wall or a piece is, free within rooms, unknown outside. Cells that are merely touched
-    may be either. Each door is open, and each wall is without a gap.
+    """Cells are occupied at walls and pieces, free within rooms, and unknown outside.
+
+    Cells that are only touched may be either. Each door is open, and each wall is without a gap.
     """
     found = occupancy_grid(only(house, tmp_path, "ros"))
     rows, columns = np.indices(found.cells.shape)
@@ -275,7 +277,7 @@ def test_walls_at_an_angle_are_in_maps_of_ros_and_in_geojson(tmp_path: Path) -> 
 
 
 def test_solids_ask_a_house_for_its_walls_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The walls of 1,024 rooms were made anew for each of them."""
+    """The walls of 1,024 rooms were once built again for each room."""
     asked, walls = [], House.walls.fget
     assert walls
     monkeypatch.setattr(House, "walls", property(lambda house: asked.append(1) or walls(house)))

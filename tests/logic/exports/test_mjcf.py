@@ -1,4 +1,4 @@
-"""A house in MuJoCo, by MuJoCo itself: range finders see what the simulator's rays see, walls stop bodies."""
+"""A house in MuJoCo: its range finders see what the simulator's rays see, and walls stop the robot."""
 
 # mujoco has no type stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -24,7 +24,7 @@ HOUSES = [*benchmark("home-test-v1")[3:5], RANDOM[0], example(), House.from_grid
 
 
 def loaded(house: House) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """A house as MuJoCo has it, its robot at the start."""
+    """Return a house in MuJoCo, with its robot at the start."""
     model = mujoco.MjModel.from_xml_string(tostring(to_mjcf(house)).decode())
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -32,7 +32,7 @@ def loaded(house: House) -> tuple[mujoco.MjModel, mujoco.MjData]:
 
 
 def test_range_finders_see_what_the_simulators_rays_see() -> None:
-    """To 1e-4 m, but for rays that end on the target, which MuJoCo's house has not."""
+    """They agree to 1e-4 m, except for rays that end on the target, which is absent from MuJoCo's house."""
     env = HouseVectorEnv(HOUSES, num_envs=64, targets="all")
     observation, info = env.reset(seed=3)
     for number, house in enumerate(HOUSES):
@@ -49,7 +49,7 @@ def test_range_finders_see_what_the_simulators_rays_see() -> None:
 
 
 def test_range_finders_see_walls_at_any_angle() -> None:
-    """As bodies do that drive, whose rays are the same."""
+    """The comparison is with robots that drive, whose rays are the same."""
     walls = FreeWall(0.7, 0.5, 2.6, 1.9, 0.12), FreeWall(0.5, 2.5, 1.5, 2.2, 0.0)
     house = House((Room(0, 0, 4, 3, "R0", "hall"),), hub="R0", topology="own", free_walls=walls)
     env = HouseVectorEnv([house], num_envs=16, backend="free", targets="all")

@@ -1,4 +1,4 @@
-"""Houses by a brief keep each of its lines, as geometry says; what cannot be is proved by its lines."""
+"""Houses by a brief satisfy each of its lines, by geometry; an impossible brief is refuted by its lines."""
 
 import gc
 from collections import Counter
@@ -42,26 +42,26 @@ SIDES = {"north": 1, "east": 2, "south": 3, "west": 0}
 
 
 def generate(brief: dict[str, Any], grammar: str | None = None, **how: Any) -> Iterator[House]:
-    """What ``logic.generate`` makes of a brief, in this process."""
+    """Yield the houses of ``logic.generate`` for a brief, in this process."""
     read = read_brief(brief)
     record = msgspec.to_builtins(read if grammar else alone(read))
     return in_process.generate(len(read.rooms), grammar=grammar or "plain", brief=record, **how)
 
 
 def shared(one: Room, other: Room) -> float:
-    """How much wall two rooms share, metres."""
+    """Return the length of the wall that two rooms share, metres."""
     across = [min(one.box[k + 2], other.box[k + 2]) - max(one.box[k], other.box[k]) for k in (0, 1)]
     return max(across) if abs(min(across)) < 1e-6 else 0.0
 
 
 def outline(house: House) -> tuple[float, float, float, float]:
-    """The box around a house."""
+    """Return the box around a house."""
     west, north, east, south = zip(*(room.box for room in house.rooms), strict=True)
     return min(west), min(north), max(east), max(south)
 
 
 def broken(house: House, brief: Brief) -> list[str]:
-    """The lines of a brief that a house breaks, by its boxes, doors and windows alone."""
+    """Return the lines of a brief that a house breaks, by its boxes, doors and windows alone."""
     rooms = {room.name: room for room in house.rooms}
     doors = {frozenset(door.between) for door in house.doors}
     whole = outline(house)
@@ -101,7 +101,7 @@ def broken(house: House, brief: Brief) -> list[str]:
 
 
 def within(value: float, span: float | tuple[float, float], tolerance: float, slack: float = 2e-3) -> bool:
-    """Whether a length or an area is as wanted, to the millimetre or so that a brief is read to."""
+    """Return True if a length or an area satisfies a span, within ``slack``, the precision of briefs."""
     least, most = span if isinstance(span, tuple) else (span * (1 - tolerance), span * (1 + tolerance))
     return least - slack <= value <= most + slack
 
@@ -131,7 +131,7 @@ def test_the_void_of_a_brief_is_free() -> None:
 
 
 def notch(house: House) -> Room:
-    """That of NOTCHED, in its north-east corner."""
+    """Return the notch of NOTCHED, in its north-east corner."""
     _, north, east, _ = outline(house)
     return Room(east - 3, north, 3, 3, "notch", "", ())
 
@@ -171,7 +171,7 @@ def test_no_dissection_is_preferred_where_a_brief_leaves_all() -> None:
 
 
 def side_of(one: Room, other: Room) -> str:
-    """Where one room lies from another."""
+    """Return the side of one room on which another lies."""
     for side, (near, far) in {"west": (one, other), "east": (other, one)}.items():
         if near.x + near.width < far.x + 1e-6:
             return side
@@ -185,12 +185,12 @@ def test_a_house_by_a_brief_is_made_again_whatever_was_made_before() -> None:
 
 
 def brief(rooms: int, **more: Any) -> dict[str, Any]:
-    """A brief of rooms with names alone."""
+    """Return a brief of rooms with only names."""
     return {"rooms": [{"name": f"R{number}"} for number in range(rooms)], **more}
 
 
 def reasons(wanted: dict[str, Any]) -> set[str]:
-    """The lines of a brief in the proof that there is no such house."""
+    """Return the lines of a brief in the proof that no house satisfies it."""
     with pytest.raises(Unsatisfiable) as caught:
         next(generate(brief=wanted))
     return {each.text for each in caught.value.reasons if each.text.startswith("brief: ")}
@@ -317,14 +317,14 @@ def test_an_unknown_type_is_refused_with_what_is_meant() -> None:
 
 
 def test_no_layout_of_a_brief_is_refuted_falsely() -> None:
-    """What refutes layouts, CLP(Q) and HiGHS agree on the systems of layouts that come up."""
+    """Stage 2, CLP(Q) and HiGHS agree on the systems of constraints in the search for layouts."""
     systems = until_refuted(brief_systems(in_process._builder(find("plain"), 0.0), (5,)), 8)
     found = verdicts(systems)
     assert set(found) == {(False, False, False), (True, True, True)}
 
 
 def test_a_brief_alone_gets_the_doors_that_it_asks_for_and_one_into_each_group_of_rooms() -> None:
-    """In a frozen brief all rooms are joined; of ours some doors are left out, so that there are groups."""
+    """In a frozen brief doors join all rooms; here some doors are left out, so that there are groups."""
     (entry,) = (each for each in frozen() if each.name == "home-12-05")
     fewer = {**entry.brief, "doors": entry.brief["doors"][2:-3]}
     for brief in (entry.brief, fewer):
@@ -341,7 +341,7 @@ def test_a_brief_alone_gets_the_doors_that_it_asks_for_and_one_into_each_group_o
 
 
 def others_than(asked: set[frozenset[str]], wanted: dict[str, Any], count: int) -> list[frozenset[str]]:
-    """The doors of houses of home by a brief, but entrances, that are not asked for."""
+    """Return the doors of houses of home by a brief that the brief does not ask for, without entrances."""
     houses = generate(brief=wanted, grammar="home", seed=1, count=count)
     doors = [frozenset(door.between) for house in houses for door in house.doors if not door.is_entrance]
     return [door for door in doors if door not in asked]
@@ -375,7 +375,7 @@ def test_a_void_lies_in_the_range_of_its_place_and_a_comment_has_no_effect() -> 
 
 
 def free_boxes(house: House) -> list[Room]:
-    """The one box of a house's outline that no room covers, found between the lines of its rooms."""
+    """Return the boxes of a house's outline that no room covers, found between the lines of its rooms."""
     xs = sorted({round(at, 6) for room in house.rooms for at in room.box[::2]})
     ys = sorted({round(at, 6) for room in house.rooms for at in room.box[1::2]})
     free = [

@@ -1,4 +1,4 @@
-"""Plans on a grid: every length of them is whole cells."""
+"""Plans on a grid: all their lengths are whole cells."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ CELL = 0.3
 
 @pytest.fixture(scope="module")
 def houses() -> Iterator[list[House]]:
-    """Homes on a grid. A process has one Prolog, which is set back to no grid."""
+    """Yield homes on a grid. At the end a house without a grid resets the process's one Prolog engine."""
     yield [house for rooms in (4, 8) for house in generate(rooms, grammar="home", cell=CELL, count=2)]
     next(generate(1))
 

@@ -1,4 +1,4 @@
-"""Rooms of many pieces, where sampled picks lead to proofs that as many do not fit in as few rows."""
+"""Rooms of many pieces, in which sampled picks lead to proofs that the pieces do not fit in a few rows."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def builder(folder: Path, star: bool = False) -> Builder:
 
 
 def rows(house: House) -> list[list[int]]:
-    """How many desks stand in each row of each classroom."""
+    """Return the number of desks in each row of each classroom."""
     found = []
     for room in house.rooms:
         if room.type == "classroom":
@@ -100,7 +100,7 @@ def test_a_proof_about_furniture_tests_few_statements_where_no_length_has_a_part
 
 
 def places(folder: Path, pieces: int, bounded: bool = True) -> Program:
-    """So many pieces in one place fewer: a pigeonhole problem."""
+    """Return a program that puts pieces into one place fewer: a pigeonhole problem."""
     file = folder / "places.lp"
     file.write_text(PLACES.format(pieces=pieces, places=pieces - 1))
     return Program([file], {}, [], seed=1, bounded=bounded)

@@ -1,4 +1,4 @@
-"""Dissections of a grammar's own: large ones, and voids that it states, which are courts and notches."""
+"""Dissections of a grammar: large ones, and voids that the grammar states, which are courts and notches."""
 
 import shutil
 import time
@@ -20,7 +20,7 @@ SIZE = "room_size(void, W, D) :- { W >= 2, W =< 4, D >= 2, D =< 4 }.\n"
 
 
 def stated(folder: Path, rules: str, lengths: str = "") -> Path:
-    """The grammar of homes in any plan, with more rules about a house and more lengths."""
+    """Return the grammar of homes in any plan, with more rules about a house and more lengths."""
     grammar = folder / "grammar"
     shutil.copytree(DISSECTION, grammar)
     for name, text in (("rooms.lp", rules), ("lengths.pl", lengths)):
@@ -30,7 +30,7 @@ def stated(folder: Path, rules: str, lengths: str = "") -> Path:
 
 
 def floor_of(house: House) -> Any:
-    """All rooms of a house as one polygon."""
+    """Return all rooms of a house as one polygon."""
     return shapely.union_all([shapely.box(*room.box).buffer(1e-6) for room in house.rooms])
 
 

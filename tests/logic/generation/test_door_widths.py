@@ -1,4 +1,4 @@
-"""Doors as wide as the types of both rooms say, judged by coordinates. 15 s."""
+"""Doors with widths by the types of both rooms, judged by coordinates. 15 s."""
 
 import shutil
 from pathlib import Path
@@ -20,7 +20,7 @@ WIDTHS = {
     frozenset(("corridor", OUTSIDE)): 1.1,
 }
 OTHERS = 0.8
-"""Metres: of all other doors of home, as its file says."""
+"""Width of all other doors of home, as in its file, metres."""
 
 CLAUSES = """
 door_width(bathroom, corridor, 0.7).   door_width(hall, bathroom, 0.65).

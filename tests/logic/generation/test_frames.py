@@ -1,4 +1,4 @@
-"""A room as seen from its entrance: its lengths, doors that may move, what rules are to assume."""
+"""A room as seen from its entrance: its lengths, doors that may move, and the assumptions of rules."""
 
 import pytest
 from clingo import Function, Number, parse_term
@@ -12,7 +12,7 @@ from logic.request.request import Request
 
 ROOM = Rect(1, 1, 4, 3)
 SOUTH = [Rect(2, 4, 0.9, 0), Rect(1, 2, 0, 0.8), Rect(4, 1, 0.7, 0)]
-"""The entrance in the south wall, a door in the west and one in the north wall."""
+"""The entrance in the south wall, a door in the west wall and one in the north wall."""
 
 
 def room(doors: list[Rect] = SOUTH, windows: tuple[Rect, ...] = ()) -> GivenRoom:
@@ -115,7 +115,7 @@ def test_doors_that_may_move_stand_from_one_end_of_their_span_to_the_other() -> 
 
 def test_moved_doors_lie_along_their_walls_in_the_house() -> None:
     loose = LooseRoom(room(), [None, None, None])
-    # From the front, which is in the south: a larger distance is further north.
+    # From the front, which is in the south, so that a larger distance is further north.
     front, left, back = loose.moved([[1.5], [0.2], [2.9], []])
     assert (front.x, front.y) == pytest.approx((2.5, 4))
     assert (left.x, left.y) == pytest.approx((1, 3))

@@ -1,4 +1,4 @@
-"""Free squares for wheelchairs, and windows of rooms that need none: what grammars say of them is so."""
+"""Free squares for wheelchairs, and windows of rooms that need none, as grammars require."""
 
 import shutil
 from pathlib import Path
@@ -33,7 +33,7 @@ door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
 
 
 def builder(folder: Path, rules: str = "", lengths: str = "", grammar: str = "home") -> Builder:
-    """Of a copy of a shipped grammar with these rules and lengths more."""
+    """Return a builder for a copy of a shipped grammar with more rules and lengths."""
     shutil.copytree(SHIPPED / grammar, folder)
     (folder / "more.lp").write_text(rules)
     (folder / "more.pl").write_text(lengths)
@@ -45,7 +45,10 @@ def houses(of: Builder, rooms: int = 6) -> list[House]:
 
 
 def has_free_square(room: Room, side: float) -> bool:
-    """Whether a square touches no piece somewhere: if any, one whose corner is at edges of others."""
+    """Return True if a square fits somewhere without touching a piece.
+
+    The places that are tried have a corner at edges of pieces.
+    """
     west, north, east, south = room.box
     boxes = np.array([piece.box for piece in room.pieces]).reshape(-1, 4)
     for x in (west, *boxes[:, 2]):

@@ -1,4 +1,4 @@
-"""Rooms of given sizes and doors: furniture keeps every clearance and passage, by geometry of its own."""
+"""Rooms of given sizes and doors: furniture keeps every clearance and passage, by independent geometry."""
 
 import shutil
 from collections.abc import Iterator, Sequence
@@ -34,7 +34,7 @@ WEST, EAST = Rect(1.0, 3.0, 0.0, DOOR), Rect(5.0, 3.5, 0.0, DOOR)
 
 @pytest.fixture(scope="module")
 def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
-    """Of ``family`` where wardrobes are tall, and halls may be empty."""
+    """Return a builder for ``family`` with tall wardrobes and with halls that may be empty."""
     folder = tmp_path_factory.mktemp("grammars") / "tall"
     shutil.copytree(SHIPPED / "family", folder)
     (folder / "tall.lp").write_text("hides(wardrobe). empty(hall).")
@@ -47,7 +47,7 @@ def one(builder: Builder, room: GivenRoom, seed: int = 0) -> tuple[Piece, ...]:
 
 
 def rooms(seed: int, type_: str, area: tuple[float, float], doors: int) -> Iterator[GivenRoom]:
-    """Rooms of this type, of an area in this range (m²), with doors at random places."""
+    """Yield rooms of this type, of an area in this range (m²), with doors at random places."""
     rng = np.random.default_rng(seed)
     while True:
         size, ratio = rng.uniform(*area), rng.uniform(0.6, 1.6)
@@ -76,7 +76,7 @@ def box(rect: Rect, by: float = 0.0) -> BaseGeometry:
 
 
 def faults(room: GivenRoom, pieces: tuple[Piece, ...], clear_front: frozenset[str]) -> Iterator[str]:
-    """What is wrong with a furnished room."""
+    """Yield the faults of a furnished room."""
     floor = shapely.box(*room.rect.box)
     everything = pieces_of(pieces)
     for number, piece in enumerate(everything):
@@ -222,7 +222,7 @@ def test_furniture_that_the_capacity_of_a_given_room_refuses_has_no_places(
 
 
 def without_capacity(builder: Builder, type_: str, doorways: Sequence[Symbol]) -> Program:
-    """The program of a given room, where all pieces are thin and no length is needed."""
+    """Return the program of a given room in which all pieces are thin and no length is needed."""
     wide = [Number(mm) for mm in (1, 99999, 1, 99999)]
     facts = [
         Function(
@@ -236,7 +236,7 @@ def without_capacity(builder: Builder, type_: str, doorways: Sequence[Symbol]) -
 
 
 def others(program: Program, furniture: Sequence[Symbol]) -> list[Symbol]:
-    """All other atoms of a layout of this program."""
+    """Return all other atoms of a layout of this program."""
     shown = {(atom.name, len(atom.arguments)) for atom in furniture}
     shown |= {("on", 4), ("joined", 2), ("last", 2), ("end", 1), ("busy", 1), ("row", 1), ("corner", 3)}
     shown |= {("turned", 3), ("faces", 3), ("with", 4), ("open", 2)}
@@ -244,7 +244,7 @@ def others(program: Program, furniture: Sequence[Symbol]) -> list[Symbol]:
 
 
 def test_what_is_tall_stands_in_no_corner_that_a_drawn_window_is_too_near_to() -> None:
-    """A grammar's margin keeps its own windows away from corners, and drawn ones may be nearer."""
+    """A grammar's margin keeps its own windows away from corners; drawn windows may be nearer."""
     builder = Builder(find("home"))
     window, hidden = Rect(1.2, 2.0, 1.5, 0.0), Rect(1.2, 2.0, 1.5, 0.3).box
     hides = {

@@ -33,7 +33,7 @@ FOUR = Request(4)
 
 
 def stub(**fields: Any) -> Any:
-    """An object with these attributes."""
+    """Return an object with these attributes."""
     return SimpleNamespace(**fields)
 
 
@@ -209,7 +209,7 @@ def test_doors_are_moved_once_a_room_has_failed_often(movable: bool, monkeypatch
 
 # - rooms whose doors move --------------------------------------------------------------------------------
 def fits_at(attempt: int) -> tuple[Any, Any]:
-    """Programs and a placer that refute a room's layouts up to this attempt; 0: there is no layout."""
+    """Return programs and a placer that refute a room's layouts before this attempt; 0 for no layout."""
     layouts = [[Function("layout", [Number(number)])] for number in range(1, attempt + 1)]
 
     def sample(*arguments: Any) -> Any:
@@ -273,7 +273,7 @@ def test_each_house_begins_its_account_and_knows_what_made_it() -> None:
 
 
 def asks_nothing(wholes: list[Any]) -> Any:
-    """A placer of a grammar that states these areas of rooms with their parts."""
+    """Return a placer of a grammar that states these areas of rooms with their parts."""
     return stub(ask=lambda *_: {"wholes": wholes})
 
 

@@ -1,4 +1,4 @@
-"""Openings between rooms: doors without a leaf, as wide as the grammar says, judged by geometry."""
+"""Openings between rooms: doors without a leaf, of the grammar's width, judged by geometry."""
 
 import shutil
 from itertools import product
@@ -42,7 +42,7 @@ door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
 
 
 def grammar(folder: Path, sizes: str = "", rules: str = "") -> Path:
-    """A copy of home whose living rooms are open to kitchens and dining rooms."""
+    """Write a copy of home whose living rooms are open to kitchens and dining rooms."""
     shutil.copytree(SHIPPED / "home", folder)
     (folder / "open.lp").write_text(OPEN + rules)
     (folder / "open.pl").write_text(sizes)
@@ -51,15 +51,16 @@ def grammar(folder: Path, sizes: str = "", rules: str = "") -> Path:
 
 @pytest.fixture(scope="module")
 def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
-    """Of homes with openings of some width in every kitchen. A process has one grammar: the tests that load
-    others come last.
+    """Return a builder for homes with openings of some width in every kitchen.
+
+    A process has one grammar, so the tests that load others come last.
     """
     kitchen = "#program house.\n:- room(R,kitchen), room(Q,living), not linked(R,Q).\n"
     return Builder(find(grammar(tmp_path_factory.mktemp("open") / "wide", WIDE, kitchen)))
 
 
 def shared(house: House, door: Door) -> float:
-    """How much of a wall the rooms of a door share, metres."""
+    """Return the length of the wall that the rooms of a door share, metres."""
     one, other = (house.room(name).box for name in door.between)
     across = int(door.height == 0)
     return min(one[3 - across], other[3 - across]) - max(one[1 - across], other[1 - across])
@@ -70,7 +71,7 @@ def types(house: House, door: Door) -> set[str]:
 
 
 def as_drawn(house: House) -> set[tuple[frozenset[str], Box, bool]]:
-    """Return which rooms each door joins, in either order, where it is, and whether it is an opening."""
+    """Return for each door the rooms that it joins, in any order, its place, and True if it is an opening."""
     return {(frozenset(door.between), door.box, door.opening) for door in house.doors}
 
 
@@ -151,7 +152,7 @@ def test_without_a_size_there_is_no_wall_where_rooms_meet(tmp_path: Path) -> Non
 
 
 def test_a_proof_names_the_size_of_an_opening_that_the_rooms_are_too_small_for(tmp_path: Path) -> None:
-    """A bath of 4.6 m² is at most 2.9 m long; its opening is to take 3.1 m."""
+    """A bath of 4.6 m² is at most 2.9 m long; its opening would take 3.1 m."""
     (tmp_path / "rooms.lp").write_text(TINY)
     (tmp_path / "sizes.pl").write_text(TINY_SIZES)
     with pytest.raises(Unsatisfiable) as caught:

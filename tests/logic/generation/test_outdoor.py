@@ -1,4 +1,4 @@
-"""Rooms that are outside, by `outdoor`: they light others, have no window, and no part in the area."""
+"""Outdoor rooms, by `outdoor`: they light other rooms, have no window, and do not count in the area."""
 
 import shutil
 from functools import reduce
@@ -57,7 +57,7 @@ def of_type(house: House, type_: str) -> Room:
 
 
 def on_edge(window: Window, room: Room) -> bool:
-    """Whether all of a window lies on the boundary of a room."""
+    """Return True if the whole of a window lies on the boundary of a room."""
     west, north, east, south = room.box
     a, b, c, d = window.box
     inside = a >= west - 1e-6 and c <= east + 1e-6 and b >= north - 1e-6 and d <= south + 1e-6
@@ -102,7 +102,7 @@ def test_a_window_towards_a_patio_lies_in_the_wall_that_both_share_and_there_is_
 
 
 def test_the_area_of_a_house_is_that_of_its_rooms_inside(tmp_path: Path) -> None:
-    """A hall and a den of 24 to 25 m², with a patio of 9 m² or more: with it they have 33 or more."""
+    """A hall and a den have 24 to 25 m², and a patio 9 m² or more: 33 m² or more together."""
     sizes = PATIO_SIZES + "room_area(patio, 9.0, 12.0).\nhouse_area(24.0, 25.0).\n"
     builder = Builder(find(grammar(tmp_path / "mine", sizes=sizes)))
     for seed in range(4):
@@ -131,7 +131,7 @@ def test_check_finds_a_window_of_a_patio_and_one_towards_no_patio(tmp_path: Path
 
 
 def test_a_patio_amid_rooms_is_refuted_and_found_by_the_check(tmp_path: Path) -> None:
-    """Four rooms around it, as the sails of a windmill."""
+    """Four rooms surround the patio like the sails of a windmill."""
     boxes: dict[str, Box] = {
         "north": (0, 4, 4, 6), "east": (4, 2, 6, 6), "south": (2, 0, 6, 2), "west": (0, 0, 2, 4),
         "amid": (2, 2, 4, 4),
@@ -157,7 +157,7 @@ def test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door(tmp_pa
     assert check(house) == []
     (window,) = (each for each in house.windows if each.room == "den")
     assert on_edge(window, of_type(house, "patio"))
-    # A plan of this house keeps the window where it is; towards a room that is not outside it is refuted.
+    # A plan of this house keeps the window in its place. Towards an indoor room the window is refuted.
     again = next(generate(plan=house, grammar=folder, seed=1))
     assert check(again) == []
     assert again.windows == house.windows
@@ -223,7 +223,7 @@ room_size(_, W, D) :- { W >= 2.0, W =< 2.1, D >= 2.0, D =< 2.1 }.
 house_area(12.0, 14.0).
 door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
 """
-"""A room has 4 to 4.41 m², so that three rooms must be indoors."""
+"""Sizes with which a room has 4 to 4.41 m², so that three rooms must be indoors."""
 
 
 def test_that_a_house_with_a_balcony_is_too_small_says_nothing_of_one_without(tmp_path: Path) -> None:

@@ -48,13 +48,14 @@ room_size(bay, W, D) :- { W >= 1.0, W =< 2.0, D >= 1.0, D =< 2.0 }.
 whole_area(hall, 13.01, 20.0).
 door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
 """
-"""A hall of 9 m² and a bay of 4 m² are 13 m² at most."""
+"""Sizes with which a hall of 9 m² and a bay of 4 m² are 13 m² at most."""
 
 
 @pytest.fixture(scope="module")
 def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
-    """Of homes whose living rooms have a bay or two. A process has one grammar: the tests that load others
-    come last.
+    """Return a builder for homes whose living rooms have a bay or two.
+
+    A process has one grammar, so the tests that load others come last.
     """
     folder = tmp_path_factory.mktemp("bay") / "mine"
     shutil.copytree(SHIPPED / "home", folder)
@@ -72,12 +73,12 @@ def houses(builder: Builder) -> list[House]:
 
 
 def bays(house: House) -> list[tuple[Room, Room]]:
-    """Each bay and the room that it is a part of."""
+    """Return each bay and the room of which it is a part."""
     return [(room, house.room(str(room.part_of))) for room in house.rooms if room.type == "bay"]
 
 
 def corners(house: House, whole: Room) -> int:
-    """Of the room that a whole and its parts are."""
+    """Return the number of corners of the room that a whole and its parts form."""
     parts = [room.box for room in house.rooms if room is whole or room.part_of == whole.name]
     shape = shapely.set_precision(shapely.union_all([shapely.box(*box) for box in parts]), 1e-6)
     assert isinstance(shape, shapely.Polygon)
@@ -192,7 +193,7 @@ def test_a_brief_beside_areas_of_wholes_is_refused(builder: Builder) -> None:
 
 
 def test_a_plan_of_another_area_is_moved_as_little_as_can_be(builder: Builder, houses: list[House]) -> None:
-    """It is drawn three hundredths too wide; what is found keeps the area, by geometry."""
+    """The plan is drawn 3 % too wide. The result keeps the area, by geometry."""
     house = houses[0]
     (_, whole), *_ = bays(house)
     wide = [structs.replace(room, x=1.03 * room.x, width=1.03 * room.width) for room in house.rooms]
@@ -225,7 +226,7 @@ def test_walls_with_a_thickness_leave_them_open_and_their_insides_of_that_area(
 
 
 def test_that_a_room_without_a_part_is_too_small_says_nothing_of_one_with_it(tmp_path: Path) -> None:
-    """A hall of at most 9 m² is to have 9.5: its neighbour may be a den, but is a bay."""
+    """A hall of at most 9 m² must have 9.5 m²; its neighbour may be a den, but is a bay."""
     rules = TINY.replace("hall;bay", "hall;bay;den").replace("opens(hall,bay)", "opens(hall,(bay;den))")
     (tmp_path / "rooms.lp").write_text(rules.replace(":- not room(_,bay).", ""))
     den = "room_size(den, W, D) :- { W >= 1.0, W =< 2.0, D >= 1.0, D =< 2.0 }.\n"
@@ -238,7 +239,7 @@ def test_that_a_room_without_a_part_is_too_small_says_nothing_of_one_with_it(tmp
 
 
 def test_a_room_of_six_corners_in_a_real_plan_is_a_room_and_its_part(tmp_path: Path) -> None:
-    """In HouseExpo's format, without doors: a hall of 3 m by 3 m whose bay of 2 m by 1.5 m is behind it."""
+    """The plan is in HouseExpo's format, without doors: a hall of 3 m by 3 m with a bay of 2 m by 1.5 m."""
     (tmp_path / "rooms.lp").write_text(TINY)
     (tmp_path / "sizes.pl").write_text(TINY_SIZES.replace("whole_area(hall, 13.01, 20.0).", ""))
     corners = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 4.5], [0, 4.5]]
@@ -255,7 +256,7 @@ def test_a_room_of_six_corners_in_a_real_plan_is_a_room_and_its_part(tmp_path: P
     (door,) = (each for each in house.doors if not each.is_entrance)
     assert door.opening
     assert door.length == pytest.approx(2.0)
-    # A grammar that has no part of a hall has the same, open to each other.
+    # A grammar without parts of a hall has the same rooms, open to each other.
     rules = TINY.replace("part(bay,hall).", "opening(bay,hall).")
     (tmp_path / "rooms.lp").write_text(rules)
     house = Builder(find(tmp_path)).house(Request(2, plan=plan), 0, 0, INFERENCES)

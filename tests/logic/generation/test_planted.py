@@ -1,4 +1,4 @@
-"""What is read off a house, at its limits, has a house: briefs, grammars, plans. A proof would be false."""
+"""Briefs, grammars and plans read off a house, at its limits, have a house, so a proof would be false."""
 
 from collections import Counter
 from pathlib import Path
@@ -43,13 +43,13 @@ TERRACE = {
         "voids": [{"corner": "south-west", "width": [1, 3], "depth": [3, 8]}],
     },
 }
-"""Sizes alone: a linear system, which CLP(R) refutes, and CLP(Q) solves."""
+"""Sizes only: a linear system that CLP(R) refutes and CLP(Q) solves."""
 
 HALVES = {
     "rooms": [{"name": name, "area": [13.5, 20]} for name in "AB"],
     "outline": {"width": 3, "depth": 9},
 }
-"""Two rooms with just the areas that there are."""
+"""Two rooms that need exactly the available area."""
 
 
 @pytest.mark.parametrize("brief", [TERRACE, HALVES])

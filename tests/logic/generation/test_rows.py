@@ -1,4 +1,4 @@
-"""Rows of desks in the middle of a room: parallel, a passage apart, refused where they have no room."""
+"""Rows of desks in the middle of a room: parallel, a passage apart, refused if they do not fit."""
 
 from collections import defaultdict
 from itertools import pairwise
@@ -48,7 +48,7 @@ def builder(folder: Path, desks: str = "6,9", width: int = 3, least: float = 6, 
 
 
 def across(orientation: str) -> int:
-    """The axis of the house along which a row lies whose desks face this point of the compass: 0 for x."""
+    """Return the axis of the house along which rows run whose desks face this direction: 0 for x."""
     return 0 if orientation in "NS" else 1
 
 
@@ -59,7 +59,7 @@ def with_chair(desk: Piece) -> Box:
 
 
 def rows(house: House) -> list[list[list[Box]]]:
-    """Of each room, the desks with their chairs by row: those whose backs are in one line."""
+    """Return for each room the desks with their chairs by row: those with their backs in one line."""
     found = []
     for room in house.rooms:
         if room.type != "classroom":
@@ -70,7 +70,7 @@ def rows(house: House) -> list[list[list[Box]]]:
         for desk in room.children:
             if desk.type == "desk":
                 box = with_chair(desk)
-                # The chair is outwards, towards the door; rows start at that edge.
+                # The chair is outwards, towards the door. Rows start at that edge.
                 assert len(desk.children) == 1
                 edge = box[axis + 2] if way in "SE" else box[axis]
                 by_line[round(edge, 6)].append(box)

@@ -1,4 +1,4 @@
-"""Rooms of a type that are equally large, by `same_size`: in houses, plans, proofs and the check."""
+"""Rooms of one type with equal sizes, by `same_size`: in houses, plans, proofs and the check."""
 
 import shutil
 from pathlib import Path
@@ -60,7 +60,7 @@ def test_check_finds_the_one_that_is_larger(hotel: Builder) -> None:
 
 
 def test_rooms_that_cannot_be_equally_large_are_proved(tmp_path: Path) -> None:
-    """Two on the north side of a corridor are as long as one on the south side, but where they are alike."""
+    """Two rooms north of a corridor are as long as one south of it, unless their sizes are equal."""
     (tmp_path / "rooms.lp").write_text(PAIR)
     (tmp_path / "sizes.pl").write_text(PAIR_SIZES)
     assert len(sizes(Builder(find(tmp_path)).house(Request(4), 0, 0, INFERENCES), "cell")) == 3

@@ -1,4 +1,4 @@
-"""Plans where rooms share walls: what their grammars promise, what is proved of them, who adds a topology."""
+"""Plans whose rooms share walls: promises of their grammars, proofs, and additional topologies."""
 
 import shutil
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ face(R+1,R) :- R = 0..rooms-2.
 
 
 def unfurnished(builder: Builder, *arguments: Any) -> tuple[Plan, list[Symbol], int]:
-    """A plan of the builder's without furniture: see ``SharedWallsMaker.unfurnished``."""
+    """Return a plan without furniture from a builder: see ``SharedWallsMaker.unfurnished``."""
     assert isinstance(builder.maker, SharedWallsMaker)
     return builder.maker.unfurnished(*arguments)
 
@@ -66,7 +66,7 @@ def layouts(made: Builder, rooms: int, seeds: range) -> Iterator[list[Symbol]]:
 
 
 def copied(folder: Path, *changes: tuple[str, str, str], **files: str) -> Path:
-    """A copy of home, edited: in a file, one text for another; and files of its own."""
+    """Return a copy of home, with one text replaced by another in some files, and with additional files."""
     folder = shutil.copytree(SHIPPED / "home", folder / "mine")
     for name, text, other in changes:
         file = folder / name
@@ -121,7 +121,7 @@ def test_hardly_two_plans_have_the_same_topology(home: Builder) -> None:
 
 
 def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
-    """CLP(Q) agrees with HiGHS. CLP(R) may refute what has one, and accepts nothing else."""
+    """CLP(Q) agrees with HiGHS. CLP(R) may refute a feasible system, but accepts no infeasible one."""
     for systems in (
         wall_systems(home, 6, range(60)),
         given_systems(home, 6, range(4)),

@@ -1,4 +1,4 @@
-"""Rooms of a star that do not fit: what is learnt from that, and when the maker gives up."""
+"""Rooms of a star that do not fit: the nogoods from them, and the limit at which the maker gives up."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""A straight corridor, by `straight` in the topology `corridor`: a hotel's floor of many alike rooms."""
+"""A straight corridor, by `straight` in the topology `corridor`: a hotel's floor of many similar rooms."""
 
 import time
 from pathlib import Path
@@ -17,7 +17,7 @@ from logic.request.request import Request
 HOTEL = Path(__file__).parents[3] / "examples" / "hotel"
 INFERENCES = 10**8
 SECONDS = 20.0
-"""CPU seconds in which a house is made, or proved infeasible: a third of the limit of ``generate``."""
+"""CPU seconds in which a house is generated, or proved infeasible: a third of the limit of ``generate``."""
 
 
 @pytest.fixture(scope="module")

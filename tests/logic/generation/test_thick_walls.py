@@ -1,4 +1,4 @@
-"""Walls with a thickness: rooms, doors and areas rebuilt from coordinates alone. 40 s."""
+"""Walls with a thickness: rooms, doors and areas reconstructed from coordinates alone. 40 s."""
 
 import json
 import re
@@ -27,23 +27,26 @@ from tests.thick import faces
 
 MASONRY = Path(__file__).parents[3] / "examples" / "masonry"
 INNER, OUTER = 0.12, 0.36
-"""Metres, as its file says."""
+"""Thickness of walls in the grammar's file, metres."""
 
 INFERENCES = 10**8
 EXACT = 1e-6
-"""Metres, and square metres."""
+"""Tolerance, metres and square metres."""
 
 SIZES = (SHIPPED / "home" / "sizes.pl").read_text()
 AREAS = {
     name: (float(least), float(most))
     for name, least, most in re.findall(r"^room_area\((\w+),\s*([\d.]+),\s*([\d.]+)\)", SIZES, re.MULTILINE)
 }
-"""As the file of lengths says them."""
+"""Areas in the file of lengths."""
 
 
 @pytest.fixture(scope="module")
 def builder() -> Builder:
-    """Of the example. A process has one grammar: the tests that load others come last."""
+    """Return a builder for the example.
+
+    A process has one grammar, so the tests that load others come last.
+    """
     return Builder(find(MASONRY))
 
 
@@ -53,12 +56,12 @@ def houses(builder: Builder) -> list[House]:
 
 
 def boxes(house: House, by: float = 0.0) -> Any:
-    """All that its rooms cover, each with so much more around it."""
+    """Return the area that rooms cover, each grown by ``by`` metres."""
     return shapely.union_all([shapely.box(*room.box).buffer(by, join_style="mitre") for room in house.rooms])
 
 
 def across(opening: Door | Window) -> int:
-    """The axis at right angles to an opening's wall."""
+    """Return the axis at right angles to an opening's wall."""
     return int(opening.height == 0)
 
 
@@ -72,7 +75,7 @@ def test_rooms_stand_apart_by_inner_walls_and_leave_no_other_gap(houses: list[Ho
         whole = boxes(house, INNER / 2 + EXACT)
         assert whole.geom_type == "Polygon"
         assert not whole.interiors
-        # Each room and half of the walls around it are tiles of the same whole.
+        # The rooms, each with half of the walls around it, tile the whole.
         tiles = sum((room.width + INNER) * (room.height + INNER) for room in house.rooms)
         assert abs(whole.area - tiles) < 1e-3
 

@@ -1,4 +1,4 @@
-"""Houses of units: buildings of flats along a public corridor, and what is proved of them."""
+"""Houses of units: buildings of flats along a public corridor, and proofs about them."""
 
 import shutil
 from collections import Counter
@@ -32,7 +32,7 @@ def apartments() -> Builder:
 
 
 def units(house: House) -> list[set[str]]:
-    """The names of rooms that doors join without a public room."""
+    """Return the names of rooms that doors join without a public room."""
     found: list[set[str]] = []
     for room in house.rooms:
         if room.type == PUBLIC:
@@ -71,7 +71,7 @@ def test_the_size_of_a_house_is_that_of_each_flat(apartments: Builder) -> None:
 def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
     apartments: Builder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A flat of 5 rooms between two others is lit from one side alone: there is none if flats are deep."""
+    """A flat of 5 rooms between two others has light from one side, and is infeasible if flats are deep."""
     tried = list[int]()
     monkeypatch.setattr("logic.generation.units._units_of", lambda *made: tried.append(1) or _units_of(*made))
     house = apartments.house(Request(64), 0, 0, INFERENCES)
