@@ -1,4 +1,4 @@
-"""Claims about copies of rule files in a grammar's folder: each is one error, or a topology of one's own."""
+"""Copies of rule files in a grammar's folder: each is one error, or the user's own topology."""
 
 import re
 import shutil
@@ -14,7 +14,7 @@ from tests.logic.generation.test_shared_walls import INFERENCES, builder
 
 CORE = sorted(RULES.rglob("*.[lp][lp]"))
 OWN = ["ring", "corridor", "dissection"]
-"""Shipped topologies of one file, of rooms that share walls: a copy of each may be a grammar's own."""
+"""Shipped topologies of one file, for rooms that share walls. A grammar may own a copy of each."""
 
 EDITS = {
     "whole": lambda text: text,

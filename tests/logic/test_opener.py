@@ -1,4 +1,4 @@
-"""Files of others: what is no regular file, too large, too deep or damaged is refused at once."""
+"""Files of unknown origin: a file that is irregular, too large, too deep or damaged is refused at once."""
 
 import gzip
 import io

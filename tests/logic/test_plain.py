@@ -1,4 +1,4 @@
-"""Numbers of NumPy are numbers wherever Python code gives them."""
+"""Python code may give NumPy's numbers wherever it gives numbers."""
 
 import json
 from pathlib import Path
@@ -16,11 +16,11 @@ from tests.plans import flat
 from tests.sample_houses import RANDOM
 
 NUMBERS = pytest.mark.parametrize("number", [np.float64, np.float32, np.int64, np.uint8, np.array])
-"""Makers of a number of NumPy."""
+"""Functions that make a number of NumPy."""
 
 
 def with_numbers(value: Any, number: Any) -> Any:
-    """A value in whose lists and objects all numbers are NumPy's."""
+    """Return a value with NumPy's numbers in all its lists and objects."""
     if isinstance(value, dict):
         return {key: with_numbers(each, number) for key, each in value.items()}
     if isinstance(value, list | tuple):

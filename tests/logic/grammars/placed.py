@@ -1,5 +1,6 @@
-"""Furniture and doors as nobody would have them, counted in a hundred homes and clinics, by geometry alone:
-``./run python -m tests.logic.grammars.placed``. It takes about a minute.
+"""Counter of implausible furniture and doors in a hundred homes and clinics, by geometry alone.
+
+Run it by ``./run python -m tests.logic.grammars.placed``, which takes about a minute.
 """
 
 import sys
@@ -12,15 +13,15 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Piece, Room
 
 NEAR = 1.2
-"""Metres: a sofa sees a wall that is nearer before it."""
+"""Distance in metres below which a wall blocks the view from a sofa."""
 SILL = 0.3
-"""Metres: what stands nearer to a window stands under it."""
+"""Distance in metres below which a piece counts as under a window."""
 ROOMS = range(4, 14)
 EACH = 10
 
 
 def main(*grammars: str) -> None:
-    """Print how many of each there are, and in how many houses."""
+    """Print the number of each oddity, and the number of houses."""
     for grammar in grammars or ("home", "clinic"):
         houses = [
             house for rooms in ROOMS for house in generate(rooms, grammar=grammar, seed=rooms, count=EACH)
@@ -32,7 +33,7 @@ def main(*grammars: str) -> None:
 
 
 def counted(houses: Iterable[House]) -> tuple[Counter[str], Counter[str]]:
-    """How many there are of each oddity, and of how many rooms or pieces of which it could be one."""
+    """Return the number of each oddity, and the number of rooms or pieces that could have it."""
     found, of = Counter[str](), Counter[str]()
     for house in houses:
         for name, odd in asked(house):
@@ -42,7 +43,7 @@ def counted(houses: Iterable[House]) -> tuple[Counter[str], Counter[str]]:
 
 
 def asked(house: House) -> Iterator[tuple[str, bool]]:
-    """Each question that is asked of a house, and whether the answer is odd."""
+    """Yield each question about a house, and True if the answer is odd."""
     without = {type_: reached(house, type_) for type_ in ("living", "bedroom", "kitchen")}
     for room in house.rooms:
         if room.type == "bedroom":
@@ -58,7 +59,7 @@ def asked(house: House) -> Iterator[tuple[str, bool]]:
 
 
 def asked_of_pieces(house: House, room: Room) -> Iterator[tuple[str, bool]]:
-    """The same of the furniture of a room."""
+    """Yield each question about the furniture of a room, and True if the answer is odd."""
     screens = [piece for piece in room.children if piece.type == "tvBench"]
     for piece in room.children:
         if piece.type == "sofa":
@@ -77,19 +78,19 @@ def asked_of_pieces(house: House, room: Room) -> Iterator[tuple[str, bool]]:
 
 
 def to_wall(piece: Piece, room: Room) -> float:
-    """Metres from the front of a piece to the wall that it faces."""
+    """Return the distance from the front of a piece to the wall that it faces, metres."""
     front = (BACK[piece.orientation] + 2) % 4
     return abs(room.box[front] - piece.box[front])
 
 
 def sees(piece: Piece, other: Piece) -> bool:
-    """Whether the other piece is somewhere before the front of this one."""
+    """Return True if the other piece is on the front side of this one."""
     front = (BACK[piece.orientation] + 2) % 4
     return (other.box[front] - piece.box[front]) * (1 if front >= 2 else -1) > 0
 
 
 def grown(box: Box) -> Box:
-    """What lies before a window, on either side."""
+    """Return the zone before a window, on both sides."""
     return box[0] - SILL * (box[0] == box[2]), box[1] - SILL * (box[1] == box[3]), *_far(box)
 
 
@@ -98,7 +99,7 @@ def _far(box: Box) -> tuple[float, float]:
 
 
 def reached(house: House, without: str) -> set[str]:
-    """The names of rooms to which one gets from outside without passing a room of a type."""
+    """Return the names of rooms that one reaches from outside without passing a room of a type."""
     types = {room.name: room.type for room in house.rooms}
     found, new = set[str](), {OUTSIDE}
     while new:

@@ -1,4 +1,4 @@
-"""The shipped grammars: their houses keep their promises, and no rule of theirs is dead."""
+"""The shipped grammars: their houses keep their promises, and every rule has an effect."""
 
 import os
 import re
@@ -26,7 +26,7 @@ ROOMS = {
     "apartments": (6, 12, 24),
     "plain": (1, 3, 6, 9),
 }
-"""Of how many rooms a grammar's houses are made, where it is not the same as for most."""
+"""Numbers of rooms of the houses of grammars that differ from the usual ones."""
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ ROOMS = {
     ],
 )
 def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) -> None:
-    """Those of family: test_generate.py. Plans are also what an architect may draw, but of plain rooms."""
+    """For family see test_generate.py. Plans are also plausible for an architect, except those of plain."""
     for house in in_process.generate(rooms, grammar=grammar, seed=rooms, count=8):
         assert check(house) == []
         assert len(house.counted) == rooms
@@ -78,7 +78,7 @@ def test_the_clinic_grammar_has_room_types_that_family_lacks() -> None:
 
 
 def test_nothing_stands_in_front_of_a_piece_whose_front_a_grammar_states_to_be_clear(tmp_path: Path) -> None:
-    """Sooner or later something does where it states nothing: a piece that joins another one in a corner."""
+    """Without the statement a piece sooner or later stands there, such as one in a corner with another."""
     kinds = "bed", "wardrobe", "toilet", "shower", "sink", "desk", "sofa", "cupboard"
     promises = Promises(clear_front=tuple(kinds))
     clear = Path(shutil.copytree(BASE, tmp_path / "clear"))
@@ -86,7 +86,7 @@ def test_nothing_stands_in_front_of_a_piece_whose_front_a_grammar_states_to_be_c
     text = (clear / "arrangement.lp").read_text()
     for own in (":- turned(bed,K,near), touched(bed,K,far).", ":- turned(bed,K,far), touched(bed,K,near)."):
         assert own in text
-        text = text.replace(own, "")  # It says the same of beds.
+        text = text.replace(own, "")  # It states the same of beds.
     (clear / "arrangement.lp").write_text(text)
 
     def obstructed(grammar: str | Path) -> int:
@@ -109,11 +109,11 @@ def test_who_goes_with_a_piece_at_a_wall_is_in_front_of_it(tmp_path: Path, cell:
     assert seats == {"cupboard": {0, 1}, "desk": {1}}
 
 
-# Rule by rule: without it, the independent check finds violations.
+# Rule by rule: without the rule, the independent check finds violations.
 
 
 def constraints() -> Iterator[tuple[str, int, int, str]]:
-    """Each constraint of the family's .lp files: file, its place in the text, what stands there."""
+    """Yield each constraint of the family's .lp files: file, start and end in the text, and replacement."""
     for file in sorted(BASE.glob("*.lp")):
         text = file.read_text()
         starts = [0, *(match.end() for match in re.finditer("\n", text))]
@@ -129,7 +129,7 @@ def constraints() -> Iterator[tuple[str, int, int, str]]:
 
 
 def bounds() -> Iterator[tuple[str, int, int, str]]:
-    """Each bound of the family's sizes, moved by a quarter, and each named length, cut to a tenth."""
+    """Yield each bound of the family's sizes moved by a quarter, and each named length cut to a tenth."""
     text = (BASE / "sizes.pl").read_text()
     for bound in re.finditer(r"([WLD]) (>=|=<) +([\d.]+)(\*Wall)?", text):
         factor = 0.75 if bound[2] == ">=" else 1.25
@@ -139,7 +139,10 @@ def bounds() -> Iterator[tuple[str, int, int, str]]:
 
 
 def counts() -> Iterator[tuple[str, int, int, str]]:
-    """The upper counts of the family's furniture, one more each (but desks, of which a wall has one)."""
+    """Yield the upper counts of the family's furniture, each plus one, except those of desks.
+
+    A wall has one desk.
+    """
     text = (BASE / "furniture.lp").read_text()
     for count in re.finditer(r"may\(\w+,(?!desk)\w+,\d,(\d)\)", text):
         yield "furniture.lp", count.start(1), count.end(1), str(int(count[1]) + 1)
@@ -165,7 +168,7 @@ def named(mutant: tuple[str, int, int, str]) -> str:
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=named)
 def test_every_rule_of_the_family_grammar_matters(mutant: tuple[str, int, int, str], tmp_path: Path) -> None:
-    """Changed in one place, the grammar makes houses that the check by family's promises refuses."""
+    """With a change in one place, the grammar generates houses that break family's promises."""
     folder = mutated(mutant, tmp_path / "family")
     for house in sample(folder):
         if check(house, PROMISES["family"]):
@@ -174,7 +177,7 @@ def test_every_rule_of_the_family_grammar_matters(mutant: tuple[str, int, int, s
 
 
 def sample(grammar: Path) -> Iterator[House]:
-    """Houses of several sizes, some with much furniture, till the check finds one at fault."""
+    """Yield houses of several sizes, some with much furniture, until the check finds a violation."""
     for rooms, seed, furniture in (
         (2, 0, {}),
         (7, 1, {}),

@@ -1,4 +1,4 @@
-"""What rule files include: of a grammar's own files and the shipped ones, of no others, and each once."""
+"""Includes of rule files: a grammar may include its own files and the shipped ones, each once."""
 
 import asyncio
 import itertools
@@ -85,7 +85,7 @@ WRONG: dict[str, tuple[dict[str, str], str, str]] = {
 
 
 def grammar(folder: Path, files: dict[str, str]) -> Path:
-    """A copy of the smallest grammar, with more files."""
+    """Write a copy of the smallest grammar, with more files."""
     shutil.copytree(SHIPPED / "paper", folder)
     for name, text in files.items():
         (folder / name).parent.mkdir(exist_ok=True)
@@ -108,7 +108,7 @@ def test_an_include_that_is_wrong_is_one_error_at_its_place(title: str, tmp_path
 
 
 def test_a_link_leads_no_include_out_of_the_folder(tmp_path: Path) -> None:
-    """Not even its size is told: what it leads to is not opened."""
+    """The file behind the link is not even opened, so that its size stays secret."""
     (tmp_path / "secret.lp").write_text("secret(1).")
     for number, (link, leads) in enumerate((("parts/b.lp", "secret.lp"), ("parts", "."), ("b", "."))):
         name = link if link.endswith(".lp") else f"{link}/secret.lp"
@@ -159,7 +159,7 @@ def test_an_include_that_stands_elsewhere_is_refused_where_it_stands(
 
 
 def cut(folder: Path, whole: Path) -> Path:
-    """The same rules: each file but the first of its kind lies in a folder, and is included by that one."""
+    """Write the same rules with each file in a subfolder, included by the first file of its kind."""
     (folder / "parts" / "more").mkdir(parents=True)
     for suffix, include in ((".lp", LP), (".pl", PL)):
         first, *others = sorted(whole.glob(f"*{suffix}"))
@@ -173,7 +173,7 @@ def cut(folder: Path, whole: Path) -> Path:
 
 
 def unfurnished(house: House) -> dict[str, object]:
-    """A house without where it is from."""
+    """Return the record of a house without its provenance."""
     return {name: value for name, value in house.to_dict().items() if name != "provenance"}
 
 
@@ -273,7 +273,7 @@ def test_what_contradicts_an_included_file_names_it_with_its_folder(
 def test_a_file_has_one_name_in_whatever_is_said_of_its_lengths(
     solver: ProcessPoolExecutor, tmp_path: Path
 ) -> None:
-    """Its path in the grammar's folder: at the top, and two folders below it, from either."""
+    """The name is the path in the grammar's folder, for a file at the top and one two folders below."""
     clauses = {"wide(W) :- { W >= 9.0 }.": "W >= 9.0", "wide(W) :- wide(W).": "wide/1 calls itself"}
     hall = "\nroom_size(hall, W, D) :- wide(W), { W =< 5.0, D >= 2.0, D =< 3.0 }."
     for number, ((clause, said), (top, below)) in enumerate(

@@ -1,4 +1,4 @@
-"""Each constant of the original's program, measured in 300 houses of the grammar `paper` by coordinates."""
+"""Each constant of the original's program, measured by coordinates in 300 houses of the grammar `paper`."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from logic.house.boxes import BACK, distance, is_on_wall, overlap, walls_touched
 FOOT = 0.3048
 NEAR = 1e-6
 ROOMS = {"bedroom": (12, 17), "bathroom": (8, 12), "kitchen": (10, 15), "hall": (15, 20)}
-"""Feet: both sides of a room."""
+"""Least and greatest side of a room, feet."""
 SIDES = {
     "bed": (2, 3, 5, 6),
     "bedside": (1.5, 2, 1.5, 2),
@@ -26,7 +26,7 @@ SIDES = {
     "hallTable": (2.5, 6, 2.5, 6),
     "chair": (0.7, 1, 0.7, 1),
 }
-"""Feet: the least and the greatest length, which runs along a piece's back, and depth."""
+"""Least and greatest length, which runs along a piece's back, and depth, feet."""
 DEPTHS = {
     "bed": lambda length: length + 3 * FOOT,
     "bedside": lambda length: length,
@@ -35,14 +35,14 @@ DEPTHS = {
     "sink": lambda length: 2 / 3 * length,
     "chair": lambda length: length,
 }
-"""The depth of what is as deep as its length says."""
+"""Depths of pieces whose length determines their depth."""
 COUNTS = {
     "bedroom": {"bed": 2, "wardrobe": 2},
     "bathroom": {"toilet": 1, "shower": 1, "sink": 1},
     "kitchen": {"desk": 3, "table": 1},
     "hall": {"sofa": 2, "cupboard": 2, "hallTable": 1},
 }
-"""The most of each kind; the original samples each count from 0 on, all alike."""
+"""Greatest number of each kind; the original samples each number from 0 on uniformly."""
 
 
 @pytest.fixture(scope="module")
@@ -57,13 +57,13 @@ def of_type(houses: list[House], type_: str) -> Iterator[tuple[Room, Piece]]:
 
 
 def sizes(piece: Piece) -> tuple[float, float]:
-    """Its length and depth, metres; of what has no front, as it lies."""
+    """Return the length and depth of a piece, metres; for a piece without a front, as it lies."""
     along_x = piece.orientation in {"N", "S", ""}
     return (piece.width, piece.height) if along_x else (piece.height, piece.width)
 
 
 def assert_spread(values: list[float], least: float, most: float) -> None:
-    """All lie between these, and come within a tenth of the range of both."""
+    """Check that all values lie in this range, and come within a tenth of it to both ends."""
     assert least - NEAR <= min(values) <= least + 0.1 * (most - least), min(values)
     assert most - 0.1 * (most - least) <= max(values) <= most + NEAR, max(values)
 
@@ -127,7 +127,7 @@ def test_every_table_has_a_chair_on_each_side(houses: list[House]) -> None:
 
 
 def _side(piece: Piece, other: Piece) -> int:
-    """The side of a piece that another touches."""
+    """Return the side of a piece that another piece touches."""
     return next(
         k
         for k in range(4)
@@ -189,7 +189,10 @@ def test_nothing_stands_within_a_foot_of_a_sofa(houses: list[House]) -> None:
 def test_every_number_of_pieces_is_as_likely_as_in_the_original_and_so_is_an_empty_room(
     houses: list[House], type_: str
 ) -> None:
-    """There all combinations of counts are alike; here those that fit in no such room are not made."""
+    """The original samples all combinations of counts uniformly.
+
+    Here combinations that fit in no room are left out.
+    """
     rooms = [room for house in houses for room in house.secondary if room.type == type_]
     share = 1.0
     for piece, most in COUNTS[type_].items():
@@ -204,7 +207,7 @@ def test_every_number_of_pieces_is_as_likely_as_in_the_original_and_so_is_an_emp
 
 
 def test_the_main_room_is_the_largest_and_types_are_as_the_paper_demands(houses: list[House]) -> None:
-    """Neither of which the original's program keeps to."""
+    """The original's program satisfies neither."""
     for house in houses:
         assert house.main.area >= max(room.area for room in house.secondary) - NEAR
         assert {"bedroom", "bathroom", "kitchen"} <= {room.type for room in house.secondary}

@@ -1,4 +1,4 @@
-"""The counter of what nobody would have finds it where it is; homes have no television under a window."""
+"""The counter finds each oddity that is present; homes have no television under a window."""
 
 from collections import Counter
 
@@ -13,7 +13,7 @@ from tests.logic.grammars.placed import counted
 def house(
     *types: str, ways: tuple[tuple[str, str], ...], pieces: tuple[Piece, ...] = (), windows: int = 0
 ) -> House:
-    """Rooms of 4 by 4 m in a row, R0 first; the pieces and a window in the north wall are in R0."""
+    """Return a house with rooms of 4 by 4 m in a row, R0 first; pieces and windows are in R0."""
     rooms = tuple(
         Room(4 * k, 0, 4, 4, f"R{k}", type_, pieces if k == 0 else ()) for k, type_ in enumerate(types)
     )

@@ -1,4 +1,4 @@
-"""Houses made by hand, for tests: each keeps every promise, with sizes that Hypothesis chooses."""
+"""Handmade houses for tests: each keeps every promise, with sizes that Hypothesis chooses."""
 
 from dataclasses import dataclass
 from typing import TypeVar, cast
@@ -18,7 +18,7 @@ TURNED = {"": "", "N": "E", "E": "S", "S": "W", "W": "N"}
 
 @dataclass(frozen=True)
 class Sketch:
-    """A room north of the main room: its sizes, and how far its wall and its door stand to the east."""
+    """Room north of the main room: its sizes, and the shifts of its wall and its door to the east."""
 
     type: str
     width: float
@@ -29,13 +29,13 @@ class Sketch:
 
 
 def piece(kind: str, *box: float, front: str = "", children: tuple[Piece, ...] = ()) -> Piece:
-    """A piece of a type at x, y, width, height, metres."""
+    """Return a piece of a type at x, y, width, height, metres."""
     x, y, width, height = box
     return Piece(x, y, width, height, kind, cast("Orientation", front), children)
 
 
 def turned(rect: Placed, quarters: int) -> Placed:
-    """A rectangle turned clockwise about the origin, with all that it holds."""
+    """Return a rectangle turned clockwise about the origin by quarters, with all that it holds."""
     for _ in range(quarters % 4):
         changes: dict = {"x": -rect.y - rect.height, "y": rect.x, "width": rect.height, "height": rect.width}
         if isinstance(rect, Piece):
@@ -49,7 +49,7 @@ def turned(rect: Placed, quarters: int) -> Placed:
 
 
 def moved(rect: Placed, x: float, y: float) -> Placed:
-    """A rectangle moved, with all that it holds."""
+    """Return a moved rectangle with all that it holds."""
     changes: dict = {"x": rect.x + x, "y": rect.y + y}
     if isinstance(rect, Piece | StarRoom):
         changes["children"] = tuple(moved(child, x, y) for child in rect.children)
@@ -59,7 +59,7 @@ def moved(rect: Placed, x: float, y: float) -> Placed:
 
 
 def built(width: float, height: float, sides: tuple[tuple[Sketch, ...], ...]) -> House:
-    """A house round the origin: the rooms north, east, south and west, each side's in clockwise order."""
+    """Return a house around the origin from the rooms north, east, south and west, clockwise on each side."""
     rooms = []
     for side, sketches in enumerate(sides):
         half, out = (width / 2, height / 2) if side % 2 == 0 else (height / 2, width / 2)
@@ -79,7 +79,7 @@ def built(width: float, height: float, sides: tuple[tuple[Sketch, ...], ...]) ->
 
 
 def sketches(bedroom=(3.6, 3.8), bathroom=(3.0, 2.6), kitchen=(3.5, 3.7), hall=(3.7, 3.9)) -> list[Sketch]:
-    """A room of each type, of the given width and depth (metres), furnished: the door is in the south."""
+    """Return a furnished room of each type with this width and depth (metres), and its door in the south."""
     w = bathroom[0]
     wet = (
         piece("toilet", 0.0, 0.0, 0.5, 0.7, front="S"),
@@ -116,7 +116,7 @@ def sketches(bedroom=(3.6, 3.8), bathroom=(3.0, 2.6), kitchen=(3.5, 3.7), hall=(
 
 @st.composite
 def houses(draw) -> House:
-    """A valid house: bedroom, bathroom, kitchen and hall clockwise round a main room of 16-20 m²."""
+    """Return a valid house: bedroom, bathroom, kitchen and hall clockwise around a main room of 16-20 m²."""
 
     def length(low: float, high: float) -> float:
         return draw(st.floats(low, high, allow_subnormal=False))
@@ -140,6 +140,6 @@ def replace_sketch(sketch: Sketch, shift: float) -> Sketch:
 
 
 def turned_house(house: House, quarters: int, x: float = 0.0, y: float = 0.0) -> House:
-    """The same house turned clockwise by quarters, then moved (metres)."""
+    """Return the house turned clockwise by quarters, then moved (metres)."""
     rooms = tuple(moved(turned(room, quarters), x, y) for room in house.star.rooms)
     return changed_star(house, floor=moved(turned(house.star.floor, quarters), x, y), rooms=rooms)

@@ -1,4 +1,4 @@
-"""What differs between two houses is found, said and drawn, and nothing else."""
+"""Differences between two houses are found, described and drawn, and nothing else is."""
 
 import json
 import xml.etree.ElementTree as ET
@@ -20,13 +20,13 @@ FLAT = PLANS["flat"]
 
 
 def with_room(house: House, name: str, **changed: object) -> House:
-    """The house with a room that is changed."""
+    """Return the house with one changed room."""
     rooms = tuple(replace(room, **changed) if room.name == name else room for room in house.rooms)
     return replace(house, rooms=rooms)
 
 
 def edited() -> House:
-    """The flat with a bed and a window that moved, a wardrobe turned, a toilet that went, a bed that came."""
+    """Return the flat with a moved bed and window, a turned wardrobe, a removed toilet and an added bed."""
     bed, wardrobe = FLAT.room("R1").children
     house = with_room(FLAT, "R1", children=(replace(bed, x=bed.x + 0.5), replace(wardrobe, orientation="N")))
     house = with_room(house, "R2", children=FLAT.room("R2").children[1:])

@@ -1,4 +1,4 @@
-"""House files: what is written is read back, and what is wrong is refused in one line."""
+"""House files: reading returns what was written, and a wrong file is refused in one line."""
 
 import gzip
 import json
@@ -306,7 +306,7 @@ def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path: Path) -> None:
 
 
 def test_a_pipe_is_written_to_by_its_number_whatever_it_is_called() -> None:
-    """As by ``--out /dev/stdout`` or ``--out >(gzip)``."""
+    """Examples are ``--out /dev/stdout`` and ``--out >(gzip)``."""
     reader, writer = os.pipe()
     try:
         save([HOUSE], f"/dev/fd/{writer}")

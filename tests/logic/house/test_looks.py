@@ -1,4 +1,4 @@
-"""A grammar's folder may say how its types look, checked by line and column; palettes differ as they say."""
+"""A grammar's folder may define looks of types, checked by line and column; palettes remain distinct."""
 
 import json
 import math
@@ -21,14 +21,14 @@ from logic.house.parts import ORIGINAL, Provenance
 from tests.plans import PLANS
 
 APART = 15
-"""The least difference of colours that the colour-blind tell apart: CIE 1976; 2.3 is just noticed."""
+"""Least difference of colours for the colour-blind: CIE 1976, of which 2.3 is just visible."""
 
 GREYS_APART = 10
-"""The same of greys: in lightness, of 0 to 100."""
+"""Least difference of greys in lightness, of 0 to 100."""
 
 
 def folder(tmp_path: Path, looks: object) -> Path:
-    """A copy of a grammar with these looks."""
+    """Write a copy of a grammar with these looks."""
     mine = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", mine)
     (mine / "looks.json").write_text(looks if isinstance(looks, str) else json.dumps(looks, indent=1))
@@ -166,11 +166,11 @@ MACHADO = {
         (0.004733, 0.691367, 0.303900),
     ),
 }
-"""Machado, Oliveira and Fernandes (2009), severity 1: what the colour-blind see, of linear RGB."""
+"""Views of the colour-blind, from linear RGB: Machado, Oliveira and Fernandes (2009), severity 1."""
 
 
 def lab(colour: str, sight: str = "normal") -> np.ndarray:
-    """CIE L*a*b* (D65) of a colour as one sees it."""
+    """Return the CIE L*a*b* values (D65) of a colour as a kind of sight perceives it."""
     value = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
     linear = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
     seen = np.clip(np.array(MACHADO[sight]) @ linear, 0, 1)
@@ -207,12 +207,12 @@ def test_greys_differ_in_lightness_and_words_are_readable_on_every_floor() -> No
 
 
 def many_types(count: int) -> House:
-    """A row of rooms, each of another type."""
+    """Return a row of rooms, each of another type."""
     return House(tuple(Room(4.0 * k, 0, 4, 4, f"R{k}", f"t{k}") for k in range(count)))
 
 
 TOLD_APART = 9
-"""The least difference between the colour of a new type and any other's in a drawing of up to 8 of them."""
+"""Least difference between a new type's colour and any other in a drawing of up to 8 new types."""
 
 
 @pytest.mark.parametrize("known", [(), ("bedroom", "bathroom", "kitchen", "living", "corridor")])

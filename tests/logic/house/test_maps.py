@@ -1,4 +1,4 @@
-"""Maps: ROS's as they are read by independent means, arrays as houses, and what is no map is refused."""
+"""Maps: ROS's are read as independent code reads them, arrays become houses, and other files are refused."""
 
 import io
 import struct
@@ -37,7 +37,7 @@ grids = arrays.arrays(
 
 
 def read_plainly(path: Path) -> tuple[np.ndarray, dict[str, Any]]:
-    """A map by Pillow and PyYAML, a pixel after the other, by the text of ``src/map_io.cpp``."""
+    """Return a map read by Pillow and PyYAML, pixel by pixel, after the text of ``src/map_io.cpp``."""
     said = yaml.safe_load(path.read_text())
     picture = Image.open(path.parent / said["image"])
     cells = np.zeros((picture.height, picture.width), int)
@@ -243,7 +243,7 @@ def test_an_array_that_is_no_map_is_refused_in_a_line(array: Any, cell: float, s
 
 
 def bomb(width: int, height: int) -> bytes:
-    """A PNG whose head promises so many pixels."""
+    """Return a PNG whose header promises this many pixels."""
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     chunks = [(b"IHDR", head), (b"IDAT", zlib.compress(b"\0" * 64)), (b"IEND", b"")]
     packed = [struct.pack(">I", len(d)) + k + d + struct.pack(">I", zlib.crc32(k + d)) for k, d in chunks]
@@ -258,7 +258,7 @@ def free_picture() -> bytes:
 
 ALIASES = "a: &a [x,x]\n" + "".join(f"{b}: &{b} [{f'*{a},' * 9}]\n" for a, b in pairwise("abcdefghijklm"))
 ALIASES += "image: m\nresolution: *m\norigin: *m\nnegate: 0\noccupied_thresh: 0\nfree_thresh: 0\n"
-"""Of 9 to the power of 12 words."""
+"""YAML of 9 to the power of 12 words."""
 
 WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "no image": ({"image": None}, b"", "it lacks image, as in image: map.png"),
@@ -389,7 +389,7 @@ def test_floors_of_real_buildings_are_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_map_whose_cells_change_too_often_is_refused(axis: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A chessboard of 39 KB took 4.5 GB to be drawn; stripes have as many runs, along one axis alone."""
+    """Drawing a chessboard of 39 KB took 4.5 GB; stripes have as many runs, but along one axis only."""
     monkeypatch.setattr(occupancy, "MAX_RUNS", 1 << 18)
     stripes = np.broadcast_to(np.arange(600) % 2 > 0, (600, 600))
     cells = stripes if axis else stripes.T

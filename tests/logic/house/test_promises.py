@@ -1,4 +1,4 @@
-"""What houses promise travels with them, and ``check`` judges by it, or by others that are asked for."""
+"""Promises travel with houses, and ``check`` judges by them, or by other promises on request."""
 
 import json
 import re
@@ -27,7 +27,7 @@ from tests.plans import flat
 from vitruvius.commands.houses import Check
 
 ROOMS = {"home": 5, "family": 4, "clinic": 6}
-"""As few as show most of what a grammar states."""
+"""Numbers of rooms, as few as show most of what a grammar states."""
 
 LENGTHS = {
     "home": (
@@ -63,7 +63,7 @@ def shipped() -> dict[str, House]:
 
 @pytest.fixture(scope="module")
 def copied(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, list[House]]]:
-    """The copies, and houses of each."""
+    """Return the copies of the grammars, and houses of each."""
     folders = {name: copy(name, tmp_path_factory.mktemp(name)) for name in LENGTHS}
     return {
         name: (folder, list(in_process.generate(ROOMS[name], grammar=folder, seed=5, count=4)))
@@ -119,11 +119,11 @@ RELATIONS = {
     "house": {(-2.2, 1.0, 0.0), (1.0, -2.2, 0.0)},
     "toilet": {(1.0, -1.0, -0.33), (-1.0, 1.0, 0.33)},
 }
-"""Numbers a, b, c: a times the width plus b times the depth is at most c."""
+"""Numbers a, b, c of relations: a times the width plus b times the depth is at most c."""
 OF_OTHERS = {"room_gap", "public", "courts", "even_rows"}
 """Promises of stars, of houses of units, of dissections and of rooms with rows in the middle."""
 BY_HAND = {"basic", "a_side", "narrowest", "free_foot", "spans", "shares", "tops", "meet"}
-"""Promises that no grammar states: they stand in ``promises.json``."""
+"""Promises that no grammar states, but ``promises.json``."""
 
 
 def test_all_that_a_grammar_states_together_is_promised(tmp_path: Path) -> None:
@@ -151,7 +151,10 @@ def test_houses_of_other_lengths_are_judged_by_these(
 
 
 def nearer(house: House, away: float) -> tuple[House, str]:
-    """The house with the first piece that has a room's only door to one side of it moved to this distance."""
+    """Return the house with a piece moved to this distance from its room's only door.
+
+    The piece is the first one that has the door straight to one side.
+    """
     for room in house.rooms:
         for piece, door in ((piece, door) for piece in room.children for door in house.doors_of(room.name)):
             gaps = [_gap(piece, door, axis) for axis in (0, 1)]
@@ -167,7 +170,7 @@ def nearer(house: House, away: float) -> tuple[House, str]:
 
 
 def _gap(piece: Piece, door: Any, axis: int) -> float:
-    """How far, and which way, the door is from the piece along an axis; 0 where they meet in it."""
+    """Return the signed distance of the door from the piece along an axis; 0 if they overlap there."""
     if door.box[axis] > piece.box[axis + 2]:
         return door.box[axis] - piece.box[axis + 2]
     return min(0.0, door.box[axis + 2] - piece.box[axis])
@@ -189,7 +192,7 @@ def test_furniture_moved_nearer_to_a_door_than_its_grammar_promises_is_found(
 def test_a_piece_whose_sides_do_not_go_together_is_found_within_the_bounds_of_each(
     shipped: dict[str, House],
 ) -> None:
-    """A toilet is 0.36 to 0.4 m long and 0.33 m more deep."""
+    """A toilet is 0.36 to 0.4 m long, and 0.33 m deeper than long."""
     house = shipped["home"]
     room = next(room for room in house.rooms if any(piece.type == "toilet" for piece in room.children))
     toilet = next(piece for piece in room.children if piece.type == "toilet")
@@ -248,7 +251,7 @@ def test_a_stricter_standard_is_some_promises_in_a_mapping_or_a_file(
 
 
 def test_a_wide_passage_is_asked_of_narrower_doors_too() -> None:
-    """A square as wide as the passage goes up to the door, though not through it."""
+    """A square as wide as the passage reaches the door, though it does not fit through."""
     house = replace(flat(), provenance=None)
     assert not [line for line in check(house, {"passage": 1.0}) if "R3" in line]
 
@@ -303,7 +306,7 @@ def test_a_value_and_a_bound_that_it_violates_never_read_alike_nor_is_it_nothing
 
 
 def texts(house: House, standards: Promises) -> Iterator[tuple[float, float]]:
-    """What was found, and the bound beside it, of each violation that has a least one."""
+    """Yield the found length and the bound of each violation of a least length."""
     for line in check(house, standards):
         found = re.search(r"([\d.]+) m[^(]*\(at least ([\d.]+)\)", line)
         assert not re.search(r"\b0\.0+\b", line), line
@@ -314,7 +317,7 @@ def texts(house: House, standards: Promises) -> Iterator[tuple[float, float]]:
 @settings(max_examples=15)
 @given(st.floats(1e-5, 0.6), st.floats(1e-5, 0.6))
 def test_no_violation_states_two_lengths_that_read_alike(by: float, less: float) -> None:
-    """Of a plan whose furniture is moved and whose standards are just above what it has."""
+    """The furniture of the plan is moved, and the standards are slightly above the plan's lengths."""
     house = flat()
     room = next(room for room in house.rooms if room.children)
     moved = _moved(house, room, by)

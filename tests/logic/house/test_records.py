@@ -1,4 +1,4 @@
-"""House files of today's format: they are read back, what is wrong is named, the schema says the same."""
+"""House files of the current format are read back, mistakes are named, and the schema agrees."""
 
 import copy
 import json
@@ -28,7 +28,7 @@ STATED = re.compile(
     "|sizes must be positive|must have a length|lies beyond 1000 m|at most 256|topology (star|original)"
     "|request.cell"
 )
-"""What a reader refuses beyond what a schema can say: see ``logic.house.records.schema``."""
+"""Errors of the reader that a schema cannot express: see ``logic.house.records.schema``."""
 
 
 def test_the_hand_made_plans_are_read_as_they_were_written() -> None:
@@ -134,11 +134,11 @@ def test_the_page_about_house_files_shows_a_house_that_conforms_and_a_plan_that_
 
 TABLES = {"House": "A house", "Room": "A room", "Piece": "A piece", "Door": "A door", "Window": "A window"}
 TABLES |= {"OccupancyGrid": "A map", "Provenance": "Provenance", "Promises": "What a house is judged by"}
-"""Where the page says what the fields of each part are."""
+"""Titles on the page of the tables with the fields of each part."""
 
 
 def table(title: str) -> dict[str, str]:
-    """The first table after a title in bold on the page: the field, and what its values are."""
+    """Return the first table after a bold title on the page: fields, and their values."""
     text = PAGE.partition(f"**{title}")[2].partition("\n|---")[2].partition("\n\n")[0]
     return dict(re.findall(r"^\| `(\w+)` \| (.+?) \| .+ \|$", text, re.MULTILINE))
 
@@ -172,11 +172,11 @@ def test_the_page_about_house_files_says_of_each_field_what_its_values_are(part:
 
 
 BOUNDS = ("minimum", "maximum", "maxItems")
-"""What a schema says of numbers and lists that the page says, too; pairs are said in words."""
+"""Bounds of numbers and lists that both the schema and the page state; pairs are described in words."""
 
 
 def accepts(rule: dict[str, Any], value: Any) -> bool:  # noqa: PLR0911
-    """Whether a JSON Schema, of the words that ours uses, accepts a value."""
+    """Return True if a JSON Schema, with the keywords of ours, accepts a value."""
     if "$ref" in rule:
         return accepts(SCHEMA["$defs"][rule["$ref"].rpartition("/")[2]], value)
     if "anyOf" in rule and not any(accepts(one, value) for one in rule["anyOf"]):
@@ -221,7 +221,7 @@ scalars = st.sampled_from(
 
 @st.composite
 def altered(draw: st.DrawFn) -> dict[str, Any]:
-    """A plan's record with one or two values replaced, taken away or added, anywhere."""
+    """Return a plan's record with one or two values replaced, removed or added, anywhere."""
     record: Any = copy.deepcopy(draw(st.sampled_from(RECORDS)))
     for _ in range(draw(st.integers(1, 2))):
         place: Any = record

@@ -1,4 +1,4 @@
-"""One mistake in a grammar is one error, which says what the mistake is and not what follows from it."""
+"""One mistake in a grammar is one error, which names the mistake and not its consequences."""
 
 import re
 import shutil
@@ -128,7 +128,7 @@ TWICE = {
     ],
     "apartments": [("units(4,6).", "units(5,9) is stated too, at rooms.lp:5:1")],
 }
-"""What is said of a second statement of what is stated once, in a file of its own."""
+"""Messages about a repeated statement, in a file of its own, of something that is stated once."""
 
 
 def findings_of(folder: Path, solver: ProcessPoolExecutor) -> list[str]:

@@ -1,4 +1,4 @@
-"""What lint lets through of a grammar's lengths holds in the houses that are made, by plain geometry."""
+"""A grammar's lengths that pass lint hold in its houses, by plain geometry."""
 
 import shutil
 from collections.abc import Callable
@@ -39,7 +39,7 @@ door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
 
 
 def edited(folder: Path, edits: dict[str, str], grammar: str = "home") -> Path:
-    """A copy of a shipped grammar with other clauses in its sizes."""
+    """Write a copy of a shipped grammar with other clauses in its sizes."""
     shutil.copytree(SHIPPED / grammar, folder)
     for old, new in edits.items():
         (file,) = (each for each in folder.glob("*.pl") if old in each.read_text())
@@ -50,7 +50,7 @@ def edited(folder: Path, edits: dict[str, str], grammar: str = "home") -> Path:
 
 
 def sides(house: House, type_: str) -> list[tuple[float, float]]:
-    """The shorter and the longer side of each room of a type."""
+    """Return the shorter and the longer side of each room of a type."""
     return [
         (min(room.width, room.height), max(room.width, room.height))
         for room in house.rooms
@@ -59,7 +59,7 @@ def sides(house: House, type_: str) -> list[tuple[float, float]]:
 
 
 def lengths(house: House, type_: str) -> list[tuple[float, float]]:
-    """The length of each window of a room of a type, and of the wall that it stands in."""
+    """Return the length of each window of rooms of a type, and of its wall."""
     rooms = {room.name: room for room in house.rooms}
     found = []
     for window in house.windows:
@@ -131,7 +131,7 @@ TOTALS: dict[str, tuple[str, str, dict[str, Any], tuple[float, float]]] = {
 
 @pytest.mark.parametrize("title", TOTALS)
 def test_the_area_of_a_house_holds_in_what_is_made(title: str, tmp_path: Path) -> None:
-    """In rectangles, in those that lack corners, in those with niches, and around a main room."""
+    """The houses are rectangles, rectangles without corners or with niches, and stars."""
     grammar, topology, request, (least, most) = TOTALS[title]
     folder = edited(tmp_path / "mine", {}, grammar)
     (folder / "area.pl").write_text(f"house_area({least}, {most}).")
@@ -160,7 +160,7 @@ def test_the_area_of_a_star_holds_around_fixed_rooms(tmp_path: Path) -> None:
 
 
 def test_no_star_that_is_made_is_refuted_by_its_area(tmp_path: Path) -> None:
-    """What stage 1 knows of areas, and what stage 2 knows before there is furniture, excludes no house."""
+    """Facts about areas in stage 1, and in stage 2 before there is furniture, exclude no such house."""
     folder = edited(tmp_path / "mine", {}, "family")
     for rooms in (1, 2, 4, 7):
         free = Builder(find("family"))  # One grammar at a time is loaded in a process.
@@ -221,7 +221,7 @@ def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(
 
 
 def test_an_area_that_each_room_reaches_but_not_both_is_proved_impossible(tmp_path: Path) -> None:
-    """L (6 - L) is 9 at most, L (9 - L) 20.25, and their sum 28.125, where L is 3.75."""
+    """L (6 - L) is at most 9, L (9 - L) at most 20.25, and their sum at most 28.125, with L = 3.75."""
     (tmp_path / "rooms.lp").write_text(TWO_ROOMS)
     for least, possible in ((28.1, True), (28.2, False)):
         (tmp_path / "sizes.pl").write_text(TWO_SIZES.format(least))

@@ -1,4 +1,4 @@
-"""Mistakes in rule files that clingo and SWI-Prolog pass over: each is found, by file, line and column."""
+"""Mistakes in rule files that clingo and SWI-Prolog ignore are found, by file, line and column."""
 
 import json
 import shutil
@@ -109,7 +109,7 @@ BOUND = {
     ),
 }
 IDLE = ":- rooms >= 12, room(R,_), R >= rooms."
-"""In no house of any size."""
+"""Rule that binds in no house of any size."""
 
 
 @pytest.mark.parametrize("grammar", BOUND)
@@ -129,8 +129,10 @@ def test_rules_that_bind_only_in_larger_houses_or_beside_some_doors_draw_no_find
 def test_nothing_is_ground_in_which_no_rule_that_has_not_bound_yet_stands(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """All rules of ``home`` bind in houses of 6 and 8 rooms, and in rooms whatever their doors, but for one
-    about a television below a window, which the types of rooms with pieces are ground with a plan for.
+    """All rules of ``home`` but one bind in houses of 6 and 8 rooms, and in rooms with any doors.
+
+    The exception is a rule about a television below a window. For this rule the types of rooms with pieces
+    are ground with a plan.
     """
     ground: list[list[str]] = []
     relaxed = linter.Relaxed
@@ -148,7 +150,7 @@ def test_nothing_is_ground_in_which_no_rule_that_has_not_bound_yet_stands(
 
 
 def test_sizes_and_facts_of_pieces_that_no_room_has_are_warnings_and_change_nothing(tmp_path: Path) -> None:
-    """So that grammars may share files: here the sizes and arrangements of the clinic's pieces."""
+    """Therefore grammars may share files, such as the sizes and arrangements of the clinic's pieces."""
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", folder)
     before = next(generate(rooms=3, grammar=folder))
@@ -215,7 +217,7 @@ def test_a_file_in_another_encoding_is_one_error(
 
 
 def test_what_changes_no_rule_changes_no_finding(tmp_path: Path) -> None:
-    """A byte order mark where it is read; line ends of two letters; the least and the greatest number."""
+    """Variants are a byte order mark where it is read, line ends of two letters, and the extreme numbers."""
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "clinic", folder)
     for file in folder.iterdir():

@@ -23,7 +23,7 @@ from tests.logic.language.mistakes import Mistake
 from tests.programs import PATIENCE
 
 SECONDS = 2.0
-"""CPU time in which a mistake is found."""
+"""CPU time in which a mistake must be found, seconds."""
 
 TABLES = [
     importlib.import_module(f"{mistakes.__name__}.{each.name}")
@@ -33,7 +33,7 @@ MISTAKES = {each.title: each for table in TABLES for each in table.MISTAKES if i
 
 
 def linted(folder: Path) -> tuple[list[Finding], float]:
-    """What lint says of a grammar outside of this package, and the CPU seconds that it took."""
+    """Return lint's findings about a grammar outside of this package, and its CPU time in seconds."""
     from logic.language.linter import findings
 
     prolog.load(RULES / "core.pl")
@@ -78,7 +78,10 @@ def test_a_mistake_is_found_at_its_place(title: str, solver: ProcessPoolExecutor
 
 
 def of_the_core(grammar: str) -> set[tuple[str, int]]:
-    """Each predicate with an atom in any program of the core, grounded with a grammar, and not its own."""
+    """Return each predicate of the core with an atom in any of its programs, grounded with a grammar.
+
+    The grammar's own predicates are excluded.
+    """
     types = [Function("bedroom" if grammar != "clinic" else "ward"), Function("bed")]
     terms = {"t": types[0], "f": types[1], "s": Function("north"), "i": Number(0), "b": Number(9)}
     text = "".join(
@@ -105,10 +108,10 @@ def of_the_core(grammar: str) -> set[tuple[str, int]]:
 def test_a_fact_of_each_predicate_of_the_core_is_refused_or_an_input(
     grammar: str, file: str, solver: ProcessPoolExecutor, tmp_path: Path
 ) -> None:
-    """What a grammar may state is what the core names by ``#defined``, in each of its programs."""
+    """A grammar may state the predicates that the core names by ``#defined``, in each of its programs."""
     text = "".join(rules.read_text() for rules in RULES.rglob("*.lp") if rules.name != "own.lp")
     inputs = {(name, int(arity)) for name, arity in re.findall(r"#defined (\w+)/(\d)", text)}
-    # Which topology it is, is read before the rules are; what a fixed room's side is, only a star derives.
+    # The topology is read before the rules. Only a star derives the side of a fixed room.
     apart = {("topology", 1)} | ({("side", 2)} if find(grammar).shares_walls else set())
     core = sorted(of_the_core(grammar) - apart)
     assert len(core) > 50

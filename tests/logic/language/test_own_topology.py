@@ -1,4 +1,4 @@
-"""Mistaken topologies of users: none makes a house that the check refuses."""
+"""Wrong topologies of users: none generates a house that the check refuses."""
 
 import re
 from pathlib import Path
@@ -101,12 +101,12 @@ NO_PLAN = r"mine.lp:\d+:\d+: a house of \d rooms by this topology is no plan: .*
 
 
 def at(line: int, says: str) -> str:
-    """An error in this line of the topology."""
+    """Return an error in this line of the topology."""
     return says.replace(r"\d+", str(line), 1)
 
 
 def without(text: str, part: str) -> str:
-    """A topology without the lines that begin so."""
+    """Return a topology without the lines that begin with ``part``."""
     return "".join(line for line in text.splitlines(keepends=True) if not line.startswith(part))
 
 

@@ -1,4 +1,4 @@
-"""The recipes and examples of the reference pass lint; houses made with a recipe obey it, others do not."""
+"""Recipes and examples of the reference pass lint; houses with a recipe obey it, and others do not."""
 
 import re
 import shutil
@@ -26,13 +26,13 @@ from logic.language.reference import Recipe, asp_entries, prolog_entries, recipe
 from logic.request.request import Request
 
 SAMPLE = (2, 4, 4, 4, 9, 9, 9)
-"""Numbers of rooms of the houses in which a recipe is looked for."""
+"""Numbers of rooms of the houses in which a recipe is tested."""
 SHARED_WALLS = (7, 8, 9, 9, 12)
-"""The same where rooms share walls."""
+"""Numbers of rooms of houses whose rooms share walls."""
 
 
 def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
-    """What lint says of a grammar, and its houses, a number of times the sample."""
+    """Return lint's findings about a grammar, and its houses: the sample, repeated ``times`` times."""
     grammar = find(folder)
     loaded = LoadedGrammar(grammar)
     builder = Builder(grammar, loaded=loaded)
@@ -43,17 +43,17 @@ def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
 
 @pytest.fixture(scope="module")
 def plain(solver: ProcessPoolExecutor) -> Callable[[str], list[House]]:
-    """The houses of a shipped grammar as it is."""
+    """Return a function that returns the houses of a shipped grammar without changes."""
     return cache(
         lambda grammar: solver.submit(made, SHIPPED / grammar, 5 if grammar == "family" else 1).result()[1]
     )
 
 
-# - what each recipe says, as plain geometry ---------------------------------------------------------
+# - the claim of each recipe, as plain geometry ---------------------------------------------------
 
 
 class Standing(NamedTuple):
-    """A piece as seen from the door: its wall or the middle, metres along that wall and out from it."""
+    """Piece as seen from the door: its wall or the middle, metres along that wall and out from it."""
 
     piece: Piece
     room: StarRoom
@@ -62,19 +62,19 @@ class Standing(NamedTuple):
     depth: float
 
     def distance(self, wall: str) -> float:
-        """Metres from this wall of the room to the piece's side there."""
+        """Return the distance from this wall of the room to the piece's side there, metres."""
         side = seen(self.room).index(wall)
         return abs(self.piece.box[side] - self.room.box[side])
 
 
 def seen(room: StarRoom) -> list[str]:
-    """What the west, north, east and south wall are, seen from the door."""
+    """Return the names, as seen from the door, of the west, north, east and south wall."""
     door = next(wall for wall in range(4) if is_on_wall(room.door, room, wall))
     return [("front", "left", "back", "right")[(wall - door) % 4] for wall in range(4)]
 
 
 def size(box: Piece | StarRoom, wall: int) -> tuple[float, float]:
-    """Metres along this wall of it, and away from it."""
+    """Return the lengths of a box along this wall, and away from the wall, metres."""
     return (box.width, box.height) if wall % 2 else (box.height, box.width)
 
 
@@ -97,11 +97,11 @@ def count(house: House, type_: str) -> int:
 
 
 CLAIMS: dict[str, tuple[Callable, Callable]] = {}
-"""Of each recipe: what it binds in houses, and what it says of each of these."""
+"""Functions of each recipe: the things in houses that it binds, and the claim about each of them."""
 
 
 def claim(of: Callable[[list[House]], Iterable[Any]]) -> Callable[[Callable], Callable]:
-    """The claim of the recipe that has the function's name."""
+    """Return a decorator for the claim of the recipe with the function's name."""
 
     def add(says: Callable) -> Callable:
         CLAIMS[says.__name__] = of, says
@@ -204,7 +204,7 @@ def not_opposite_the_door(toilet: Standing) -> bool:
 
 @claim(rooms("hall"))
 def not_side_by_side(room: StarRoom) -> bool:
-    """At the left, back and right wall: the front wall is parted by the door."""
+    """Check the left, back and right wall, since the door divides the front wall."""
     for wall, end in (("left", "front"), ("back", "left"), ("right", "front")):
         there = [each for piece in room.children if (each := stands(piece, room)).wall == wall]
         there.sort(key=lambda each: each.distance(end))
@@ -258,7 +258,7 @@ def square_rooms(room: StarRoom) -> bool:
 
 @claim(pieces("bureau"))
 def chair_at_a_desk(bureau: Standing) -> bool:
-    """At the middle of its front, and touching it."""
+    """Return True if the chair touches the middle of the desk's front."""
     (chair,) = bureau.piece.children
     front = (BACK[bureau.piece.orientation] + 2) % 4
     across = 1 - front % 2
@@ -269,7 +269,7 @@ def chair_at_a_desk(bureau: Standing) -> bool:
 
 @claim(rooms("classroom"))
 def rows_of_desks(room: StarRoom) -> bool:
-    """The chairs of a row are in one line."""
+    """Return True if the chairs of a row are in one line."""
     front = seen(room).index("front")
     edges = Counter(
         round(piece.children[0].box[front], 6) for piece in room.children if piece.type == "schoolDesk"
@@ -306,7 +306,7 @@ def same_size(house: House) -> bool:
 
 
 def obeyed(name: str, houses: list[House]) -> bool:
-    """Whether the recipe binds something there, and all of that as it says."""
+    """Return True if the recipe binds something in the houses, and its claim holds for all of it."""
     of, says = CLAIMS[name]
     bound = list(of(houses))
     return bool(bound) and all(map(says, bound))
@@ -327,16 +327,16 @@ def test_a_recipe_does_what_its_title_says(
 
 
 def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) -> Path:
-    """A copy of a shipped grammar with all examples of the page that are for its topology."""
+    """Write a copy of a shipped grammar with all examples of the page for its topology."""
     shutil.copytree(SHIPPED / grammar, folder)
     entries = {
         part: [entry.example for entry in found if entry.name != "topology"]
         for part, found in asp_entries(topology).items()
     }
-    # Those of furniture speak of family's pieces.
+    # The examples of furniture use family's pieces.
     furniture = entries.pop("room") + entries.pop("pick")
     stated = entries.pop("topology")
-    if topology == "dissection":  # As a topology of the user's own, which alone may state more of it.
+    if topology == "dissection":  # As a topology of the user, which alone may state more of it.
         text = (TOPOLOGIES / "dissection.lp").read_text()
         (folder / "dissection.lp").write_text("\n".join([text, *stated, ""]))
     if topology == "star":
@@ -345,12 +345,12 @@ def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) 
         if not examples:  # Few topologies have units.
             continue
         (folder / f"examples_{part}.lp").write_text("\n".join([f"#program {part}.", *examples, ""]))
-    # What a grammar includes is changed in a copy.
+    # Included files are changed in a copy.
     lengths, included = folder / "sizes.pl", ":- include('home/lengths.pl')."
     if included in lengths.read_text():
         shutil.copy(SHIPPED / "home" / "lengths.pl", folder)
         lengths.write_text(lengths.read_text().replace(included, ""))
-    # A clause for every type does not stand beside the page's, which is of one.
+    # A clause for every type does not go with the page's clause for one type.
     for file in folder.glob("*.pl"):
         file.write_text(file.read_text().replace("window_size(_,", "window_size(kitchen,"))
     stated = "".join(file.read_text() for file in folder.glob("*.pl"))
@@ -360,7 +360,7 @@ def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) 
 
 
 def test_all_examples_of_the_page_together_are_a_grammar(solver: ProcessPoolExecutor, tmp_path: Path) -> None:
-    """They are added to a copy of family, which states the named lengths already. Its rooms have one door."""
+    """The copy of family states the named lengths already. Its rooms have one door."""
     folder = with_examples(tmp_path / "mine", "family", "star", {"room_size", "piece_size"})
     findings, houses = solver.submit(made, folder).result()
     assert [each for each in findings if not re.search(r"binds: .*(between|doorway)\(", each.text)] == []

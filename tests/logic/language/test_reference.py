@@ -1,4 +1,7 @@
-"""The reference page is what the rules' comments say, and complete. Its examples: test_recipes.py."""
+"""The reference page agrees with the rules' comments, and is complete.
+
+For its examples see test_recipes.py.
+"""
 
 import re
 from collections.abc import Iterable
@@ -19,7 +22,7 @@ def test_the_readme_names_the_page() -> None:
 
 
 def predicates(files: Iterable[Path]) -> set[str]:
-    """Names before a parenthesis, comments left out."""
+    """Return the names before a parenthesis, without comments."""
     code = "\n".join(re.sub("%.*", "", file.read_text()) for file in files)
     return set(re.findall(r"\b([a-z]\w*)\(", code))
 

@@ -1,4 +1,4 @@
-"""Rule files are data: whatever they say, nothing of them is run but the clauses that lint has judged."""
+"""Rule files are data: only clauses that lint has approved ever run."""
 
 import shutil
 from concurrent.futures import ProcessPoolExecutor
@@ -12,7 +12,7 @@ from logic.grammar import SHIPPED, find
 from logic.request.request import Request
 from tests.programs import PATIENCE
 
-# Whole texts at the end of sizes.pl. RUN leaves a file behind wherever it is run.
+# Whole texts at the end of sizes.pl. RUN leaves a file behind if it ever runs.
 REFUSED = {
     "a head of another module": "foo:bar(1).\npassage(P) :- system:RUN, P = 1.",
     "a head that is control": "'*->'(a,b).\npassage(P) :- ( RUN *-> P = 1 ; P = 2 ).",
@@ -102,7 +102,7 @@ WAYS = {
 
 
 def tried(folder: Path, trace: Path) -> tuple[list[str], bool, bool]:
-    """Whether lint and then a bedroom left a trace, after the errors that lint found."""
+    """Return lint's errors, and True for lint and for a bedroom if they left a trace."""
     from logic.generation.builder import Builder
     from logic.language.linter import findings
     from logic.proofs.answer import house_or_proof

@@ -1,4 +1,4 @@
-"""Stage 1: what the rules allow; layouts are sampled by weight, by their random numbers alone."""
+"""Stage 1: permitted layouts, sampled by weight and by their random numbers alone."""
 
 from collections import Counter
 from itertools import product
@@ -72,9 +72,9 @@ def test_values_are_sampled_in_proportion_to_their_weights(tmp_path: Path) -> No
 
 @pytest.fixture(scope="module")
 def worn() -> Program:
-    """A program that was sampled for hundreds of houses, each with a nogood that ended with it."""
+    """Return a program that was sampled for hundreds of houses, each with a nogood of its own."""
     made = bedroom()
-    for seed in range(510):  # more searches than are between two times of forgetting
+    for seed in range(510):  # more searches than between two times of forgetting
         first = made.sample(np.random.default_rng(seed))
         assert first
         assert made.sample(np.random.default_rng(seed), nogoods=[dict.fromkeys(first, True)]) != first
@@ -86,7 +86,7 @@ def bedroom() -> Program:
 
 
 def size(made: Program) -> tuple[int, int, int]:
-    """The variables and constraints of the solver, and the nogoods that it has learnt and keeps."""
+    """Return the solver's numbers of variables, constraints, and learnt nogoods that it keeps."""
     made.end_search()
     statistics = made._control.statistics
     problem, learnt = statistics["problem"]["generator"], statistics["accu"]["solving"]["solvers"]["extra"]
@@ -94,14 +94,14 @@ def size(made: Program) -> tuple[int, int, int]:
 
 
 def test_a_sampled_layout_depends_on_its_random_numbers_alone(worn: Program) -> None:
-    """Not on the solver's past: neither on earlier samples nor on the nogoods of other houses."""
+    """The layout depends neither on earlier samples nor on the nogoods of other houses."""
     fresh = bedroom()
     for seed in range(1000, 1040):
         assert worn.sample(np.random.default_rng(seed)) == fresh.sample(np.random.default_rng(seed))
 
 
 def test_a_solver_is_as_small_after_hundreds_of_houses_as_after_one(worn: Program) -> None:
-    """Nogoods end with their house, and learnt ones are deleted: else each house is slower than the last."""
+    """Nogoods end with their house, and learnt ones are deleted. Otherwise each house would be slower."""
     fresh = bedroom()
     fresh.sample(np.random.default_rng(0))
     (variables, constraints, _), (worn_variables, worn_constraints, learnt) = size(fresh), size(worn)
@@ -111,7 +111,7 @@ def test_a_solver_is_as_small_after_hundreds_of_houses_as_after_one(worn: Progra
 
 
 def test_one_search_gives_the_layouts_of_many() -> None:
-    """It goes from one to the next, past the time of forgetting, and none depends on those before it."""
+    """The search continues past the time of forgetting, and no layout depends on earlier ones."""
     made, single = bedroom(), bedroom()
     for seed in range(1010):
         layout = made.sample(np.random.default_rng(seed))
@@ -134,13 +134,13 @@ def test_a_program_can_be_asked_anything_between_two_layouts() -> None:
 
 
 def test_a_program_with_one_layout_gives_it_again_and_again(tmp_path: Path) -> None:
-    """Nothing is left to choose, so a search has no other model to go on to."""
+    """Nothing is left to choose, so a search has no further model."""
     made = program(tmp_path, "#program toys. option(colour,red,1). #show pick/2.")
     assert samples(made, 5) == [("pick(colour,red)",)] * 5
 
 
 def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> None:
-    """A conflict says what is not there too: with one piece more, a layout may well have a solution."""
+    """A conflict includes absent pieces, too: with one more piece a layout may have a solution."""
     file = tmp_path / "coins.lp"
     file.write_text("""
         #program coins.
@@ -160,10 +160,10 @@ def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> No
 
 
 def test_all_layouts_of_four_rooms_in_the_family_grammar_are_about_equally_likely() -> None:
-    """4,440 layouts of four rooms: 60 orders of types, the sides, and who stands in each corner."""
+    """There are 4,440 layouts of four rooms: 60 orders of types, the sides, and the rooms in corners."""
     seen = Counter(samples(house(4)[0], 6000))
     shares = np.array(list(seen.values())) / 6000
-    # 6000 uniform samples of 4,440 layouts have this entropy, in the mean: ours come close.
+    # 6000 uniform samples of 4,440 layouts have this mean entropy, which our samples nearly reach.
     uniform = np.unique(np.random.default_rng(0).integers(4440, size=6000), return_counts=True)[1] / 6000
     entropy, best = (-(p * np.log(p)).sum() for p in (shares, uniform))
     assert entropy > 0.95 * best
@@ -203,7 +203,7 @@ def test_a_weight_is_a_positive_integer(tmp_path: Path) -> None:
 
 
 def test_layouts_of_a_plan_are_counted_and_every_one_of_them_is_sampled(tmp_path: Path) -> None:
-    """Four rooms of a home in a row. A layout is counted once, however its lengths could be told apart."""
+    """The plans are homes of four rooms in a row. A layout counts once, even if its lengths may differ."""
     edits = (
         ("rooms.lp", "topology(ring)", "topology(row)"),
         ("rooms.lp", ":- not common.", ":- not common, rooms > 4."),
@@ -226,7 +226,7 @@ def test_layouts_of_a_plan_are_counted_and_every_one_of_them_is_sampled(tmp_path
 def test_that_there_is_no_layout_is_found_without_all_sampled_picks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Eight rooms on 40 m²: 117,000 decisions in the sampled order; clasp's own takes a thousand."""
+    """Eight rooms on 40 m² take 117,000 decisions in the sampled order, and a thousand in clasp's own."""
     decisions = 0
     decide = Brancher.decide
 

@@ -1,4 +1,4 @@
-"""Requests without a house: edits of family's files, what is asked for, and the whole conflict."""
+"""Requests without a house: edits of family's files, the request, and the whole conflict."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ FILLED = """#program room.
 :- on(wardrobe,_,_,_)."""
 
 Edits = dict[str, tuple[str, str]]
-"""For a file, a text in it and what replaces that."""
+"""For a file, a text in it and its replacement."""
 
 CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
     "too many of a type": (

@@ -1,4 +1,4 @@
-"""What makes a layout hard to find: the user's own rules and choices are named, never a shipped file."""
+"""Causes of a slow search for layouts: the user's rules and choices are named, never a shipped file."""
 
 import shutil
 from itertools import islice

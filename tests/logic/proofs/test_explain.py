@@ -1,4 +1,4 @@
-"""Why there is no house: least sets of the user's own statements and choices, each by its place."""
+"""Proofs that there is no house: least sets of the user's own statements and choices, with their places."""
 
 import json
 import re
@@ -31,7 +31,7 @@ LEAST = {
         r"\1L, D\2 :- { L >= 0.01, L =< 90, D >= 0.01, D =< 90 }."
     ),
 }
-"""What a fact or a clause may say instead, so that it asks for the least."""
+"""Replacements of a fact or a clause with which it requires the least."""
 
 FILLED = """#program room.
 :- busy(S), not end(S).
@@ -40,7 +40,7 @@ FILLED = """#program room.
 
 @pytest.fixture(scope="module", params=CASES, ids=lambda name: name.replace(" ", "-"))
 def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Case:
-    """What is asked of family's own files is asked of one builder, which has read them once."""
+    """Return a case. Cases with family's own files share a builder, which has read the files once."""
     edits, asked, expected = CASES[request.param]
     if not edits:
         return SHIPPED / "family", asked, expected, proof(SHIPPED / "family", asked)
@@ -70,7 +70,7 @@ def test_a_conflict_names_every_statement_by_its_place(case: Case) -> None:
 
 
 def test_without_any_one_statement_of_a_conflict_there_is_a_house(case: Case, tmp_path: Path) -> None:
-    """Each of the reasons, really taken away: a rule or a choice left out, a fact or a clause made laxer."""
+    """Each of the reasons is actually removed: a rule or choice left out, a fact or clause relaxed."""
     folder, asked, _, found = case
     for reason in found.reasons:
         changed, rules = deepcopy(asked), folder
@@ -87,7 +87,7 @@ def test_without_any_one_statement_of_a_conflict_there_is_a_house(case: Case, tm
 
 
 def take_away(folder: Path, reason: Reason) -> None:
-    """Make a statement ask for the least."""
+    """Replace a statement by one that requires the least."""
     assert reason.file
     rules = folder / Path(reason.file).name
     laxer = [re.sub(old, new, reason.text) for old, new in LEAST.items() if re.fullmatch(old, reason.text)]
@@ -110,7 +110,7 @@ def test_another_number_of_rooms_is_advised() -> None:
 
 
 def test_what_is_advised_has_a_house() -> None:
-    """Two rooms need one that cannot be furnished, though not a kitchen; one room does not."""
+    """Two rooms need a room that cannot be furnished, though not a kitchen; one room does not."""
     asked = {"rooms": 3, "types": {"kitchen": 0}, "furniture": {"bedroom.bed": 0, "bathroom.toilet": 0}}
     found = proof(SHIPPED / "family", asked)
     assert found.advice == "There is a house with --rooms 1."
@@ -119,7 +119,7 @@ def test_what_is_advised_has_a_house() -> None:
 
 
 def test_a_conflict_that_only_a_grid_makes_is_named(tmp_path: Path) -> None:
-    """A desk as long as half of its wall does not fill it, but it may fill one of the same length range."""
+    """A desk of half its wall's length does not fill the wall, but may fill another one in the same range."""
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", folder)
     for file, old, new in (

@@ -1,4 +1,4 @@
-"""Why there is no plan: a proof names the facts that it rests on, stated or not."""
+"""Proofs that there is no plan: a proof names the facts that it uses, stated or not."""
 
 import re
 import time
@@ -92,7 +92,7 @@ def grammar(folder: Path, text: str) -> Path:
 
 
 def stated(text: str) -> str:
-    """The grammar with a fact that says all that there could be in its place."""
+    """Return a fact that states all possible values in place of a fact of the grammar."""
     types = "; ".join(TYPES)
     match re.split(r"[(,)]", text):
         case ["opens", first, *_]:
@@ -103,7 +103,7 @@ def stated(text: str) -> str:
 
 
 def without(text: str, types: dict, reason: str) -> tuple[str, dict]:
-    """The grammar and the request, one reason of a proof really taken away."""
+    """Return the grammar and the request with one reason of a proof actually removed."""
     if option := re.fullmatch(r"--type (\w+)=.*", reason):
         return text, {name: count for name, count in types.items() if name != option[1]}
     if missing := re.fullmatch(r"(.*) is not stated", reason):

@@ -113,13 +113,13 @@ FURNISHED: dict[str, tuple[Path, str, str, dict[str, Box], dict[str, str], list[
         ["plan: bath 0 is 2.00 by 4.00", "plan: bath 0 is of type bath", "may(bath,shower,"],
     ),
 }
-"""A grammar, a clause to edit, a plan, and what its proof names beside that clause and clearances."""
+"""A grammar, a clause to edit, a plan, and the proof's lines besides that clause and clearances."""
 
 CLEARANCES = ("passage(", "door_clearance(", "door_width(")
 
 
 def edited(folder: Path, pattern: str, text: str) -> None:
-    """Replace what stands once in the rules of a folder, with any spaces."""
+    """Replace a text that occurs once in the rules of a folder, with any spaces."""
     spaced = r"\s*".join(map(re.escape, re.findall(r"\w+|[^\w\s]", pattern)))
     changed = 0
     for file in (*folder.glob("*.pl"), *folder.glob("*.lp")):
@@ -132,7 +132,7 @@ def edited(folder: Path, pattern: str, text: str) -> None:
 def test_where_the_shortest_proof_takes_too_long_another_one_is_found(
     home: Builder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Irreducible, too: the search for the shortest ends at its first conflict."""
+    """The proof is irreducible, too: the search for the shortest ends at its first conflict."""
     monkeypatch.setattr("logic.proofs.least.MOST_CONFLICTS", 1)
     boxes, types, request, lines = CASES["a room that is no living room"]
     with pytest.raises(Unsatisfiable) as caught:
@@ -142,7 +142,7 @@ def test_where_the_shortest_proof_takes_too_long_another_one_is_found(
 
 
 def test_a_plan_of_far_more_rooms_than_there_can_be_is_proved_impossible_in_few_lines(home: Builder) -> None:
-    """Where each room is needed: any of them could be the living room, if it were larger."""
+    """Each room is needed, since any of them could be the living room if it were larger."""
     boxes = {f"{x} {y}": (1.9 * x, 1.9 * y, 1.9 * x + 1.9, 1.9 * y + 1.9) for x in range(7) for y in range(7)}
     with pytest.raises(Unsatisfiable) as caught:
         made(home, geojson(boxes))
@@ -165,12 +165,12 @@ def test_of_the_statements_of_a_large_plan_those_are_named_that_matter_if_they_a
         assert all(line in text for line, text in zip(expected, found, strict=True)), found
 
 
-# The last, as it loads other grammars than `home` into this process.
+# Last, because it loads other grammars than `home` into this process.
 @pytest.mark.parametrize("title", FURNISHED)
 def test_a_proof_that_a_room_is_too_small_for_its_furniture_is_of_that_room_alone(
     title: str, tmp_path: Path
 ) -> None:
-    """Of the piece's size, that it must be there, the room's size and type, and what is to be free in it."""
+    """The proof names the piece's size and necessity, the room's size and type, and free zones in it."""
     grammar, size, body, boxes, types, lines = FURNISHED[title]
     folder = shutil.copytree(grammar, tmp_path / "mine")
     edited(folder, size, f"{size} {body} %")

@@ -1,4 +1,4 @@
-"""Typical rules of a grammar give way to what a user states of the rooms; those that must be kept do not."""
+"""Typical rules of a grammar give way to the user's statements about rooms; the others do not."""
 
 import warnings
 from pathlib import Path
@@ -32,7 +32,7 @@ def home() -> Builder:
 
 
 def brief(doors: str, **rooms: Any) -> dict[str, Any]:
-    """Rooms, each with its type and area, or its two sides; pairs of rooms with doors between them."""
+    """Return a brief of rooms, each with its type and its area or two sides, and pairs with doors."""
     wanted = []
     for name, (type_, *measures) in rooms.items():
         size = {"size": measures} if len(measures) == 2 else {"area": measures[0]}
@@ -157,7 +157,7 @@ def outer_doors(house: House) -> list[str]:
 
 
 def plan_with(home: Builder, boxes: dict[str, Box], *outer: tuple[str, float, float, float, float]) -> House:
-    """A house in a plan with these doors that lead outside: a room, and x, y, width and height."""
+    """Return a house in a plan with these doors that lead outside: a room, and x, y, width and height."""
     plan = read_plan(geojson(boxes, **ROOMS))
     doors = tuple(Door(x, y, width, height, (name, OUTSIDE)) for name, x, y, width, height in outer)
     plan = read_plan(replace(plan, doors=doors, has_more_doors=True))
@@ -172,7 +172,7 @@ DRAWN = (
     Door(4.5, 7.5, 0.8, 0.0, ("hall", OUTSIDE)),
 )
 SHORT_WALL: dict[str, Box] = BOXES | {"kitchen": (6, 0, 9, 3.3), "bath": (6, 3.3, 8.4, 5.5)}
-"""Hall and bath share 0.7 m of wall."""
+"""Rooms of a plan in which hall and bath share 0.7 m of wall."""
 PLANS: dict[str, tuple[dict[str, Box], dict[str, Any], set[str]]] = {
     "narrow doors, one in a short wall": (SHORT_WALL, {"doors": DRAWN}, {"door_width(0.8)."}),
     "a window in the living room alone": (

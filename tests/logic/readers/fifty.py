@@ -1,5 +1,6 @@
-"""Fifty homes of four to eight rooms in other programs' formats, read, and furnished or moved or refuted:
-``./run python -m tests.logic.readers.fifty``. It takes about three minutes.
+"""Fifty homes of four to eight rooms in other programs' formats: read, then furnished, moved or refuted.
+
+Run it by ``./run python -m tests.logic.readers.fifty``, which takes about three minutes.
 """
 
 import tempfile
@@ -14,7 +15,7 @@ from tests.logic.readers.written import WRITERS
 
 
 def main() -> None:
-    """Print what became of each plan, and how many of each there are."""
+    """Print the outcome of each plan, and the number of each outcome."""
     warnings.simplefilter("ignore")
     homes = [home for rooms in range(4, 9) for home in generate(rooms, grammar="home", seed=rooms, count=10)]
     counts = Counter[str]()
@@ -30,7 +31,7 @@ def main() -> None:
 
 
 def outcome_of(file: Path) -> tuple[str, str]:
-    """Whether a plan is furnished as it is, after its walls moved, or proved impossible; and what is said."""
+    """Return the outcome of a plan, furnished, moved or refuted, and the changes or the proof."""
     try:
         found = nearest_plan(file, grammar="home")
         house = next(generate(plan=found.plan, grammar="home"))

@@ -1,4 +1,4 @@
-"""A room of several uses is read as a room for each, open to each other, whatever the format and the unit."""
+"""A room of several uses becomes a room for each use, open to each other, in every format and unit."""
 
 import warnings
 from collections.abc import Iterator
@@ -99,7 +99,7 @@ def test_a_use_that_another_room_has_is_none_of_a_room_of_several() -> None:
 
 @pytest.mark.parametrize("metres", [1, 0.001])
 def test_no_cut_meets_a_door_and_each_part_has_one_of_the_windows(metres: float) -> None:
-    """The best shares of the floor would cut at x 4.2 of the south wall, where the door is."""
+    """The best division of the floor would cut the south wall at x 4.2, where the door is."""
     door, panes = box(3.8, -0.1, 4.7, 0.1), (box(1, 4.9, 2, 5.1), box(7, 4.9, 7.8, 5.1))
     hall = ("Diele", box(0, -3, 8, 0))
     record = collection(("Wohnen/Kochen", LARGE), hall, doors=[door], windows=panes)

@@ -1,4 +1,4 @@
-"""A model of CubiCasa5K is the same plan after a drawing program saved it, moved parts of it or scaled it."""
+"""A model of CubiCasa5K is the same plan after a drawing program saved, moved or scaled its parts."""
 
 import itertools
 import re
@@ -87,7 +87,7 @@ def test_doors_and_windows_are_known_by_their_class_whatever_ids_they_got(
 def test_a_transform_of_a_group_of_a_room_and_of_a_shape_is_applied(
     transform: str, back: Change, model: str, plan: OwnPlan, tmp_path: Path
 ) -> None:
-    """Shapes are written as they are before the transform; that of nested groups is the product of both."""
+    """Shapes have their coordinates before the transform. That of nested groups is the product of both."""
     once, twice = moved(model, back), moved(moved(model, back), back)
     whole = once.replace('<g id="Model"', f'<g transform="{transform}" id="Model"')
     shapes = once.replace("<polygon", f'<polygon transform="{transform}"')

@@ -1,4 +1,4 @@
-"""A home of ours that comes back in another program's format, with walls and noise, has a house again."""
+"""A home that returns in another program's format, with walls and noise, has a house again."""
 
 from pathlib import Path
 

@@ -52,7 +52,7 @@ def collection(*features: dict[str, Any]) -> dict[str, Any]:
 
 
 def walled(house: House, turn: float = 0.0, factor: float = 1.0) -> dict[str, Any]:
-    """Rooms from wall to wall with German names, doors and windows through the walls; y grows north."""
+    """Return rooms from wall to wall with German names, and openings through the walls; y grows north."""
     rng = np.random.default_rng(0)
 
     def on_map(shape: Any) -> Any:
@@ -69,7 +69,7 @@ def walled(house: House, turn: float = 0.0, factor: float = 1.0) -> dict[str, An
 
 
 def on_earth(record: dict[str, Any], lon: float, lat: float, digits: int = 9) -> dict[str, Any]:
-    """Metres east and north of a place as degrees, by the radii of WGS 84."""
+    """Return metres east and north of a place as degrees, by the radii of WGS 84."""
     a, e2 = 6378137.0, 0.00669437999014
     curve = 1 - e2 * sin(radians(lat)) ** 2
     north, east = a * (1 - e2) / curve**1.5, a / sqrt(curve) * cos(radians(lat))
@@ -131,7 +131,7 @@ def test_what_convert_writes_comes_back_with_its_doors_and_windows(homes: list[H
     ("lon", "lat"), [(11.5, 48.1), (-70.7, -33.4), (24.9, 60.2), (0.0, 0.0), (179.99, 71.0)]
 )
 def test_degrees_become_metres_to_a_millimetre(lon: float, lat: float) -> None:
-    """Compared with the straight lines between corners in space, on the ellipsoid."""
+    """The comparison is with straight lines between corners in space, on the ellipsoid."""
 
     def in_space(point: tuple[float, float]) -> np.ndarray:
         e2 = 0.00669437999014
@@ -153,7 +153,7 @@ SQUARE = shapely.box(4, 4, 8, 9)
 
 
 def test_metres_of_the_web_are_made_metres_on_the_ground() -> None:
-    """QGIS writes so what is drawn over a map of streets: each metre is 1.64 units long in Berlin."""
+    """QGIS writes this for drawings over a street map: each metre is 1.64 units long in Berlin."""
     lon, lat = radians(13.4), radians(52.5)
     x, y, length = 6378137 * lon, 6378137 * asinh(tan(lat)), 1 / cos(lat)
     boxes = [shapely.box(x + 3 * k * length, y, x + 3 * (k + 1) * length, y + 4 * length) for k in (0, 1)]
@@ -220,7 +220,7 @@ def test_any_words_say_the_type_of_a_room(properties: dict[str, Any], kind: str)
     ],
 )
 def test_a_grammars_own_words_come_first(word: str, types: set[str], kind: str) -> None:
-    """A word that neither it nor the table has stays, so that the error names what was meant."""
+    """A word that neither the grammar nor the table has stays, so that the error names the likely word."""
     assert read_plan(feature(shapely.box(0, 0, 4, 4), type=word), types=types).rooms[0].type == kind
 
 
@@ -303,7 +303,7 @@ def test_of_several_storeys_one_is_named(key: str) -> None:
 
 
 def test_a_plan_of_a_stranger_is_furnished_by_home() -> None:
-    """Rooms from wall to wall, turned, in degrees, with the words of a plan for sale."""
+    """The plan has rooms from wall to wall, turned, in degrees, with the words of an advertisement."""
     names = {"hall": "Diele", "living": "Wohnen", "kitchen": "Küche", "bath": "Bad", "bedroom": "Schlafen"}
     rooms = [
         feature(

@@ -1,4 +1,4 @@
-"""Of a building in IFC the storey that is named is read, as its floors lie, with the rooms of its flats."""
+"""The reader of IFC returns the named storey of a building, by the heights of floors, with all flats."""
 
 import io
 import zipfile
@@ -22,7 +22,7 @@ Place = tuple[float, float, float, float]
 
 
 class Building:
-    """A model with spaces, doors and storeys, in metres."""
+    """Model with spaces, doors and storeys, in metres."""
 
     def __init__(self) -> None:
         self.model = ifcopenshell.file(schema="IFC4")
@@ -42,7 +42,7 @@ class Building:
         return self.made("IfcCartesianPoint", [float(each) for each in at])
 
     def product(self, kind: str, place: Place, floor: float, height: float = 2.5, **named: Any) -> Any:
-        """A box that stands on a floor."""
+        """Add a box that stands on a floor."""
         x, y, width, depth = place
         ring = [(x, y), (x + width, y), (x + width, y + depth), (x, y + depth), (x, y)]
         profile = self.made("IfcArbitraryClosedProfileDef", "AREA", None,
@@ -55,7 +55,7 @@ class Building:
         return self.rooted(kind, ObjectPlacement=at, Representation=body, **named)
 
     def rooms(self, names: Sequence[str], floor: float, x: float = 0.0) -> list[Any]:
-        """Rooms of 3 by 4 m in a row, with walls of 0.1 m."""
+        """Add rooms of 3 by 4 m in a row, with walls of 0.1 m."""
         return [
             self.product("IfcSpace", (x + 3.1 * k, 0, 3, 4), floor, LongName=name)
             for k, name in enumerate(names)
@@ -67,7 +67,7 @@ class Building:
         return whole
 
     def rooms_of(self, storey: str | None = None) -> tuple[str, ...]:
-        """The rooms that are read, by their first words: in this process, since another takes a second."""
+        """Return the first words of the rooms that are read, in this process, as another takes a second."""
         return tuple(words[0] for words, _ in solids(self.model.to_string().encode(), storey).spaces)
 
 
@@ -76,7 +76,7 @@ GROUND, UPPER = ("Diele", "Wohnen", "Küche"), ("Flur", "Bad", "Kind 1", "Schlaf
 
 @pytest.fixture
 def house() -> Building:
-    """Two storeys, each with a door, of which the upper one's name comes first."""
+    """Return a building of two storeys, each with a door, with the upper storey's name first."""
     building = Building()
     for floor, rooms, name in ((2.8, UPPER, "1. OG"), (0.0, GROUND, "EG")):
         building.whole("IfcBuildingStorey", building.rooms(rooms, floor), Name=name)

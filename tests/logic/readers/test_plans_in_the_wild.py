@@ -1,4 +1,4 @@
-"""Plans as public data sets have them: boxes over walls, bevels, slivers, stubs and niches; by shapely."""
+"""Plans as in public data sets: boxes over walls, bevels, slivers, stubs and niches, checked by shapely."""
 
 import json
 import warnings
@@ -32,7 +32,7 @@ GAPS = {
     frozenset(("Living Room", "Hallway")): box(1.0, 4.1, 1.9, 4.22),
     frozenset(("Living Room", "Kitchen")): box(5.1, 0.8, 5.22, 2.6),
     frozenset(("Hallway", "Bedroom")): box(5.1, 4.4, 5.22, 5.3),
-    # Beside a wall that goes on: a wall ends on one side of it alone.
+    # Beside a wall that continues: a wall ends on one side of it only.
     frozenset(("Hallway", "Bathroom")): box(0.1, 5.52, 0.9, 5.64),
 }
 
@@ -45,7 +45,7 @@ def _warnings_are_read_where_they_are_claimed() -> Iterator[None]:
 
 
 def bevelled(shape: Any) -> list[list[float]]:
-    """The corners of an outline as a picture of 1 cm a pixel has them: each is cut off."""
+    """Return the corners of an outline from a picture of 1 cm per pixel, each with a bevel."""
     ring = [shapely.Point(each) for each in shape.exterior.coords[:-1]]
     found = []
     for before, corner, after in zip([ring[-1], *ring[:-1]], ring, [*ring[1:], ring[0]], strict=True):
@@ -56,7 +56,7 @@ def bevelled(shape: Any) -> list[list[float]]:
 def houseexpo(
     rooms: Mapping[str, Polygon], gaps: Sequence[Polygon], reach: Sequence[float] = (0.12, 0.12, 0.12, 0.12)
 ) -> dict[str, Any]:
-    """A file of HouseExpo whose boxes reach over the walls, west, north, east and south."""
+    """Return a file of HouseExpo whose boxes reach over the walls, west, north, east and south."""
     floor = shapely.union_all([*rooms.values(), *gaps], grid_size=0.01)
     boxes = {name: [[a + b for a, b in zip(room.bounds, (-reach[0], -reach[1], *reach[2:]), strict=True)]]
              for name, room in rooms.items()}  # fmt: skip
@@ -64,7 +64,7 @@ def houseexpo(
 
 
 def areas(plan: OwnPlan) -> dict[str, float]:
-    """The floor of each room with its parts, up to the middle of walls, m²."""
+    """Return the floor of each room with its parts, up to the middle of walls, m²."""
     found: dict[str, float] = {}
     for room in plan.rooms:
         whole = room.part_of if isinstance(room.part_of, str) else room.name
@@ -155,7 +155,7 @@ def outline(house: House, shift: Sequence[float]) -> shapely.Geometry:
 
 
 def resplan(rooms: Mapping[str, Any], doors: Sequence[Polygon], unit: float = 0.05) -> dict[str, Any]:
-    """A plan with the keys of ResPlan's pickle, in units of ``unit`` metres; all that is no room is wall."""
+    """Return a plan with the keys of ResPlan's pickle, in units of ``unit`` metres. The rest is wall."""
     inner = shapely.union_all([*rooms.values(), *doors]).buffer(WALL, join_style="mitre")
     shapes = {**rooms, "inner": inner, "wall": inner - shapely.union_all(list(rooms.values())),
               "door": shapely.MultiPolygon(doors), "window": shapely.MultiPolygon(), "land": inner.buffer(1),
@@ -215,7 +215,7 @@ def test_a_wall_that_stands_into_a_room_is_left_out_and_said_to_be(thick: float,
 
 
 def test_a_niche_between_two_rooms_goes_to_one_of_them(tmp_path: Path) -> None:
-    """A wardrobe of the hall, 0.55 m deep, stands in the kitchen."""
+    """A wardrobe of the hall, 0.55 m deep, projects into the kitchen."""
     kitchen: Ring = [(0, 0), (3.9, 0), (3.9, 1), (3.35, 1), (3.35, 3), (3.9, 3), (3.9, 4), (0, 4)]
     hall: Ring = [(4, 0), (6, 0), (6, 4), (4, 4), (4, 2.9), (3.45, 2.9), (3.45, 1.1), (4, 1.1)]
     plan = drawn(tmp_path, ("Kitchen", kitchen), ("Entry", hall))
@@ -263,7 +263,7 @@ def test_a_snap_is_proposed_where_it_does_and_only_there(tmp_path: Path) -> None
 
 
 def test_beveled_corners_are_short(tmp_path: Path) -> None:
-    """What the files above are: sides of 1.4 cm at each corner."""
+    """The files above have sides of 1.4 cm at each corner."""
     verts = houseexpo(ROOMS, list(GAPS.values()))["verts"]
     sides = [LineString(pair).length for pair in pairwise([*verts, verts[0]])]
     assert sum(side < 0.02 for side in sides) == len(verts) / 2

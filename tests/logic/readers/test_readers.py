@@ -1,4 +1,4 @@
-"""Plans of other programs are read to rooms, doors and windows; what is none says where and what would do."""
+"""Plans of other programs are read as rooms, doors and windows; errors name the place and a remedy."""
 
 import codecs
 import json
@@ -50,7 +50,7 @@ def written(folder: Path, content: bytes, name: str = "plan") -> OwnPlan:
 
 
 def paired(home: House, plan: OwnPlan) -> dict[str, str]:
-    """The home's rooms by the names of the plan's, which lie where they do."""
+    """Return the home's rooms by the names of the plan's rooms at the same places."""
     west, north = (min(room.box[k] for room in home.rooms) for k in (0, 1))
     found = {"outside": "outside"}
     for room in home.rooms:
@@ -62,7 +62,7 @@ def paired(home: House, plan: OwnPlan) -> dict[str, str]:
 
 
 def shared(rooms: dict[str, Any]) -> set[frozenset[str]]:
-    """The rooms that share a wall which is longer than walls are thick."""
+    """Return the pairs of rooms that share a wall longer than walls are thick."""
     boxes = {name: shapely.box(*room.box) for name, room in rooms.items()}
     return {
         frozenset((a, b))
@@ -104,7 +104,7 @@ def test_floor_between_rooms_of_houseexpo_is_a_door(homes: list[House], tmp_path
         theirs = {frozenset(names[each] for each in door.between) for door in plan.doors}
         assert theirs <= ours
         found, wanted = found + len(theirs), wanted + len(ours)
-    # The outline has no holes: a door between walls that stand free is lost with them.
+    # The outline has no holes, so a door between free-standing walls is lost with them.
     assert found >= 0.95 * wanted
 
 
@@ -120,7 +120,7 @@ def test_a_plan_of_resplan_is_read_as_python_has_it(homes: list[House], tmp_path
 
 
 def test_rooms_of_resplan_that_have_a_word_are_the_same(homes: list[House], tmp_path: Path) -> None:
-    """All else is open to the living room, so it is a room of several corners, cut to boxes of any type."""
+    """The rest is open to the living room, which becomes a room of several corners, cut into boxes."""
     for seed, home in enumerate(homes):
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
@@ -143,7 +143,7 @@ def test_rooms_of_resplan_that_have_a_word_are_the_same(homes: list[House], tmp_
 
 
 def houseexpo(**rooms: Ring) -> bytes:
-    """Rooms of any shape in the floor of HouseExpo, which has their bounding boxes."""
+    """Return a file of HouseExpo with rooms of any shape and their bounding boxes."""
     shapes = {name: shapely.Polygon(ring) for name, ring in rooms.items()}
     floor = (
         shapely.union_all(list(shapes.values()))
@@ -155,7 +155,7 @@ def houseexpo(**rooms: Ring) -> bytes:
 
 
 def svg(*rooms: tuple[str, Ring], more: str = "") -> bytes:
-    """Rooms as CubiCasa5K has them."""
+    """Return rooms as CubiCasa5K writes them."""
     points = [" ".join(f"{100 * x},{100 * y}" for x, y in ring) for _, ring in rooms]
     groups = [
         f'<g class="Space {kind}"><polygon points="{each} "/></g>'
@@ -165,7 +165,7 @@ def svg(*rooms: tuple[str, Ring], more: str = "") -> bytes:
 
 
 def imdf(*rings: Ring, degree: float = 1e-5, levels: str = "000") -> bytes:
-    """Units of IMDF, of about a metre to each of ``degree``."""
+    """Return units of IMDF, about a metre per ``degree``."""
     features = [
         {
             "type": "Feature", "id": str(number), "feature_type": "unit",
@@ -186,7 +186,7 @@ def test_a_room_of_several_corners_becomes_boxes_of_which_the_largest_has_its_ty
     assert rooms["LivingRoom"].box == (0, 0, 4, 4.1)
     assert rooms["LivingRoom 2"].box == (0, 4.1, 2, 7.1)
     assert [room.type for room in plan.rooms] == ["living", "", "corridor"]
-    # All of the wall between the parts is open.
+    # The whole wall between the parts is open.
     assert {door.between: door.length for door in plan.doors} == {
         ("LivingRoom", "HallWay"): pytest.approx(0.8),
         ("LivingRoom", "LivingRoom 2"): pytest.approx(2.0),
@@ -211,14 +211,14 @@ def test_rooms_of_houseexpo_are_cut_out_of_the_boxes_of_larger_ones(tmp_path: Pa
 
 
 def outer_door(x: float, y: float, word: str = "Door") -> str:
-    """A door in a wall that runs from west to east, 0.8 m wide, as CubiCasa5K has it."""
+    """Return a door in a wall that runs west to east, 0.8 m wide, as CubiCasa5K writes it."""
     west, north = 100 * x, 100 * y
     ring = f"{west},{north} {west + 80},{north} {west + 80},{north + 10} {west},{north + 10}"
     return f'<g class="{word}"><polygon points="{ring}"/></g>'
 
 
 def test_what_is_no_room_is_passed_over_and_a_door_to_it_is_a_window_or_a_garden_door(tmp_path: Path) -> None:
-    """A window in a plan that draws windows. In a plan without them it would be the only one."""
+    """It becomes a window in a plan that draws windows. In a plan without them it would be the only one."""
     doors = outer_door(1, -0.1) + outer_door(4.5, -0.1)
     balcony = ("Outdoor Balcony", [(0, -2), (3, -2), (3, -0.1), (0, -0.1)])
     rooms = (("LivingRoom", LIVING), ("Entry", HALL), balcony)
@@ -257,7 +257,7 @@ def test_of_doors_that_lead_outside_the_readers_choose_the_entrance(
 
 @pytest.mark.parametrize("format", ["cubicasa", "imdf", "ifc"])
 def test_a_garden_door_is_read_beside_the_entrance(format: str, homes: list[House], tmp_path: Path) -> None:
-    """In the place of a window of a living room: the reader tells it from the front door."""
+    """The door replaces a window of a living room, and the reader distinguishes it from the front door."""
     home = next(each for each in homes if each.start.type == "corridor")
     pane = next(each for each in home.windows if home.room(each.room).type == "living")
     x, y, width, height = pane.x, pane.y, min(pane.width, 0.8), min(pane.height, 0.8)
@@ -284,7 +284,7 @@ def test_a_byte_order_mark_changes_no_plan(homes: list[House], tmp_path: Path) -
 
 
 def test_a_file_that_is_too_large_is_said_to_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A model that was cut there would be said to be damaged."""
+    """A model that was cut there would be reported as damaged."""
     monkeypatch.setattr("logic.request.given_plan.MOST_BYTES", 1 << 20)
     with pytest.raises(HouseFileError, match="more than 1 MiB: a plan is of one house"):
         written(tmp_path, b"ISO-10303-21;\nFILE_SCHEMA(('IFC4'));\n" + bytes(1 << 20))

@@ -1,4 +1,4 @@
-"""Names of rooms as everyday plans have them, in six languages, mean the types that people mean by them."""
+"""Everyday names of rooms in six languages mean the types that people mean by them."""
 
 import re
 import unicodedata
@@ -102,7 +102,7 @@ NAMES = {
         "": "Escalera, Buhardilla, Sótano",
     },
 }  # fmt: skip
-"""For each language and type, names of rooms."""
+"""Names of rooms for each language and type."""
 
 
 @pytest.mark.parametrize("language", NAMES)

@@ -1,4 +1,4 @@
-"""Plans with walls at any angle as houses to simulate: what bodies see and where they come, by shapely."""
+"""Plans with walls at any angle as houses to simulate: rays and reachable places, checked by shapely."""
 
 import json
 import warnings
@@ -29,7 +29,7 @@ from vitruvius.info.recognise import recognised
 Ring = Sequence[tuple[float, float]]
 
 BENT: Ring = [(0, 0), (5, -1), (9, 2), (7, 3.5), (8, 6), (4, 5), (3.5, 3), (1, 4)]
-"""A room without a right angle, y growing south."""
+"""Room without a right angle, y growing south."""
 
 
 def turned(points: Ring, degrees: float = 30.0) -> Ring:
@@ -68,7 +68,7 @@ def centred(shape: Any) -> Any:
 
 
 def walked(house: House, steps: int = 200, **options: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Poses (T*E, 3) of bodies that drive about, and what they see there (T*E, R, C)."""
+    """Return poses (T*E, 3) of robots that drive about, and their observations there (T*E, R, C)."""
     envs = HouseVectorEnv([house], num_envs=32, backend="free", targets="all", **options)
     observation, info = envs.reset(seed=0)
     rng, poses, seen = np.random.default_rng(0), [info["pose"]], [observation]
@@ -133,7 +133,7 @@ def test_of_geojson_doors_join_two_rooms_and_what_is_solid_has_walls(tmp_path: P
 
 @pytest.mark.parametrize("thick", [False, True])
 def test_our_own_geojson_has_the_walls_of_the_house_again(tmp_path: Path, thick: bool) -> None:
-    """Those of rooms and doors; furniture is solid, too."""
+    """The walls are those of rooms and doors; furniture is solid, too."""
     house = thickened(flat()) if thick else flat()
     empty = tuple(msgspec.structs.replace(room, children=()) for room in house.rooms)
     bare = msgspec.structs.replace(house, rooms=empty)
@@ -197,7 +197,7 @@ def test_walls_have_a_length_and_are_no_more_than_a_file_may_have(tmp_path: Path
 def test_an_outline_whose_sides_all_cross_each_other_is_refused_before_it_is_mended(
     name: str, tmp_path: Path
 ) -> None:
-    """Of 4,001 corners there were 8 million places where they cross: 4.7 GiB."""
+    """The 4,001 corners once had 8 million crossings, which took 4.7 GiB."""
     turns = 2 * np.pi * 2000 / 4001 * np.arange(4001)
     corners = np.stack([9 * np.cos(turns), 9 * np.sin(turns)], 1).tolist()
     geojson = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
@@ -238,7 +238,7 @@ def test_what_has_no_geometry_is_passed_over_and_the_files_name_may_be_in_capita
 
 
 def test_doors_that_are_shut_are_counted(tmp_path: Path) -> None:
-    """In a gap wider than they are deep, or to the outside; not where floor lies on both sides of them."""
+    """Shut doors are in a gap wider than they are deep, or lead outside. Floor is on one side of them."""
     rooms = [feature(shapely.box(0, 0, 4, 4)), feature(shapely.box(4.2, 0, 8, 4))]
     gap, out = LineString([(4.1, 1), (4.1, 2)]), LineString([(0, 1), (0, 2)])
     midst, joins = LineString([(2, 1), (2, 2)]), shapely.box(4, 1, 4.2, 2)

@@ -1,4 +1,4 @@
-"""Homes of ours in other formats, after the published schemas, with noise and walls as in real plans.
+"""Homes in other formats, after the published schemas, with noise and walls as in real plans.
 
 HouseExpo: its README, "Data Format". ResPlan: ``resplan_utils.py`` and the paper. CubiCasa5K: ``house.py``
 and ``svg_utils.py``. IMDF: OGC 20-094, Unit and Opening. IFC: ISO 16739-1, by IfcOpenShell.
@@ -23,10 +23,10 @@ from logic.house.house import House
 from logic.house.parts import Rect
 
 WALL = 0.12
-"""Metres: how thick walls are."""
+"""Thickness of walls, metres."""
 
 NOISE = 0.01
-"""Metres: how far corners are off, at most."""
+"""Largest error of corners, metres."""
 
 WORDS = {
     "houseexpo": {
@@ -46,13 +46,13 @@ WORDS = {
         "storage": "storage", "study": "office",
     },
 }  # fmt: skip
-"""What our types are called; ResPlan and IMDF have no words for some."""
+"""Names of our types in each format. ResPlan and IMDF have no words for some."""
 
 Write = Callable[[House, np.random.Generator, float], bytes]
 
 
 def inner(house: House, rng: np.random.Generator, noise: float = NOISE) -> list[Polygon]:
-    """The rooms of a house from wall to wall, each corner a little off."""
+    """Return the rooms of a house from wall to wall, with noise at each corner."""
     found = []
     for room in house.rooms:
         west, north, east, south = room.box
@@ -63,7 +63,7 @@ def inner(house: House, rng: np.random.Generator, noise: float = NOISE) -> list[
 
 
 def opening(rect: Rect, rng: np.random.Generator, noise: float = NOISE) -> Polygon:
-    """A door or window as a rectangle through its wall."""
+    """Return a door or window as a rectangle through its wall."""
     x, y = (0.0, WALL / 2) if rect.width else (WALL / 2, 0.0)
     west, north, east, south = rect.box
     corners = np.array(
@@ -73,7 +73,7 @@ def opening(rect: Rect, rng: np.random.Generator, noise: float = NOISE) -> Polyg
 
 
 def houseexpo(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
-    """The outline of rooms and doors, and boxes of rooms by their types."""
+    """Return a file with the outline of rooms and doors, and boxes of rooms by type."""
     rooms = inner(house, rng, noise)
     doors = [opening(door, rng, noise).buffer(0.02) for door in house.doors if not door.is_entrance]
     floor = shapely.union_all([*rooms, *doors])
@@ -90,12 +90,12 @@ def houseexpo(house: House, rng: np.random.Generator, noise: float = NOISE) -> b
 
 
 def resplan(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
-    """Geometries by type, 256 units wide, and the area in square metres."""
+    """Return geometries by type, 256 units wide, and the area in square metres."""
     return json.dumps(resplan_record(house, rng, noise), default=mapping).encode()
 
 
 def resplan_record(house: House, rng: np.random.Generator, noise: float = NOISE) -> dict[str, Any]:
-    """As the pickle of the data set has it: shapely's geometries."""
+    """Return a record as in the data set's pickle, with shapely's geometries."""
     rooms = inner(house, rng, noise)
     walls = shapely.union_all([shapely.box(*room.box) for room in house.rooms]).buffer(
         WALL / 2, join_style="mitre"
@@ -105,7 +105,7 @@ def resplan_record(house: House, rng: np.random.Generator, noise: float = NOISE)
     for room, shape in zip(house.rooms, rooms, strict=True):
         if room.type in words and room.type != "living":
             by_type[words[room.type]].append(shape)
-    # What has no word, such as a hall, is open to the living room.
+    # Floor without a word, such as a hall, is open to the living room.
     others = [room for room in house.rooms if room.type not in words or room.type == "living"]
     one = shapely.union_all([shapely.box(*room.box) for room in others])
     for part in shapely.get_parts(one.buffer(-WALL / 2, join_style="mitre")):
@@ -137,7 +137,7 @@ def resplan_record(house: House, rng: np.random.Generator, noise: float = NOISE)
 
 
 def cubicasa(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
-    """Groups by class, in pixels of a centimetre, with labels of sizes."""
+    """Return groups by class, in pixels of a centimetre, with labels of sizes."""
     groups = []
     for room, shape in zip(house.rooms, inner(house, rng, noise), strict=True):
         label = f"{room.width - WALL:.2f} m x {room.height - WALL:.2f} m"
@@ -164,7 +164,7 @@ def _points(shape: Polygon) -> str:
 
 
 def imdf(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
-    """An archive of units and openings, in degrees, of a house turned by 17 degrees."""
+    """Return an archive of units and openings, in degrees, of a house turned by 17 degrees."""
 
     def on_earth(shape: Any) -> Any:
         turned = affinity.rotate(affinity.scale(shape, 1, -1, origin=(0, 0)), 17, origin=(0, 0))
@@ -202,7 +202,7 @@ def imdf(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
 
 
 def ifc(house: House, rng: np.random.Generator, noise: float = NOISE) -> bytes:
-    """A storey of spaces, doors and windows as extruded solids, in millimetres, turned by -8 degrees."""
+    """Return a storey of spaces and openings as extruded solids, in millimetres, turned by -8 degrees."""
     model = ifcopenshell.file(schema="IFC4")
     make, turn = model.create_entity, radians(-8)
 

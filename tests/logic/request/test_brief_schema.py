@@ -1,4 +1,4 @@
-"""The published schema of briefs is that of the reader, and the example is a brief."""
+"""The published schema of briefs is the reader's, and the example is a brief."""
 
 import gzip
 import os

@@ -46,7 +46,7 @@ def test_fixed_rooms_count_among_the_types(house: House) -> None:
 
 
 def test_rooms_that_no_main_room_joins_are_proved_impossible(house: House) -> None:
-    """Two rooms on one side, their walls with the doors half a metre apart: no straight wall holds both."""
+    """Two rooms on one side have their walls with doors half a metre apart. No straight wall holds both."""
     one = fixed_rooms(house)[0]
     along, away = ("x", "y") if one.side in {"north", "south"} else ("y", "x")
 
@@ -84,7 +84,7 @@ def test_fixed_rooms_are_counted_clockwise(house: House) -> None:
 
 
 def test_a_count_of_furniture_does_not_bind_fixed_rooms(house: House) -> None:
-    """It binds rooms that are yet to be furnished: what is proved of those says nothing of fixed rooms."""
+    """The count binds only rooms that are still to be furnished, and so do proofs about them."""
     fixed = house.only(*(f"R{n}" for n, room in enumerate(house.star.rooms) if room.type == "bedroom"))
     for made in generate(rooms=4 + len(fixed.star.rooms), keep=fixed, furniture={"bed": 0}, count=6):
         assert [room for room in made.star.rooms if room.type == "bedroom"] == list(fixed.star.rooms)

@@ -1,4 +1,4 @@
-"""Plans of the user's: read from GeoJSON and house files, kept, furnished, or proved impossible."""
+"""Plans of the user: read from GeoJSON and house files, kept, furnished, or proved impossible."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -29,11 +29,11 @@ BOXES: dict[str, Box] = {
     "bath": (6, 3, 8.4, 5.2),
     "bedroom": (2, 4, 6, 7.5),
 }
-"""The rooms of the file: west, south, east, north."""
+"""Rooms of the file: west, south, east, north."""
 
 
 def geojson(boxes: Mapping[str, Box], **types: str) -> dict[str, Any]:
-    """The rooms as GeoJSON, those of some with types."""
+    """Return the rooms as GeoJSON, some of them with types."""
     features = []
     for name, (west, south, east, north) in boxes.items():
         ring = [[west, south], [east, south], [east, north], [west, north], [west, south]]
@@ -239,7 +239,7 @@ def test_a_plan_stands_in_the_place_of_a_topology_of_the_users(tmp_path: Path) -
 
 
 def test_a_house_of_units_is_no_plan_yet() -> None:
-    """Its own plan was called impossible, by the numbers of rooms of its units."""
+    """Its own plan was called impossible because of the numbers of rooms of its units."""
     plan = read_plan(geojson(BOXES))
     with pytest.raises(RequestError, match="apartments has units, which no plan of your own has"):
         builder("apartments").house(Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)

@@ -31,12 +31,12 @@ def house(home: Builder) -> House:
 
 @pytest.fixture(scope="module")
 def names(house: House) -> list[str]:
-    """The two rooms with the most furniture."""
+    """Return the names of the two rooms with the most furniture."""
     return [room.name for room in sorted(house.rooms, key=lambda each: -len(each.pieces))[:2]]
 
 
 def made(home: Builder, house: House, names: Sequence[str], index: int = 0, **request: Any) -> House:
-    """A house in which these rooms of another one stay, and the others have any type."""
+    """Return a house in which these rooms of another house stay, and the others may have any type."""
     free = tuple(room if room.name in names else replace(room, type="") for room in house.rooms)
     plan = keeping(read_plan(replace(house, rooms=free)), house.only(*names))
     wanted = Request.read({"rooms": len(free), **Request(len(free), plan=plan).to_dict(), **request})

@@ -1,4 +1,4 @@
-"""A plan in another format is named by what it is, whatever its name: each as another program wrote it."""
+"""A file in another format than a plan's is recognised whatever its name; each was written by its program."""
 
 import csv
 import gzip
@@ -21,14 +21,14 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 
 def picture(format: str) -> bytes:
-    """A picture by Pillow."""
+    """Return a picture by Pillow."""
     content = io.BytesIO()
     Image.new("RGB", (8, 8)).save(content, format)
     return content.getvalue()
 
 
 def figure(format: str) -> bytes:
-    """A drawing by matplotlib."""
+    """Return a drawing by matplotlib."""
     content = io.BytesIO()
     Figure((1, 1)).savefig(content, format=format)
     return content.getvalue()

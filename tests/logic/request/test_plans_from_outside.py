@@ -1,4 +1,4 @@
-"""Claims about plans as people have them: any names, other features, other units, walls a hair apart."""
+"""Plans from users: any names, other features, other units, and walls slightly apart."""
 
 import json
 import warnings
@@ -22,7 +22,7 @@ NAMES = ["home-test-v1", "home-large-test-v1", "test-v1", "large-test-v1"]
 
 
 def neighbours(rooms: tuple[Room, ...], within: float = 1e-6, least: float = 0.01) -> set[tuple[int, int]]:
-    """The pairs of rooms that share more than ``least`` metres of a wall, by plain geometry."""
+    """Return the pairs of rooms that share more than ``least`` metres of a wall, by plain geometry."""
     found = set()
     for i, one in enumerate(rooms):
         for j, other in enumerate(rooms[:i]):
@@ -43,7 +43,7 @@ def _no_warning_is_lost():
 
 
 def test_a_thousand_houses_are_read_back_from_each_format_as_they_were_written(tmp_path: Path) -> None:
-    """Of homes as plans too: the same walls, and the same rooms beside each other."""
+    """Homes are also read as plans: they have the same walls, and the same rooms side by side."""
     counts = 0
     for name in NAMES:
         houses = load(BANKS / f"{name}.jsonl.gz")
@@ -68,8 +68,9 @@ def test_a_thousand_houses_are_read_back_from_each_format_as_they_were_written(t
 )
 @example(39, 2, 0.0)
 def test_a_plan_rounded_anywhere_on_a_map_keeps_its_neighbours(index: int, digits: int, far: float) -> None:
-    """Rounded to a centimetre or less, and as far off as coordinates of UTM are. As much is taken from
-    the wall that two share: of 1.8 cm a centimetre is left.
+    """Coordinates are rounded to a centimetre or less, and as far away as those of UTM.
+
+    The rounding may shorten a shared wall by as much: a wall of 1.8 cm keeps at least a centimetre.
     """
     house = load_home(index)
     record = to_geojson(house)
@@ -269,6 +270,6 @@ def test_a_house_file_without_a_format_is_read_and_another_programs_is_named(tmp
 def test_inputs_that_once_failed_are_read() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PlanWarning)
-        # Those of ``reasons`` are no plans: what is said of them is tried elsewhere.
+        # Rooms of ``reasons`` are no plans, and their errors are tested elsewhere.
         for file in sorted(each for each in CASES.glob("*/*.geojson") if each.parent.name != "reasons"):
             assert len(read_plan(file).rooms) >= 2, file

@@ -1,4 +1,4 @@
-"""What a user may ask of a house: read strictly, granted exactly, recorded in the house's provenance."""
+"""Requests for houses: read strictly, granted exactly, recorded in the house's provenance."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ RANGES = st.tuples(st.integers(0, 99), st.integers(0, 99)).map(sorted).map(tuple
 
 
 def counted(house: House, type_: str, piece: str) -> list[int]:
-    """How many of a piece each room of this type has, companions of others too."""
+    """Return the number of pieces of a type in each room of this type, with companions of others."""
     rooms = [room for room in house.star.rooms if room.type == type_]
     return [sum(each.type == piece for each in room.pieces) for room in rooms]
 
@@ -77,7 +77,7 @@ def test_an_unknown_name_is_answered_by_those_that_exist(asked: dict, says: str)
 
 
 def test_companions_count_as_pieces() -> None:
-    """Chairs are asked for like tables: a kitchen without a table would have none."""
+    """Chairs are requested like tables: a kitchen without a table would have none."""
     for house in generate(rooms=3, furniture={"kitchen.chair": (3, 3), "bedside": (0, 1)}, count=6):
         assert counted(house, "kitchen", "chair") == [3]
         assert all(count <= 1 for count in counted(house, "bedroom", "bedside"))
@@ -91,7 +91,7 @@ def test_a_count_without_a_room_type_binds_in_every_room_that_may_have_the_piece
 
 
 def test_a_request_asks_for_nothing_that_it_does_not_say() -> None:
-    """A range that binds nothing leaves room for both its ends."""
+    """A range that binds nothing permits both its ends."""
     houses = list(generate(rooms=3, furniture={"bedroom.wardrobe": (0, None)}, count=12))
     assert {n for house in houses for n in counted(house, "bedroom", "wardrobe")} == {0, 1, 2}
 

@@ -1,4 +1,4 @@
-"""Plans in plain geometry, apart from the rules: what rooms share walls, by their boxes alone."""
+"""Plans in plain geometry, independent of the rules: the rooms that share walls, by their boxes alone."""
 
 from itertools import combinations
 
@@ -9,7 +9,10 @@ Box = tuple[float, float, float, float]
 
 
 def shared(one: Box, other: Box) -> float:
-    """How much of a wall two rooms share, metres: 0 where they lie apart or meet in a corner."""
+    """Return the length of the wall that two rooms share, metres.
+
+    The length is 0 if they are apart or meet in a corner.
+    """
     found = 0.0
     for across in (0, 1):
         along = 1 - across
@@ -20,6 +23,6 @@ def shared(one: Box, other: Box) -> float:
 
 
 def neighbours(boxes: list[Box]) -> dict[tuple[int, int], float]:
-    """How much of a wall the rooms share that share one, both ways."""
+    """Return the lengths of the walls that pairs of rooms share, both ways."""
     found = {(r, q): shared(boxes[r], boxes[q]) for r, q in combinations(range(len(boxes)), 2)}
     return {pair: length for (r, q), length in found.items() if length for pair in ((r, q), (q, r))}

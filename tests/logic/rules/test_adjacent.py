@@ -1,4 +1,4 @@
-"""Rooms that share a wall: what rules say of them is what geometry says, in all topologies."""
+"""Rooms that share a wall: rules agree with geometry in all topologies."""
 
 import shutil
 from collections.abc import Iterable
@@ -22,7 +22,7 @@ from tests.logic.rules.plan_geometry import neighbours, shared
 
 INFERENCES = 10**8
 NAMED = "#program house.\n:- adjacent(R,R).\n"
-"""What binds nothing."""
+"""Rule that binds nothing."""
 APART = "#program house.\n:- adjacent(R,Q), room(R,bathroom), room(Q,kitchen).\n"
 BESIDE = """#program house.
 :- { room(_,bedroom) } != 2.
@@ -32,7 +32,7 @@ BESIDE = """#program house.
 
 
 def copied(folder: Path, rules: str, base: str = "home", topology: str = "") -> Path:
-    """A grammar with rules added, and perhaps of another topology."""
+    """Write a grammar with additional rules, and optionally with another topology."""
     made = shutil.copytree(SHIPPED / base, folder / "mine")
     (made / "mine.lp").write_text(rules)
     page = (ROOT / "docs" / "tutorials" / "topology.md").read_text()
@@ -48,7 +48,7 @@ def copied(folder: Path, rules: str, base: str = "home", topology: str = "") -> 
 
 
 def pairs(atoms: Iterable, name: str) -> set[tuple[int, int]]:
-    """The rooms of which atoms of this name hold."""
+    """Return the pairs of rooms in atoms of this name."""
     return {tuple(end.number for end in atom.arguments) for atom in atoms if atom.match(name, 2)}
 
 
@@ -123,6 +123,6 @@ def test_in_a_plan_of_the_users_adjacent_is_what_the_plan_says(tmp_path: Path) -
 
 
 def meeting(house: House, one: str = "bathroom", other: str = "kitchen") -> int:
-    """How many rooms of these types share a wall."""
+    """Return the number of pairs of rooms of these types that share a wall."""
     ones, others = ([room for room in house.rooms if room.type == each] for each in (one, other))
     return sum(shared(a.box, b.box) > 0 for a in ones for b in others)

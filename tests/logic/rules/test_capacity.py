@@ -21,7 +21,7 @@ def builder() -> Builder:
 
 
 def shown(program: Program) -> list[Symbol]:
-    """All atoms of the signatures that a room's layout is made of."""
+    """Return all atoms of the signatures in a room's layout."""
     text = (CORE.parent / "room" / "room.lp").read_text()
     return [
         atom

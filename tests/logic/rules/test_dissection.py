@@ -1,4 +1,4 @@
-"""Every dissection of a rectangle is chosen once, and the second order is what it says."""
+"""Every dissection of a rectangle has exactly one choice, and the second order is correct."""
 
 import clingo
 import pytest
@@ -8,11 +8,11 @@ from logic.grammar import RULES, TOPOLOGIES
 SIDES = ("north", "east", "south", "west")
 
 BAXTER = [1, 2, 6, 22, 92, 422]
-"""How many mosaic floorplans 1, 2, ... rooms have (https://oeis.org/A001181)."""
+"""Numbers of mosaic floorplans with 1, 2, ... rooms (https://oeis.org/A001181)."""
 
 
 def dissections(rooms: int, *facts: str) -> list[frozenset[str]]:
-    """The relations of each dissection: all stable models of the topology alone, or with facts."""
+    """Return the relations of each dissection: all stable models of the topology alone, or with facts."""
     control = clingo.Control(["0", f"-crooms={rooms}"], logger=lambda code, message: None)
     control.load(str(RULES / "pick.lp"))
     control.load(str(TOPOLOGIES / "dissection.lp"))

@@ -1,4 +1,4 @@
-"""What rules can say of furniture in a plan is so in its geometry, relation by relation."""
+"""Relations of furniture in rules agree with the geometry of plans, relation by relation."""
 
 import shutil
 from collections.abc import Iterator
@@ -17,11 +17,11 @@ from tests.logic.generation.test_shared_walls import INFERENCES, builder
 from tests.logic.rules.plan_geometry import TOLERANCE
 
 WALLS = ("front", "left", "back", "right")
-"""As seen from the entrance, clockwise."""
+"""Walls as seen from the entrance, clockwise."""
 
 
 class Seen:
-    """A furnished room: what the rules say of it, and its pieces by the atoms that stand for them."""
+    """Furnished room: its atoms, and its pieces by the atoms that stand for them."""
 
     def __init__(self, made: Builder, how: Furnished, room: Room, atoms: list[Symbol]) -> None:
         self.how, self.room, self._atoms = how, room, atoms
@@ -37,7 +37,7 @@ class Seen:
                 yield tuple(a.number if a.type.name == "Number" else str(a) for a in atom.arguments)
 
     def wall(self, name: str) -> int:
-        """The place in a box of a wall of this name."""
+        """Return the index in a box of the wall with this name."""
         return self.walls[WALLS.index(name)]
 
     def piece(self, type_: str, number: int) -> Piece:
@@ -49,7 +49,7 @@ class Seen:
         return abs(piece.box[k] - self.room.box[k]) <= 1e-5
 
     def at(self, stretch: str) -> str:
-        """The wall of a stretch."""
+        """Return the wall of a stretch."""
         return next(wall for each, wall in self.said("at", 2) if each == stretch)
 
 
@@ -64,7 +64,7 @@ def touch(one: Box, other: Box) -> bool:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Builder:
-    """Of ``home`` where wardrobes may stand with their side to the wall."""
+    """Return a builder for ``home`` with wardrobes that may stand with their side to the wall."""
     folder = shutil.copytree(SHIPPED / "home", tmp_path_factory.mktemp("grammars") / "turns")
     (folder / "turns.lp").write_text("turns(wardrobe,(front;left;back;right)).\n")
     return builder(folder)
@@ -91,7 +91,7 @@ def rooms(made: Builder) -> list[Seen]:
 def test_a_turned_piece_has_its_back_to_something_and_nothing_at_its_foot_or_front(
     made: Builder, piece: str, back: str, front: str
 ) -> None:
-    """Beds by home's own rules, wardrobes because they are used from their front."""
+    """Beds turn by home's own rules, wardrobes because they are used from their front."""
 
     def stated(name: str, end: str) -> Symbol:
         return Function(name, [Function(piece), Number(1), Function(end)])
@@ -132,7 +132,8 @@ def test_pieces_stand_at_the_walls_that_rules_say_in_their_order(rooms: list[See
         for place, some in placed.items():
             wall = seen.at(place)
             k = 1 - seen.wall(wall) % 2
-            # From the corner beside a door; else from the front on the left and right wall, or from the left.
+            # From the corner beside a door; otherwise from the front on the left and right wall, or from the
+            # left.
             _, parted, corner = place.partition("_")
             near = seen.wall(corner if parted else "front" if wall in ("left", "right") else "left")
             starts = [piece.box[k] for _, piece in sorted(some, key=lambda each: each[0])]

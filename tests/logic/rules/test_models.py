@@ -1,6 +1,6 @@
-"""The rules' own tests, in clingo's language: small programs of one rule file, and all that follows.
+"""Tests of rules in clingo's language: small programs of one rule file, and their consequences.
 
-A file ``NAME.lpt`` begins with ``%#``, rule files and the parts of them that are ground. Each case then has
+A file ``NAME.lpt`` begins with ``%#``, rule files and the parts of them to ground. Each case then has
 
 - ``%? title``, and the facts that are given, which may stand for choices;
 - ``%| parts`` and ``%c constants``, in the place of the file's;
@@ -26,7 +26,7 @@ from logic.layout.ground import Instances
 FILES = sorted(Path(__file__).parent.glob("*.lpt"))
 DIFFERENCE = re.compile(r"&diff \{ (.+?) - (\S+) \} <= (.+?)(?=\s*:-|\.\s)")
 MOST_RULES = 20_000
-"""Ground rules of a small program, at most: a rule that lacks a literal may have no end of them."""
+"""Largest number of ground rules of a small program, as a rule without a literal may never end."""
 
 MARK = re.compile(r"(?m)^%([#|c=0+!n]) ?(.*)$")
 
@@ -43,14 +43,14 @@ def ground(text: str, parts: str = "", constants: str = "") -> clingo.Control:
 
 
 def models(rules: str, given: str, parts: str, constants: str) -> Iterator[clingo.Model]:
-    """Yield all stable models of some parts of rules, with what is given."""
+    """Yield all stable models of some parts of rules, with the given facts."""
     control = ground(f"{given}\n#program base.\n{rules}", parts, constants)
     with control.solve(yield_=True) as found:
         yield from found
 
 
 def atoms(text: str) -> frozenset[clingo.Symbol]:
-    """Return the facts of a text, in which ranges and pools stand for several."""
+    """Return the facts of a text, in which ranges and pools stand for several facts."""
     control = ground(text)
     return frozenset(atom.symbol for atom in control.symbolic_atoms if atom.is_fact)
 
@@ -60,13 +60,13 @@ def signature(atom: clingo.Symbol) -> tuple[str, int]:
 
 
 def rules_of(names: Iterable[str]) -> str:
-    """Return the text of rule files, where what they include is left out."""
+    """Return the text of rule files without the files that they include."""
     text = "\n#program base.\n".join((RULES / name).read_text() for name in names)
     return DIFFERENCE.sub(r"diff(\1,\2,\3)", text.replace("#include", "%"))
 
 
 def case_of(text: str) -> tuple[str, dict[str, list[str]]]:
-    """Return what is given in a case, and its marks."""
+    """Return the given facts of a case, and its marks."""
     marks = defaultdict[str, list[str]](list)
     for kind, words in MARK.findall(text):
         marks[kind].append(words)

@@ -1,4 +1,4 @@
-"""The rules' own tests, in Prolog: one case a file of ``tests/logic/rules``."""
+"""Tests of rules in Prolog: one case for each file of ``tests/logic/rules``."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ FILES = sorted(Path(__file__).parent.glob("*.plt"))
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_prolog(file: Path) -> None:
     done = finished(["swipl", "-g", "run_tests", "-t", "halt", file])
-    # Choice points show as warnings: a relation of the rules that leaves one makes every house slower.
+    # Choice points appear as warnings: a relation of the rules that leaves one slows every house down.
     assert done.returncode == 0, done.stderr
     assert "choicepoint" not in done.stderr
     assert "Warning" not in done.stderr, done.stderr

@@ -1,4 +1,4 @@
-"""What rules can say of the rooms of a plan is so in its geometry, relation by relation."""
+"""Relations of rooms in rules agree with the geometry of plans, relation by relation."""
 
 from collections.abc import Callable, Iterable
 from itertools import combinations
@@ -24,7 +24,7 @@ SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
 
 
 class Plan:
-    """A plan of walls, doors and windows in numbers, and what the rules say of it."""
+    """Plan of walls, doors and windows in numbers, and the rules' atoms about it."""
 
     def __init__(self, plan: placed.Plan, atoms: Iterable[Symbol]) -> None:
         self.boxes = [room.box for room in plan.rooms]
@@ -34,12 +34,12 @@ class Plan:
         self._atoms = list(atoms)
 
     def said(self, name: str, arity: int) -> set[tuple[Any, ...]]:
-        """The arguments of all atoms of a name: numbers, and other terms as text."""
+        """Return the arguments of all atoms of a name: numbers, and other terms as text."""
         found = [atom.arguments for atom in self._atoms if atom.match(name, arity)]
         return {tuple(a.number if a.type.name == "Number" else str(a) for a in each) for each in found}
 
     def side_of(self, opening: Box, room: int) -> str:
-        """The side of a room in which an opening lies."""
+        """Return the side of a room in which an opening lies."""
         box = self.boxes[room]
         (side,) = (
             side
@@ -49,11 +49,11 @@ class Plan:
         return side
 
     def leads_out(self, opening: Box, room: int) -> bool:
-        """Whether no other room is behind an opening of a room."""
+        """Return True if no other room is behind an opening of a room."""
         return not any(shared(opening, box) for other, box in enumerate(self.boxes) if other != room)
 
     def free(self, room: int, side: str) -> tuple[float, float]:
-        """How long a side is, and how much of it no other room shares."""
+        """Return the length of a side, and the length that no other room shares."""
         k = SIDES[side]
         box = self.boxes[room]
         whole = box[3 - k % 2] - box[1 - k % 2]
@@ -63,7 +63,7 @@ class Plan:
         return whole, whole - sum(shared(box, other) for other in behind)
 
     def beyond(self, room: int, other: int, side: str) -> bool:
-        """Whether a room lies wholly beyond the line of a side of another one."""
+        """Return True if a room lies wholly beyond the line of another room's side."""
         k = SIDES[side]
         near, line = self.boxes[room][(k + 2) % 4], self.boxes[other][k]
         return near <= line + TOLERANCE if side in ("west", "north") else near >= line - TOLERANCE

@@ -1,4 +1,4 @@
-"""Whether an answer's derivations are what rules in files say."""
+"""Check of derivations against the rules in files."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,7 +7,7 @@ from logic.why.answer import Derivation
 
 
 def require_whole(nodes: Iterable[Derivation], target: str) -> None:
-    """Each atom is derived, by a rule that stands where it is said to be."""
+    """Check that each atom is derived, by a rule that is at its stated place."""
     found = list(nodes)
     derived = {node.atom for node in found if node.rule}
     for node in found:

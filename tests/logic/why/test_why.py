@@ -1,4 +1,4 @@
-"""Why a part of a house is as it is: rules and picks, what could be instead, bounds that are tight."""
+"""Explanations of parts of a house: rules and picks, alternatives, tight bounds."""
 
 import json
 import re
@@ -45,7 +45,7 @@ dull(X) :- -dry(X).
 
 
 class Explained:
-    """A house and the answers about it, in this process."""
+    """House with explanations, in this process."""
 
     def __init__(self, builder: Builder, request: dict, seed: int) -> None:
         self.builder, self.request = builder, Request.read(request)
@@ -60,7 +60,7 @@ class Explained:
         return self.answers[target]
 
     def pieces(self) -> Iterator[tuple[str, RoomLayout, Piece]]:
-        """Each piece and companion with its target."""
+        """Yield each piece and companion with its target."""
         for number, room in enumerate(self.house.star.rooms):
             names = part_names([piece.type for piece in room.pieces])
             for name, piece in zip(names, room.pieces, strict=True):
@@ -78,7 +78,7 @@ def builder() -> Builder:
 
 @pytest.fixture(scope="module")
 def family(builder: Builder) -> Explained:
-    """Four rooms with furniture at walls, in corners and in the middle."""
+    """Return four rooms with furniture at walls, in corners and in the middle."""
     return Explained(builder, {"rooms": 4, "types": {"hall": 1}, "furniture": {"hallTable": 1}}, 24)
 
 
@@ -96,7 +96,7 @@ def tiny(tmp_path_factory: pytest.TempPathFactory) -> tuple[Support, list[Symbol
 
 
 def lines_of(node: Derivation, file: Path) -> list[tuple[str, int]]:
-    """The atoms of a derivation with the lines of their rules, of one file."""
+    """Return the atoms of a derivation with the lines of their rules, for one file."""
     return [
         (each.atom, each.rule.line or 0) for each in node.all() if each.rule and each.rule.file == str(file)
     ]
@@ -182,7 +182,7 @@ def test_a_piece_is_named_by_the_atoms_that_place_it(family: Explained) -> None:
         assert re.match(rf"on\({piece.type},|with\(\w+,\d+,{piece.type},", atoms[0])
 
 
-# What could be instead, by stage 1's own program and stage 2
+# Alternatives, by stage 1's own program and stage 2
 
 
 def test_what_could_be_instead_can_and_what_could_not_cannot(family: Explained) -> None:
@@ -214,7 +214,7 @@ def test_what_could_be_instead_can_and_what_could_not_cannot(family: Explained) 
 def placed(
     family: Explained, layout: RoomLayout, program: Program, atoms: list[Symbol]
 ) -> list[list[Symbol]]:
-    """Layouts with these atoms that have sizes and places: the first that is sampled, if there is any."""
+    """Return the first sampled layout with these atoms that has sizes and places, in a list, if any."""
     rng = np.random.default_rng(0)
     for _ in range(100):
         furniture = program.sample(rng, atoms)
@@ -226,7 +226,7 @@ def placed(
 
 
 def is_there(variable: Symbol, furniture: list[Symbol]) -> bool:
-    """Whether the piece that a variable is about stands in the room, where it is about a piece."""
+    """Return True if the piece in a variable stands in the room, and for variables without a piece."""
     piece = variable.arguments[:2]
     return len(piece) < 2 or any(each.name == "on" and each.arguments[:2] == piece for each in furniture)
 
@@ -248,7 +248,7 @@ def test_what_a_room_could_be_instead_is_what_the_rules_allow(family: Explained)
 
 
 def test_a_rule_that_forbids_is_named(builder: Builder) -> None:
-    """Of three rooms each is the only one of its basic type."""
+    """With three rooms each is the only one of its basic type."""
     three = Explained(builder, {"rooms": 3}, 0)
     (basic,) = {
         reason.text
@@ -263,7 +263,7 @@ def test_a_rule_that_forbids_is_named(builder: Builder) -> None:
 
 
 def measures(family: Explained, number: int) -> dict[str, float]:
-    """The lengths of a room and of its parts in its own frame, by name as in ``bed.depth``."""
+    """Return the lengths of a room and of its parts in its own frame, by name as in ``bed.depth``."""
     room, layout = family.house.star.rooms[number], family.layout.rooms[number]
     side = layout.side.name
     south, east = room.y + room.height, room.x + room.width
@@ -351,7 +351,7 @@ def test_bounds_that_are_tight_are_equations_of_the_plan(family: Explained) -> N
 
 
 def value(text: str, measured: dict[str, float]) -> float:
-    """A sum as in ``0.7 room.depth + bed.along + 0.42``."""
+    """Return the value of a sum such as ``0.7 room.depth + bed.along + 0.42``."""
     total = 0.0
     for term in text.split(" + "):
         factor, _, name = term.rpartition(" ")
@@ -368,14 +368,14 @@ def test_the_main_room_lies_between_what_its_rooms_need_and_what_is_allowed(fami
         assert length.least <= length.value <= length.greatest
         for side in sides:
             there = [room for room in rooms if room.side == side]
-            # From the first door to the last, whatever stands beyond them.
+            # From the first door to the last, regardless of anything beyond them.
             needed = sum(room.width for room in there) + 0.6 * (len(there) - 1)
             if there:
                 needed -= there[0].door + there[-1].width - there[-1].door - 0.762
             assert length.least >= needed - 1e-6
 
 
-# Houses that the rules do not make, fixed rooms, grids
+# Houses that the rules do not generate, fixed rooms, grids
 
 
 def test_an_edited_house_is_refused(builder: Builder, family: Explained) -> None:
@@ -455,7 +455,7 @@ def test_a_fixed_room_says_that_the_request_keeps_it(builder: Builder, family: E
 
 @pytest.fixture
 def on_grid() -> Iterator[Explained]:
-    """A house on a grid. A process has one Prolog, which is set back to no grid."""
+    """Yield a house on a grid. At the end a builder without a grid resets the process's one Prolog engine."""
     yield Explained(Builder(find("family"), 0.3), {"rooms": 3, "cell": 0.3}, 1)
     Builder(find("family"))
 

@@ -1,4 +1,4 @@
-"""What the area of the whole house leaves to a star's rooms is among their bounds."""
+"""The area that the whole house leaves to a star's rooms is among their bounds."""
 
 import shutil
 from pathlib import Path
@@ -12,7 +12,7 @@ from logic.why.star import StarWitness
 
 
 def test_the_area_of_the_house_bounds_its_rooms_and_says_so(tmp_path: Path) -> None:
-    """Where all other rooms stay as they are, by the least sides that the grammar states."""
+    """All other rooms stay as they are. The least sides are those that the grammar states."""
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", folder)
     (folder / "area.pl").write_text("house_area(60.0, 61.0).")

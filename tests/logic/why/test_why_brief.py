@@ -1,4 +1,4 @@
-"""Why a part of a house by a brief is as it is: the lines of the brief that bind it, and no fault of ours."""
+"""Explanations of parts of a house by a brief: the lines of the brief that bind, and no internal errors."""
 
 from time import monotonic
 from typing import Any
@@ -39,7 +39,7 @@ def witness() -> Witness:
 
 
 def answer(witness: Witness, target: str) -> Why:
-    """All of it that is found in a second."""
+    """Return the whole answer that is found in a second."""
     first, *more = witness.parts(target, until=monotonic() + 1)
     for part in more:
         first = first.joined(part)

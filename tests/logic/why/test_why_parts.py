@@ -1,4 +1,4 @@
-"""An answer why comes in parts: the derivation at once, then what could be instead while there is time."""
+"""An explanation comes in parts: the derivation at once, then alternatives while there is time."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -54,7 +54,7 @@ def test_every_part_of_a_home_is_derived_first_and_in_no_time(witness: PlanWitne
 
 
 def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
-    """Of a bed 14 values would take minutes, and nothing is found of any that are tried too late."""
+    """The 14 values of a bed would take minutes, and late attempts find nothing."""
     target = next(each for each in targets(witness) if each.endswith(".bed"))
     for seconds in (0.0, 3.0):
         begun = monotonic()
@@ -72,7 +72,7 @@ def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
 
 @pytest.mark.parametrize("target", ["R1", "entrance"])
 def test_the_derivation_comes_however_few_the_seconds(witness: PlanWitness, target: str) -> None:
-    """By a solver process, which takes seconds to start and to make the house again."""
+    """A solver process takes seconds to start and to generate the house again."""
     why = explain_house(witness._house, target, seconds=0.01)
     assert why.derivations
     assert f"{target} reached the limit of 0.01 seconds: raise it with --seconds" in why.limit
@@ -88,7 +88,7 @@ def test_the_parts_of_an_answer_are_the_answer(witness: PlanWitness) -> None:
 
 
 def options() -> Iterator[Reason]:
-    """The rules of all choices in all files that we ship."""
+    """Yield the rules of all choices in all shipped files."""
     for file in (*RULES.rglob("*.lp"), *SHIPPED.rglob("*.lp")):
         found: list[ast.AST] = []
         parse([file], found.append)

@@ -1,4 +1,4 @@
-"""Why a part of a plan is as it is: rooms on shared walls, doors, the entrance, windows, furniture."""
+"""Explanations of parts of a plan: rooms on shared walls, doors, the entrance, windows, furniture."""
 
 import msgspec
 import pytest
@@ -19,7 +19,7 @@ INFERENCES = 10**8
 
 
 class Explained:
-    """A plan and the answers about it, in this process."""
+    """Plan with explanations, in this process."""
 
     def __init__(self, home: Builder, request: Request, seed: int) -> None:
         self.builder, self.request = home, request
@@ -53,7 +53,7 @@ def home() -> Builder:
 
 @pytest.fixture(scope="module")
 def four(home: Builder) -> Explained:
-    """Four rooms, the fewest of a home."""
+    """Return four rooms, the fewest of a home."""
     return Explained(home, Request(4), 5)
 
 
@@ -74,7 +74,7 @@ def test_every_part_of_a_plan_is_derived_from_facts_and_picks_by_rules_in_files(
 
 
 def test_what_could_be_instead_can_and_what_could_not_cannot(four: Explained) -> None:
-    """By stage 1's own program: with the other picks, and with those changed that are named."""
+    """Stage 1's own program confirms them, with the other picks and with the named changes."""
     program, granted = four.builder.programs.rooms_for(four.request)
     assert program.models
     picks = [atom for atom in program.models[-1][1] if atom.match("pick", 2)]
@@ -84,7 +84,7 @@ def test_what_could_be_instead_can_and_what_could_not_cannot(four: Explained) ->
             for other in choice.instead:
                 kept = [pick for pick in picks if str(pick.arguments[0]) != choice.name]
                 asked = Function("pick", [parse_term(choice.name), parse_term(other.value)])
-                # Stage 2 may forbid what stage 1 does not.
+                # Stage 2 may forbid choices that stage 1 permits.
                 lengths = any((reason.file or "").endswith(".pl") for reason in other.because)
                 assert program.possible([*granted, *kept, asked]) == other.possible or lengths
                 assert other.possible or other.because
@@ -97,7 +97,7 @@ def test_what_could_be_instead_can_and_what_could_not_cannot(four: Explained) ->
 
 
 def test_a_room_could_be_as_large_as_any_house_of_the_same_layout_has_it(four: Explained) -> None:
-    """Its walls sampled again: no size passes the bounds, and some come near them."""
+    """Walls are sampled again: no size exceeds the bounds, and some come near them."""
     layout = four.builder.maker.making
     assert layout
     why = {length.name: length for length in four.why("R1").lengths}

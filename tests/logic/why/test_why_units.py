@@ -1,4 +1,4 @@
-"""Why a part of a building of flats is as it is: what is said of a flat is so in the house."""
+"""Explanations of parts of a building of flats agree with the house."""
 
 from time import monotonic
 
@@ -20,7 +20,7 @@ INFERENCES = 10**9
 
 @pytest.fixture(scope="module")
 def witness() -> UnitsWitness:
-    """Of a building of three flats, of which two have as many rooms and so the same program."""
+    """Return a witness of a building of three flats, two of which have as many rooms and the same program."""
     builder = Builder(find("apartments"), 0.0)
     house = builder.house(Request(17, {"bedroom": (3, 3)}), 5, 0, INFERENCES)
     found = witness_of(builder, house, INFERENCES)
@@ -29,7 +29,7 @@ def witness() -> UnitsWitness:
 
 
 def first(witness: UnitsWitness, target: str) -> Why:
-    """The answer without what could be instead."""
+    """Return the answer without alternatives."""
     found = witness.parts(target, until=0.0)
     why = next(found)
     for more in found:
@@ -38,7 +38,7 @@ def first(witness: UnitsWitness, target: str) -> Why:
 
 
 def targets(house: House) -> list[str]:
-    """All rooms, doors and pieces, and a window of each room that has one."""
+    """Return all rooms, doors and pieces, and a window of each room that has one."""
     pieces = [
         f"{room.name}.{name}" for room in house.rooms for name in part_names([p.type for p in room.pieces])
     ]
@@ -57,7 +57,7 @@ def test_every_part_of_a_building_is_derived_from_facts_and_picks_by_rules_in_fi
 
 
 def test_what_is_said_of_a_room_is_so_in_the_house(witness: UnitsWitness) -> None:
-    """Its type and size; of its flat the number of rooms and the depth; lengths within their bounds."""
+    """Answers state its type and size, its flat's number of rooms and depth, and lengths within bounds."""
     house = witness._house
     for room in house.rooms:
         why = first(witness, room.name)
@@ -81,7 +81,7 @@ def test_what_is_said_of_a_room_is_so_in_the_house(witness: UnitsWitness) -> Non
 
 
 def flats(house: House) -> list[set[str]]:
-    """The names of rooms that doors join without the public corridor."""
+    """Return the names of rooms that doors join without the public corridor."""
     found: list[set[str]] = []
     for room in house.rooms:
         if room is not house.main:
@@ -92,7 +92,7 @@ def flats(house: House) -> list[set[str]]:
 
 
 def test_a_whole_flat_is_asked_for_by_its_name(witness: UnitsWitness) -> None:
-    """Its rooms are those behind its door to a public room, and what made it is derived."""
+    """Its rooms are those behind its door to a public room, and its choices are derived."""
     house = witness._house
     own = {room.name for room in house.rooms if room.type != "commonCorridor"}
     named = []
@@ -122,7 +122,7 @@ def test_a_whole_flat_is_asked_for_by_its_name(witness: UnitsWitness) -> None:
 
 
 def test_the_outline_of_a_flat_stays_where_it_is(witness: UnitsWitness) -> None:
-    """Else the flat would lie in another: its rooms have less to be otherwise than in a house by itself."""
+    """Otherwise the flat would overlap others. Its rooms have less freedom than in a house by themselves."""
     house, narrower = witness._house, 0
     for flat in flats(house):
         unit = witness._unit(witness._firsts.index(min(int(name[1:]) for name in flat)))

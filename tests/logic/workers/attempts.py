@@ -1,4 +1,4 @@
-"""What no rule may bring about, tried in a solver process: by Python, by the C library, by Prolog."""
+"""Attempts that no rule may achieve in a solver process: by Python, by the C library, by Prolog."""
 
 import ctypes
 import os
@@ -19,7 +19,10 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def attempts(folder: Path, port: int, victim: int) -> dict[str, Callable[[], object]]:
-    """By name, in a folder with the files ``kept`` and ``moved``; a server has the port; a process waits."""
+    """Return attempts by name. The folder has the files ``kept`` and ``moved``.
+
+    A server listens at the port, and the victim is a waiting process.
+    """
     kept, new = folder / "kept", folder / "new"
     return {
         "read a file": kept.read_text,
@@ -56,13 +59,13 @@ def attempts(folder: Path, port: int, victim: int) -> dict[str, Callable[[], obj
 
 
 def start() -> None:
-    """A process that ends at once."""
+    """Start a process that ends at once."""
     if not os.fork():
         os._exit(0)
 
 
 def done(result: int) -> None:
-    """Raise what the C library says."""
+    """Raise the error of the C library, if any."""
     if result < 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
@@ -75,7 +78,7 @@ def prolog(goal: str) -> None:
 
 
 def tried(folder: Path, port: int, victim: int) -> list[Finding]:
-    """The attempts, each with what became of it."""
+    """Return the attempts, each with its outcome."""
     findings = []
     for name, attempt in attempts(folder, port, victim).items():
         try:

@@ -1,6 +1,6 @@
-"""Houses made in the process of the tests: a solver process takes longer to start than most houses to make.
+"""Generation of houses in the process of the tests, since a solver process takes longer to start.
 
-For claims about rules. Those about processes, limits and answers between them are of ``logic.generate``.
+It is for tests of rules. Tests of processes, limits and messages use ``logic.generate``.
 """
 
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ def generate(
     count: int = 1,
     **counts: Any,
 ) -> Iterator[House]:
-    """What ``generate`` makes of these arguments."""
+    """Yield the houses of ``logic.generate`` for these arguments."""
     request = Request.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
     rules = find(grammar)
     for index in range(count):

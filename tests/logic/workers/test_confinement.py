@@ -1,4 +1,4 @@
-"""A solver process can do nothing but solve: what else code in it tries is refused and leaves no trace."""
+"""A solver process can only solve: other attempts of its code are refused and leave no trace."""
 
 import json
 import os
@@ -25,7 +25,7 @@ CONFINED = pytest.mark.skipif(not all(confinement.measures().values()), reason="
 
 
 class Scene:
-    """What attempts are made on: two files in a folder, a process that waits, a server."""
+    """Targets of attempts: two files in a folder, a waiting process, and a server."""
 
     def __init__(self, folder: Path, victim: subprocess.Popen, server: socket.socket) -> None:
         (folder / "kept").write_text("kept\n")
@@ -34,7 +34,7 @@ class Scene:
         self._before = self._files()
 
     def tried(self, *measures: str) -> tuple[set[str], set[str]]:
-        """The attempts that a solver process under these measures does, and those that it does not."""
+        """Return the attempts that succeed in a solver process under these measures, and those that fail."""
         server, victim = str(self._server.getsockname()[1]), str(self._victim.pid)
         worker = subprocess.Popen(
             [sys.executable, "-m", attempts.__name__, ",".join(measures), self._folder, server, victim],
@@ -57,7 +57,7 @@ class Scene:
         return done, {each["file"] for each in found} - done
 
     def effects(self) -> set[str]:
-        """What became of the scene."""
+        """Return the effects on the targets."""
         effects = {name for name, file in self._files().items() if self._before.get(name) != file}
         effects |= self._before.keys() - self._files().keys()
         self._server.setblocking(False)
@@ -69,7 +69,7 @@ class Scene:
         return effects
 
     def _sleeps(self) -> bool:
-        """Whether the victim does, and has no signal yet to receive."""
+        """Return True if the victim sleeps and has no pending signal."""
         status = Path(f"/proc/{self._victim.pid}/status").read_text()
         pending = re.findall(r"^(?:Sig|Shd)Pnd:\s+(\w+)", status, re.M)
         return "State:\tS" in status and not any(int(signals, 16) for signals in pending)
@@ -112,9 +112,9 @@ def test_landlock_alone_keeps_files_programs_and_connections(scene: Scene) -> No
 
 
 def test_unconfined_these_attempts_succeed(scene: Scene) -> None:
-    """So it is the measures that refuse them."""
+    """This shows that the measures refuse them."""
     _, refused = scene.tried()
-    # Depends on the file system; on who may trace whom.
+    # The first depends on the file system, the second on permissions to trace.
     assert refused <= {"make a file without a name", "trace another process"}
     assert {"new", "kept", "moved", "shell", "started", "connection", "signal"} < scene.effects()
 
@@ -147,7 +147,7 @@ def test_what_a_kernel_lacks_is_said_by_the_version(
 
 
 def test_a_measure_that_fails_is_an_error_and_no_house(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not a process that is confined less than was said."""
+    """The process must not run with less confinement than stated."""
     measures = dict.fromkeys(confinement.measures(), True)
     monkeypatch.setattr(confinement, "measures", lambda: measures)
     monkeypatch.setattr(confinement._libc, "prctl", lambda *_: -1)

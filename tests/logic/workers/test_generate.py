@@ -1,4 +1,4 @@
-"""From rules to houses: what is promised of every house, and of every request that has none."""
+"""From rules to houses: claims about every house, and about every request without a house."""
 
 import gc
 import json
@@ -37,7 +37,7 @@ Edit = Callable[[str, str, str], Path]
 
 @pytest.fixture
 def edited(tmp_path: Path) -> Edit:
-    """A copy of the family grammar with one text of one file replaced, as a user would edit it."""
+    """Return a function that replaces one text in one file of a copy of the family grammar."""
 
     def edit(file: str, old: str, new: str) -> Path:
         folder = tmp_path / "mine"
@@ -60,7 +60,7 @@ def line_of(file: Path, text: str) -> int:
 
 @pytest.mark.parametrize("rooms", range(1, 17))
 def test_houses_of_every_size_keep_every_promise(rooms: int) -> None:
-    """300 houses in all: 19 of each size, one less for the last four."""
+    """There are 300 houses in all: 19 of each size, and 18 of each of the last four."""
     houses = list(generate(rooms=rooms, seed=rooms, count=19 if rooms <= 12 else 18, workers=2))
     assert [check(house) for house in houses] == [[]] * len(houses)
     assert {len(house.star.rooms) for house in houses} == {rooms}
@@ -125,7 +125,7 @@ def test_a_house_says_where_it_comes_from() -> None:
 
 
 def test_a_new_room_type_needs_two_files_and_no_python(edited: Edit) -> None:
-    """As docs/use.md tells: the type and its furniture in a .lp file, their sizes in a .pl file."""
+    """As in docs/use.md: the type and its furniture in a .lp file, their sizes in a .pl file."""
     folder = edited("furniture.lp", "may(bedroom,bed,1,2).", "may(bedroom,bed,1,2).")
     for file, lines in (
         ("furniture.lp", "type(study).\nmay(study,lectern,1,1).      stands(lectern, (back; left)).\n"),
@@ -181,7 +181,7 @@ def test_too_many_of_a_type_is_proved_impossible() -> None:
 
 
 def test_a_room_too_small_for_its_furniture_is_proved_impossible(edited: Edit) -> None:
-    """No bed of 1.9 m and no passage fit into 2 m: stage 2 proves it, and stage 1 learns."""
+    """No bed of 1.9 m and no passage fit into 2 m. Stage 2 proves it, and stage 1 learns it."""
     large = "room_size(bedroom,  W, D) :- { W >= 3.2, W =< 5.2, D >= 3.2, D =< 5.2 }."
     folder = edited("sizes.pl", large, "room_size(bedroom, 2.0, 2.0).")
     with pytest.raises(Unsatisfiable) as caught:
@@ -239,7 +239,7 @@ def test_an_unknown_grammar_is_named() -> None:
 def test_a_wrong_rule_is_named_by_file_and_line(
     edited: Edit, file: str, old: str, new: str, says: str
 ) -> None:
-    """SWI-Prolog drops such a clause and goes on: here it is an error."""
+    """SWI-Prolog drops such a clause and continues. Here it is an error."""
     folder = edited(file, old, new)
     with pytest.raises(GrammarError, match=says) as caught:
         next(in_process.generate(rooms=3, grammar=folder))
@@ -281,8 +281,9 @@ def children(process: int) -> list[int]:
 
 
 def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) -> None:
-    """To start one takes half a second. After an edit of the rules there is another, not after a request
-    that has no house or makes no sense.
+    """Starting a solver takes half a second. A new one starts after an edit of the rules.
+
+    None starts after a request that has no house or makes no sense.
     """
     folder = edited("sizes.pl", "passage(0.42).", "passage(0.43).")
     first = next(generate(rooms=2, grammar=folder))
@@ -301,7 +302,7 @@ def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) ->
 def test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules(
     edited: Edit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """To ground all furniture for it is half of the time to load a grammar."""
+    """Grounding all furniture for the remarks takes half of the time to load a grammar."""
     opened: list[bool] = []
 
     def counted(opening: Open) -> Solver:
@@ -384,7 +385,7 @@ def test_a_user_s_module_that_hides_one_of_ours_is_named(tmp_path: Path, theirs:
 
 
 def test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers() -> None:
-    """Not even until the next collection of garbage."""
+    """Descriptors are closed at once, not at the next garbage collection."""
     gc.disable()
     try:
         opened = []
@@ -399,6 +400,6 @@ def test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers() -> Non
 
 
 def test_a_main_room_on_a_grid_is_at_most_twice_as_long_as_wide() -> None:
-    """Where no whole height is left for its width, it is narrower: of these 60 houses one was not."""
+    """If no whole height is left for its width, the width shrinks. One of these 60 houses once failed."""
     houses = generate(2, cell=0.5, seed=102, count=60)
     assert [violation for house in houses for violation in check(house)] == []

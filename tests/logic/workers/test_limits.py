@@ -1,4 +1,4 @@
-"""What takes too much time or memory is named soon: rules that do not end, files of any size and kind."""
+"""Steps that take too much time or memory are named soon: endless rules, files of any size and kind."""
 
 import os
 import re
@@ -18,10 +18,10 @@ from logic.language import trial
 from logic.workers import solver
 
 LATE = 10.0
-"""Seconds that an answer may take beyond its limit where others are at work: without it, it takes minutes."""
+"""Seconds that an answer may take beyond its limit on a busy machine. Without the limit it takes minutes."""
 
 JOIN = "n(1..999).\n:- {}n(X), n(Y), n(Z), X*X-Y*Y*Z*Z*Z = 17.\n"
-"""A join of a billion triples, hardly one of which fits."""
+"""Join of a billion triples, hardly any of which satisfies it."""
 
 
 @pytest.fixture
@@ -32,14 +32,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def add(file: Path, text: str) -> str:
-    """Append to a file; gives the place of the last line."""
+    """Append a text to a file, and return the place of its last line."""
     with file.open("a") as rules:
         rules.write(text)
     return f"{file}:{len(file.read_text().splitlines())}:1"
 
 
 def within(seconds: float, call: Callable[[], object]) -> str:
-    """What the error of a call says, to which its processes must come in these seconds of CPU time."""
+    """Return the error of a call, whose processes must finish within these seconds of CPU time."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with pytest.raises((GrammarError, LimitReached)) as caught:
         call()
@@ -78,7 +78,7 @@ def test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over
 
 
 def test_a_clause_that_computes_for_ever_is_named(folder: Path) -> None:
-    """In one inference: no bound of inferences ends it."""
+    """The clause computes in one inference, so that no limit on inferences ends it."""
     text = (folder / "sizes.pl").read_text()
     (folder / "sizes.pl").write_text(
         text.replace(
@@ -124,7 +124,7 @@ def test_a_trial_names_no_shared_rule(grammar: str) -> None:
 
 
 TIGHT = (("house_size(W, D) :- { W =< 2.2*D, D =< 2.2*W }.", "house_size(W, D) :- { W =< 8.5, D =< 8.5 }."),)
-"""For twelve rooms: no plan is found in a minute, and none is proved impossible."""
+"""Bounds with which no plan of twelve rooms is found in a minute, and none is proved impossible."""
 
 
 def tight(folder: Path) -> Path:
@@ -163,14 +163,15 @@ def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Pat
 def test_a_limit_of_a_search_names_the_rule_without_which_a_layout_is_found_and_is_kept(
     tmp_path: Path,
 ) -> None:
-    """Another process finds it meanwhile, which has to start: longer under load. To refute sixteen rooms with
-    fifteen keys takes clingo hours, thirteen with twelve a quarter of a minute.
+    """Another process finds the rule meanwhile. The process has to start, which takes longer under load.
+
+    Refuting sixteen rooms with fifteen keys takes clingo hours, thirteen with twelve a quarter of a minute.
     """
     made = shutil.copytree(SHIPPED / "family", tmp_path / "mine")
     choice, rule = "option(key(R),1..15,1) :- R = 0..rooms-1.", ":- pick(key(R),K), pick(key(Q),K), R < Q."
     place, said = add(made / "rooms.lp", f"{choice}\n{rule}\n"), ""
     for seconds in (4.0, 16.0, 64.0):
-        next(generate(rooms=3, grammar=made))  # So that rules are loaded.
+        next(generate(rooms=3, grammar=made))  # To load the rules.
         began = time.monotonic()
         with pytest.raises(LimitReached) as caught:
             next(generate(rooms=16, grammar=made, seconds=seconds))

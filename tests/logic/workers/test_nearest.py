@@ -1,4 +1,4 @@
-"""Of a brief that no house keeps, the fewest lines are broken, and lengths no more than they must be."""
+"""For a brief without a house, the fewest lines are broken, and lengths change as little as possible."""
 
 from typing import Any
 
@@ -9,13 +9,13 @@ from logic.workers import nearest as module
 
 
 def brief(*areas: float, **more: Any) -> dict[str, Any]:
-    """Rooms R0, R1 ..., of these areas."""
+    """Return a brief with rooms R0, R1 ... of these areas."""
     rooms = [{"name": f"R{number}", **({"area": area} if area else {})} for number, area in enumerate(areas)]
     return {"rooms": rooms, **more}
 
 
 def test_of_doors_between_all_of_five_rooms_two_are_broken() -> None:
-    """No four rectangles of a plan touch each other: of ten pairs Turán's theorem leaves eight."""
+    """No four rectangles of a plan all touch each other: of ten pairs Turán's theorem leaves eight."""
     doors = [[f"R{one}", f"R{other}"] for one in range(5) for other in range(one)]
     found = nearest(brief(0, 0, 0, 0, 0, doors=doors))
     assert [(each.line[:12], each.instead) for each in found.broken] == [("a door joins", "")] * 2
@@ -26,7 +26,7 @@ def test_of_doors_between_all_of_five_rooms_two_are_broken() -> None:
 
 
 def test_an_area_is_made_no_smaller_than_the_outline_asks() -> None:
-    """8 by 6 m less 27, 4.5 and 4.5 m² leave 12 m² at most."""
+    """The outline of 8 by 6 m less 27, 4.5 and 4.5 m² leaves 12 m² at most."""
     found = nearest(brief(30, 30, 5, 5, outline={"width": 8, "depth": 6}))
     (broken,) = found.broken
     assert broken.line == "R0 has 27 to 33 m²"
@@ -37,7 +37,7 @@ def test_an_area_is_made_no_smaller_than_the_outline_asks() -> None:
 
 
 def test_a_length_is_broken_before_a_door() -> None:
-    """A door with its margins is wider than this outline is: either may go, and a length is kept in part."""
+    """A door with its margins is wider than this outline. Either may go, and a length is kept in part."""
     narrow = {"width": [0.5, 0.8], "depth": [0.5, 0.9]}
     (broken,) = nearest(brief(0, 0, doors=[["R0", "R1"]], outline=narrow)).broken
     assert broken.line.startswith("the outline is")

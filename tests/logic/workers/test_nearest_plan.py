@@ -1,4 +1,4 @@
-"""The plan nearest to one that is impossible: its walls move, by as little as can be, and it has a house."""
+"""The plan nearest to an impossible one: its walls move as little as possible, and it has a house."""
 
 import json
 from pathlib import Path
@@ -14,7 +14,7 @@ from tests.logic.request.test_given_plan import BOXES, Box, geojson
 from vitruvius.cli import main
 
 NARROW: dict[str, Box] = BOXES | {"bath": (6, 3, 7.17, 5.2)}
-"""A bath of 1.17 m, that is 1.2 m wide at least."""
+"""Plan with a bath of 1.17 m, which must be at least 1.2 m wide."""
 
 
 def record(boxes: dict[str, Box]) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def record(boxes: dict[str, Box]) -> dict[str, Any]:
 
 
 def moved(plan: OwnPlan, share: float, to: OwnPlan) -> OwnPlan:
-    """A plan part of the way from one to another."""
+    """Return a plan part of the way from one plan to another."""
     boxes = {}
     for one, other in zip(plan.rooms, to.rooms, strict=True):
         west, north, east, south = (a + share * (b - a) for a, b in zip(one.box, other.box, strict=True))

@@ -1,4 +1,4 @@
-"""Claims about what commands read and write beside their answers: ``-``, folders, and files already there."""
+"""Streams of commands besides their answers: ``-``, folders, and files that exist already."""
 
 import gzip
 import json
@@ -22,14 +22,17 @@ Command = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture
 def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    """A command in a folder of its own: its exit code and what it prints. ``given``: its standard input."""
+    """Return a function that runs a command in a folder of its own.
+
+    It returns the exit code and the printed text. ``given`` is the command's standard input.
+    """
     monkeypatch.chdir(tmp_path)
 
     def run(*words: str, given: bytes = b"") -> tuple[int, str, str]:
         (tmp_path / ".given").write_bytes(given)
         with (tmp_path / ".given").open() as file:
             monkeypatch.setattr(sys, "stdin", file)
-            # Python shows a warning once, but each command is to show its own.
+            # Python shows a warning once, but each command must show its own.
             with warnings.catch_warnings(), pytest.raises(SystemExit) as ended:
                 main(list(words))
         assert isinstance(ended.value.code, int)
@@ -55,7 +58,7 @@ def test_a_dash_is_the_standard_input(words: str, packed: bool, command: Command
 @pytest.mark.parametrize("packed", [False, True], ids=["plain", "gzip"])
 @pytest.mark.parametrize("plan", ["GeoJSON", "a house"])
 def test_a_plan_comes_by_the_standard_input_too(plan: str, packed: bool, command: Command) -> None:
-    """Each is answered as the same plan in a file; typical sizes of homes give way to the house's."""
+    """Answers equal those for the same plan in a file. Typical sizes of homes give way to the house's."""
     content = (
         (FIXTURES / "plan.geojson").read_bytes()
         if plan == "GeoJSON"
@@ -112,7 +115,7 @@ HINTS = {
 
 @pytest.mark.parametrize("words", HINTS)
 def test_a_command_that_is_advised_can_be_typed_as_it_stands(words: str, command: Command) -> None:
-    """Judged as a shell reads it."""
+    """The command is parsed as a shell reads it."""
     if words == "check FILE":
         Path("a b").mkdir()
         Path(NAMED).write_text('{"stopped": "before the first"}\n')

@@ -1,4 +1,4 @@
-"""The houses of a stream are those of ``generate``, of some numbers of rooms in turn, made when asked for."""
+"""The houses of a stream are those of ``generate``, for numbers of rooms in turn, generated on access."""
 
 import pytest
 

@@ -1,20 +1,20 @@
-"""Kinds of mistakes, in a table for each place where they are made."""
+"""Kinds of mistakes, in a table for each place of mistakes."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Mistake:
-    """One edit of a copy of a shipped grammar, and what is said of it."""
+    """Edit of a copy of a shipped grammar, and the message about it."""
 
     title: str
     file: str
     old: str
-    """What is replaced in the file: it stands there once; empty to append ``new`` as a line of its own."""
+    """Text to replace in the file, which occurs once; if empty, ``new`` is appended as a line."""
     new: str
     says: str
-    """Words of the message, its hint included; ``line [file: words]`` is the line that begins so."""
+    """Words of the message with its hint. ``line [file: words]`` stands for the line that begins so."""
     at: str = ""
-    """The text of ``new`` that the message points at, by line and column; empty for its beginning."""
+    """Text in ``new`` to which the message points, by line and column; empty for its beginning."""
     severity: str = "error"
     grammar: str = "family"

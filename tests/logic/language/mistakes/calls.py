@@ -1,4 +1,4 @@
-"""Mistakes in calls from Python: what was called, the error's class, and what it says."""
+"""Mistakes in calls from Python: the call, the error's class, and its message."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ ENVIRONMENT = "sim:Vitruvius/House-v0"
 
 @dataclass(frozen=True)
 class Call:
-    """A call with these arguments, which ends in an error."""
+    """Call with these arguments, which ends in an error."""
 
     call: Callable[..., Any]
     given: dict[str, Any]

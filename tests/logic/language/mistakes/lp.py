@@ -1,4 +1,4 @@
-"""Mistakes in ``.lp`` files: what is appended to a file of the family grammar, or replaced in it."""
+"""Mistakes in ``.lp`` files: texts that are appended to a file of the family grammar, or replaced in it."""
 
 from tests.logic.language.mistakes import Mistake
 

@@ -19,41 +19,41 @@ chair = partial(Mistake, file="sizes.pl", old=CHAIR)
 
 
 def bounds(title: str, bounds: str, says: str, at: str = "") -> Mistake:
-    """A bathroom with other bounds; the message points at ``at`` in them, or at the clause."""
+    """Return a bathroom with other bounds; the message points at ``at`` in them, or at the clause."""
     return bathroom(title, new=f"room_size(bathroom, W, D) :- {{ {bounds} }}.", says=says, at=at)
 
 
 def plan(title: str, old: str, new: str, says: str, at: str = "", file: str = "sizes.pl") -> Mistake:
-    """An edit of the lengths of the home grammar, where rooms share walls."""
+    """Return an edit of the lengths of the home grammar, in which rooms share walls."""
     return Mistake(title, file, old=old, new=new, says=says, at=at, grammar="home")
 
 
 def appended(title: str, new: str, says: str) -> Mistake:
-    """A clause more in the lengths of the home grammar."""
+    """Return an additional clause in the lengths of the home grammar."""
     return plan(title, "", new, says)
 
 
 def kitchen(title: str, new: str, says: str, at: str = "") -> Mistake:
-    """Another area of its kitchens."""
+    """Return another area of its kitchens."""
     return plan(title, "room_area(kitchen,   6.0, 16.0).", new, says, at)
 
 
 def window(title: str, bounds: str, says: str, at: str = "") -> Mistake:
-    """Other bounds of its windows."""
+    """Return other bounds of its windows."""
     clause = "window_size(_, L, Wall) :- {{ {} }}."
     old, new = (clause.format(each) for each in ("L >= 0.6, L =< 0.6*Wall, L =< 2.4", bounds))
     return plan(title, old, new, says, at, file="lengths.pl")
 
 
 def house(title: str, bounds: str, says: str, at: str = "") -> Mistake:
-    """Other bounds of its houses."""
+    """Return other bounds of its houses."""
     clause = "house_size(W, D) :- {{ {} }}."
     old, new = (clause.format(each) for each in ("W =< 2.2*D, D =< 2.2*W", bounds))
     return plan(title, old, new, says, at, file="lengths.pl")
 
 
 MISTAKES = (
-    # - sizes that are empty
+    # - empty sizes
     bounds(
         "a least width above the greatest",
         "W >= 5.0, W =< 4.6, D >= 2.4, D =< 3.7",
@@ -108,7 +108,7 @@ MISTAKES = (
         new="piece_size(cupboard, L, D, _) :- { L >= 6.2, L =< 7.0, D >= 0.4, D =< 0.5 }.",
         says="L >= 6.2, L =< Wall and Wall =< 6.1 (in hall, line 16) exclude each other",
     ),
-    # - what is no linear constraint
+    # - constraints that are not linear
     bounds(
         "a decimal comma",
         "W >= 2.4, W =< 4,6, D >= 2.4, D =< 3.7",
@@ -477,7 +477,7 @@ door_width(0.762).          % the paper's 2.5 feet
         says="a quote begins here and does not end",
         at="'",
     ),
-    # - what a file must not hold
+    # - what a file must not contain
     passage(
         "a directive", new=":- initialization(halt).", says="a directive runs code when the file is read"
     ),

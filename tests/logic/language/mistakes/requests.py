@@ -1,4 +1,4 @@
-"""Mistakes on the command line: what was typed, the exit code, and what the answer says."""
+"""Mistakes on the command line: the command, the exit code, and the answer."""
 
 from dataclasses import dataclass
 
