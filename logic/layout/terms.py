@@ -176,7 +176,7 @@ def parts(terms: Iterable[Symbol]) -> list[Part]:
 
 
 def to_furnish(type_: str, rooms: int) -> list[Symbol]:
-    """Return atoms, one of which holds if some room with furniture has this type."""
+    """Return atoms, one of which holds if some room of this type must be furnished."""
     return [Function("unfurnished", [Number(number), Function(type_)]) for number in range(rooms)]
 
 

@@ -28,7 +28,7 @@ NEAR = 0.05
 """Relative precision of the share by which the bounds of a length are widened."""
 
 AMPLE = (NEAR, 5 * NEAR, 20 * NEAR)
-"""Shares added to that share; a house is generated with the first of them that suffices."""
+"""Shares by which the bounds are then wider than necessary, tried in order until a house is found."""
 
 EASING = 10_000_000
 """Largest number of Prolog inferences for a house with wider bounds."""

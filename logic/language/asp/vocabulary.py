@@ -292,8 +292,8 @@ def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signatur
 def _meant_predicate(signature: Signature, known: Iterable[Signature], core: Words) -> str:
     """Return the intended predicate, as in ``window/2``, or an empty text.
 
-    It has this name or the most similar one, if possible the same number of arguments, and rather
-    documentation.
+    Its name is this one or the most similar one. Predicates with the same number of arguments come first,
+    then documented ones.
     """
     name, arity = signature
     known = set(known) - {signature}

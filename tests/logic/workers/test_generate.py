@@ -400,6 +400,9 @@ def test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers() -> Non
 
 
 def test_a_main_room_on_a_grid_is_at_most_twice_as_long_as_wide() -> None:
-    """If no whole height is left for its width, the width shrinks. One of these 60 houses once failed."""
+    """A main room narrows if its width leaves no whole height.
+
+    One of these 60 houses once broke the limit.
+    """
     houses = generate(2, cell=0.5, seed=102, count=60)
     assert [violation for house in houses for violation in check(house)] == []
