@@ -112,7 +112,7 @@ def test_a_mistake_stands_at_its_line_and_a_changed_rule_makes_other_houses(page
     expect(first).not_to_have_attribute("aria-label", f"R0, {kind}", timeout=WHOLE)
     edit(page, "rooms.lp", "#program house.", "#program house.\n:- rom(_,hall).")
     expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=WHOLE)
-    page.reload()  # What is changed outlives it, until it is taken back.
+    page.reload()  # Edits outlive a reload, until they are reverted.
     expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=WHOLE)
     page.get_by_role("button", name="As shipped").click()
     expect(page.locator("#findings li")).to_have_count(0, timeout=WHOLE)
@@ -149,7 +149,7 @@ def test_rules_without_end_are_stopped_and_the_page_goes_on(page, at):
     expect(page.locator("#status")).to_have_text("Stopped.")
     edit(page, "rooms.lp", "number(0).", "number(1).")
     expect(page.locator("#status")).to_have_text("Drawing.")
-    edit(page, "rooms.lp", "number(1). number(N+1) :- number(N).", "")  # The solvers are still at it.
+    edit(page, "rooms.lp", "number(1). number(N+1) :- number(N).", "")  # The solvers are still busy.
     expect(page.locator("#status")).to_contain_text("drawn in", timeout=WHOLE)
 
 

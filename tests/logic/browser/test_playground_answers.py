@@ -225,7 +225,7 @@ def test_files_that_include_others_are_read_in_the_page_as_by_python(opened, tmp
     cases["a length that contradicts a shipped file"] = family | {"a.pl": "\nroom_gap(9.0)."}
     for number, (title, files) in enumerate(cases.items()):
         if not all(text.isprintable() for text in "".join(files.values()).split("\n")):
-            continue  # The page shows what it is given.
+            continue  # The page shows such text unescaped.
         answer = asked(opened, files, 3, {})
         assert answer == made(tmp_path / str(number), files, 3, {}), title
         assert answer[0] == "mistake"

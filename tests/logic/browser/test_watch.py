@@ -373,7 +373,7 @@ def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, pa
     page.route("**/engine.js", engine)
     page.goto(f"{server.address}#count=1")
     page.get_by_label("Seed", exact=True).fill("1")
-    while page.evaluate("answers.length") < 2:  # the page's own policy forbids what waits for a function
+    while page.evaluate("answers.length") < 2:  # the page's own policy forbids ``wait_for_function``
         page.wait_for_timeout(50)
     page.evaluate("answers[1]()")
     expect(page.locator("#sheet")).to_have_text("seed 1")
@@ -478,11 +478,11 @@ def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothin
         text=True,
         timeout=PATIENCE,
         check=True,
-    ).stderr  # Read until all that could write there have ended.
+    ).stderr  # Read until all processes that could write there have ended.
     assert said == ""
     (started,) = tmp_path.glob("started.*")
     deadline = time.monotonic() + PATIENCE
-    while is_alive(int(started.suffix[1:])):  # What is killed closes its files a moment before it has ended.
+    while is_alive(int(started.suffix[1:])):  # A killed process closes its files just before it ends.
         assert time.monotonic() < deadline
         time.sleep(0.01)
 

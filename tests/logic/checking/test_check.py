@@ -486,6 +486,6 @@ def test_the_original_s_example_keeps_every_promise() -> None:
     """It violates nothing; its narrowest passage is 0.59 m or so, and 98 % of each room is reached."""
     (house,) = load(EXAMPLE)
     assert check(house) == []
-    # It is the convention that saves it: read as one of ours, its rooms stand in the main room.
+    # The original's convention permits this: in ours its rooms stand in the main room.
     ours = check(House.of_star(house.star))
     assert sum("overlaps the main room" in line for line in ours) == 4

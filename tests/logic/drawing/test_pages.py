@@ -46,7 +46,7 @@ def test_a_page_that_is_too_small_is_refused_with_what_fits() -> None:
         match=r"house 3 is 210 x 174 mm at 1:50, too large for A4: a larger --paper, or --scale 1:100",
     ):
         page(FLAT, LOOK, 50, "A4", "house 3")
-    page(FLAT, LOOK, 100, "A4")  # as it says
+    page(FLAT, LOOK, 100, "A4")  # the scale in the error
     vast = House((Room(0, 0, 100, 100, "R0", "hall"),))
     with pytest.raises(RequestError, match="too large for A0: --scale 1:200"):
         page(vast, style([vast]), 50)

@@ -222,7 +222,7 @@ def test_every_format_takes_every_kind_of_house_with_every_kind_of_name(
     format: str, kind: str, tmp_path: Path
 ) -> None:
     houses = [named(KINDS[kind], names) for names in NAMES.values()]
-    houses = [House.from_dict(house.to_dict()) for house in houses]  # all are houses that files may hold
+    houses = [House.from_dict(house.to_dict()) for house in houses]  # files may hold all of these
     for house, path in zip(houses, export(houses, tmp_path, format), strict=True):
         READ[format](house, path)
 

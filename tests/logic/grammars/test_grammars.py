@@ -86,7 +86,7 @@ def test_nothing_stands_in_front_of_a_piece_whose_front_a_grammar_states_to_be_c
     text = (clear / "arrangement.lp").read_text()
     for own in (":- turned(bed,K,near), touched(bed,K,far).", ":- turned(bed,K,far), touched(bed,K,near)."):
         assert own in text
-        text = text.replace(own, "")  # It states the same of beds.
+        text = text.replace(own, "")  # The rule states the same of beds.
     (clear / "arrangement.lp").write_text(text)
 
     def obstructed(grammar: str | Path) -> int:

@@ -147,7 +147,7 @@ def test_a_bed_has_exactly_one_bedside_at_the_same_wall_and_touching_it(houses: 
         assert walls
         turned = BACK[bed.orientation] not in walls
         lying[turned] += 1
-        if turned:  # It lies along the wall, and its head is where the bedside is.
+        if turned:  # The bed lies along the wall, with its head at the bedside.
             assert _side(bed, bedside) == BACK[bed.orientation]
     assert min(lying.values()) > 0.2 * lying.total()
 

@@ -115,7 +115,7 @@ def test_each_change_is_drawn_in_its_place_with_its_line() -> None:
             for line in lines
             if line.stroke == colour and len(line.points) == 5 and line.points[0] == line.points[4]
         ]
-        frames = frames[:-1]  # that of the key
+        frames = frames[:-1]  # without the frame of the key
         count = sum(each.what == what for each in found)
         assert sum(bool(line.dash) for line in frames) == count * (what != "came")
         assert sum(not line.dash for line in frames) == count * (what != "went")

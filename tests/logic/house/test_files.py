@@ -296,7 +296,7 @@ def test_a_file_that_is_replaced_keeps_its_mode(tmp_path: Path) -> None:
 def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path: Path) -> None:
     link, file = tmp_path / "link.jsonl", tmp_path / "deep" / "houses.jsonl"
     link.symlink_to(file)
-    for content in (b"first", b"second"):  # the first time it leads to nothing
+    for content in (b"first", b"second"):  # the first time the target is absent
         write_whole(link, content)
         assert link.is_symlink()
         assert file.read_bytes() == content

@@ -99,7 +99,7 @@ def test_maps_are_read_as_map_server_reads_them(
         **changes | ({"mode": mode} if mode else {}),
     )
     cells, _ = read_plainly(path)
-    if mode == "raw":  # What map_server leaves to others: how occupied is occupied.
+    if mode == "raw":  # map_server leaves it to others how occupied a cell must be.
         cells = np.where(
             cells < 0, -1, np.where(cells / 100 > occupied, 100, np.where(cells / 100 < free, 0, -1))
         )

@@ -253,7 +253,7 @@ def altered(draw: st.DrawFn) -> dict[str, Any]:
 @given(altered())
 def test_the_schema_and_the_reader_accept_the_same_records_but_for_what_is_stated(record: Any) -> None:
     if record.get("format") != "vitruvius-2":
-        return  # then another format's reader reads it
+        return  # another format has another reader
     refusal = ""
     try:
         House.from_dict(record)

@@ -127,7 +127,7 @@ def test_a_proof_names_the_facts_that_matter_and_each_is_needed(title: str, tmp_
     lines = text.split("\n")
     for reason in caught.value.reasons:
         if reason.text.endswith(" is not stated"):
-            # It stands where the grammar's own facts of its first argument do, or of its kind.
+            # The fact's place is that of the grammar's own facts with its first argument, or of its kind.
             kind, first = re.split(r"[(,]", reason.text)[:2]
             same = [line for line in lines if line.startswith(f"{kind}({first},")]
             kin = same or [line for line in lines if line.startswith(f"{kind}(")]
@@ -136,7 +136,7 @@ def test_a_proof_names_the_facts_that_matter_and_each_is_needed(title: str, tmp_
         elif not reason.text.startswith("--"):
             assert reason.line
             assert reason.text in lines[reason.line - 1]
-    for number, reason in enumerate(sorted(reasons)):  # Those of the request first: the rules are loaded.
+    for number, reason in enumerate(sorted(reasons)):  # The request first: rules are loaded.
         changed, fewer = without(text, types, reason)
         other = folder if changed == text else grammar(tmp_path / f"other{number}", changed)
         assert isinstance(next(in_process.generate(3, types=fewer, grammar=other)), House), reason

@@ -179,7 +179,7 @@ def test_strips_of_an_open_living_room_in_resplan_are_none_and_it_is_open_to_the
     plan = read_plan(json.loads(json.dumps(record, default=mapping)) if as_json else record)
     assert sorted(areas(plan)) == ["bathroom", "bedroom", "kitchen", "living"]
     assert areas(plan)["living"] == pytest.approx(to_the_middle_of_walls(hall), rel=0.03)
-    # It has no wall in the north.
+    # The kitchen has no wall in the north.
     assert areas(plan)["kitchen"] == pytest.approx((1.72 + WALL) * (2.9 + WALL / 2), rel=0.02)
     opened = {frozenset(door.between): door.length for door in plan.doors if door.opening}
     assert opened == {frozenset(("living", "kitchen")): pytest.approx(1.72, abs=0.2)}

@@ -225,7 +225,7 @@ def test_info_shows_as_houses_what_is_no_plan_to_furnish(tmp_path: Path) -> None
         [found] = recognised(str(tmp_path / name))
         assert isinstance(found, Houses)
         assert found.houses == 1
-    (tmp_path / "bent").write_text(json.dumps(bent))  # by this name it is no house
+    (tmp_path / "bent").write_text(json.dumps(bent))  # a house needs another suffix
     with pytest.raises(UnknownFileError, match="R0 has an arc from"):
         recognised(str(tmp_path / "bent"))
 

@@ -43,7 +43,7 @@ class Scene:
             stderr=subprocess.DEVNULL,
             cwd=ROOT,
             text=True,
-            start_new_session=True,  # It ends with its group.
+            start_new_session=True,  # The process ends with its group.
         )
         assert worker.stdin
         assert worker.stdout

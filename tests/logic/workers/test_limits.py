@@ -66,7 +66,7 @@ def test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over
 ) -> None:
     monkeypatch.setattr(solver, "LOADING", 5.0)
     place, said = add(folder / "rooms.lp", JOIN.format("rooms > 8, ")), ""
-    for seconds in (6, 20, 60):  # Another process finds it meanwhile, which has to start: longer under load.
+    for seconds in (6, 20, 60):  # Another process finds it meanwhile, and starts later under load.
         with pytest.raises(LimitReached) as caught:
             next(generate(rooms=9, grammar=folder, seconds=float(seconds)))
         said = str(caught.value)

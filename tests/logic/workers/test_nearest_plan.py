@@ -40,7 +40,7 @@ def test_a_room_is_as_much_wider_as_it_must_be_and_has_a_house() -> None:
 
 
 def test_a_wall_that_moves_takes_both_of_its_rooms_and_the_door_in_it() -> None:
-    boxes = NARROW | {"bath": (6, 3, 8.4, 4.1)}  # 1.1 m deep, beside a kitchen
+    boxes = NARROW | {"bath": (6, 3, 8.4, 4.1)}  # 1.1 m deep, at a kitchen
     found = nearest_plan(record(boxes), grammar="home")
     assert found.changes == ("bath 0.100 m deeper",)
     house = next(generate(plan=found.plan, grammar="home"))

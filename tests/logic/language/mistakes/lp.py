@@ -550,7 +550,7 @@ MISTAKES = (
         at="ü",
         says="ü: names are of plain letters",
     ),
-    # - what cannot be said
+    # - things that cannot be expressed
     Mistake(
         "a window",
         "rooms.lp",
@@ -590,7 +590,7 @@ MISTAKES = (
         at="upstairs",
         says="a house has one floor: see docs/rules.md#what-cannot-be-said",
     ),
-    # - what clingo says
+    # - errors of clingo
     Mistake(
         "an unsafe variable",
         "rooms.lp",

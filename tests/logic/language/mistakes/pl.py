@@ -527,7 +527,7 @@ door_width(0.762).          % the paper's 2.5 feet
         new="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7e9",
         says="bathroom: 3.7e+09 m, more than the 1000 m of a house",
     ),
-    # - lengths of plans: names, numbers, and what contradicts another clause
+    # - lengths of plans: names, numbers, and contradictions with another clause
     kitchen(
         "an area above the size",
         "room_area(kitchen,30.0,40.0).",
