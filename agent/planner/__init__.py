@@ -1,4 +1,4 @@
-"""Next-best-view planner: an occupancy map, viewpoints chosen by information gain, and paths.
+"""Next-best-view planner: an occupancy map, viewpoints by information gain, and paths.
 
 The planner reads only the agent's own rays and actions, and for each move whether it was blocked. It knows
 neither its pose nor its house, target or reward. Headings are multiples of 45 degrees to walls that lie along

@@ -1,8 +1,8 @@
-"""The picture of ARCHITECTURE.md, drawn from the code: ``./run python -m tests.docs.architecture``.
+"""Picture of ARCHITECTURE.md, drawn from the code: ``./run python -m tests.docs.architecture``.
 
-A band for each package, a box for each of its folders, from the lowest to the highest, with the sentence of
-its ``__init__`` and the folders of its package that it imports, but for those that one of these imports too.
-An arrow leads from a folder to the next where that imports it.
+Each package has a band, and each of its folders a box, from the lowest to the highest. A box has the first
+sentence of the folder's ``__init__`` and the folders of its package that it imports directly. An arrow leads
+from a folder to the next if the next one imports it.
 """
 
 import ast
@@ -19,10 +19,10 @@ FILE = ROOT / "docs" / "architecture.svg"
 WIDTH, COLUMNS, GAP, MARGIN = 960, 4, 20, 16
 BOX = (WIDTH - 2 * MARGIN - (COLUMNS - 1) * GAP) / COLUMNS, 92
 HEAD, ROWS, SINGLE = 34, 12, 22
-"""Pixels of a band's title, between rows, and of the line that names modules which are in no folder."""
+"""Pixels of a band's title, between rows, and of the line that names modules outside folders."""
 
 LETTERS = 31
-"""Of a line in a box, by the widest of the usual fonts."""
+"""Letters in a line of a box, by the widest of the usual fonts."""
 
 COLOURS = {
     "logic": ("#e4efe7", "#2f6b46"),
@@ -31,7 +31,7 @@ COLOURS = {
     "benchmarks": ("#f1e6f3", "#6f3c7b"),
     "vitruvius": ("#ececec", "#444444"),
 }
-"""Of each package, its boxes and its words."""
+"""Colours of each package: its boxes and its words."""
 
 GIVES = {
     "logic": "rules become houses: those of rules/ and grammars/, by clingo and SWI-Prolog",
@@ -43,7 +43,7 @@ GIVES = {
 
 
 def arrows(package: str) -> dict[str, set[str]]:
-    """By folder or module at the top of a package, those that it imports."""
+    """Return the imports between a package's top-level folders and modules, by importer."""
     found: dict[str, set[str]] = {}
     for module, others in graph().items():
         if module.startswith(f"{package}."):
@@ -53,34 +53,34 @@ def arrows(package: str) -> dict[str, set[str]]:
 
 
 def below(name: str, imported: dict[str, set[str]]) -> set[str]:
-    """All that a folder imports, by itself or through others."""
+    """Return all folders that a folder imports, by itself or through others."""
     return imported[name].union(*(below(other, imported) for other in imported[name]))
 
 
 def direct(name: str, imported: dict[str, set[str]]) -> list[str]:
-    """What a folder imports and none of the others that it imports does."""
+    """Return the folders that a folder imports and that none of its other imports import."""
     others = imported[name]
     return sorted(others - set[str]().union(*(below(other, imported) for other in others)))
 
 
 def order(package: str, imported: dict[str, set[str]]) -> list[str]:
-    """The folders and modules of a package, from the lowest up."""
+    """Return the folders and modules of a package, from the lowest up."""
     return [*FOLDERS[package]] if package in FOLDERS else sorted(imported)
 
 
 def sentence(folder: Path) -> str:
-    """The first of a folder's docstring, as words."""
+    """Return the first sentence of a folder's docstring, in words."""
     text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text())) or ""
     return re.sub("`+", "", " ".join(text.partition("\n\n")[0].split())).partition(". ")[0].rstrip(".")
 
 
 def word(text: str, x: float, y: float, size: int, colour: str, style: str = "") -> str:
-    """A line of text."""
+    """Return a line of text."""
     return f'<text x="{x:g}" y="{y:g}" font-size="{size}" fill="{colour}"{style}>{escape(text)}</text>'
 
 
 def box(name: str, says: str, uses: Sequence[str], x: float, y: float, package: str) -> Iterator[str]:
-    """A folder: its name, its sentence, and what it imports."""
+    """Yield a folder's box: its name, its sentence, and its imports."""
     (fill, ink), (width, height) = COLOURS[package], BOX
     yield f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{height}" rx="6" fill="{fill}"/>'
     yield word(f"{name}/", x + 10, y + 20, 14, ink, ' font-weight="bold"')
@@ -91,13 +91,13 @@ def box(name: str, says: str, uses: Sequence[str], x: float, y: float, package: 
 
 
 def arrow(x: float, y: float, colour: str) -> str:
-    """From one box to the next."""
+    """Return an arrow from one box to the next."""
     way = f"M{x + 3:g} {y:g} h{GAP - 7:g} m-5 -5 l5 5 l-5 5"
     return f'<path d="{way}" fill="none" stroke="{colour}" stroke-width="2"/>'
 
 
 def band(package: str, top: float) -> tuple[list[str], float]:
-    """A package, and where the next one begins."""
+    """Return a package's band, and where the next one begins."""
     imported = arrows(package)
     names = order(package, imported)
     folders = [name for name in names if (ROOT / package / name).is_dir()]
@@ -122,7 +122,7 @@ def band(package: str, top: float) -> tuple[list[str], float]:
 
 
 def picture() -> str:
-    """All packages, from the lowest, which knows none of the others, to the command line, which knows all."""
+    """Return the picture of all packages, from the lowest, which imports none, to the command line."""
     shapes: list[str] = []
     top: float = MARGIN
     for package in PACKAGES:

@@ -1,8 +1,9 @@
-"""A reader who does what a page says: runs its commands, saves its files, and compares what it shows.
+"""Reader who follows a page: runs its commands, saves its files, and compares its output.
 
 - ``sh``: commands, one after the other, each of which must succeed.
 - ``text`` right after it: their output, where ``...`` stands for anything. Then they may fail.
-- A block whose first line is a comment with a path is saved there. Other ``python`` runs, sharing names.
+- A block whose first line is a comment with a path is saved there. Other ``python`` blocks run, sharing
+names.
 """
 
 import io
@@ -29,31 +30,31 @@ RUN = f"""#!/bin/sh
 export PYTHONPATH={ROOT}${{PYTHONPATH:+:$PYTHONPATH}}
 case $1 in python) shift; exec {sys.executable} "$@" ;; *) exec {sys.executable} -Pm vitruvius.cli "$@";; esac
 """
-"""What stands for ``./run`` where a shell is needed: pipes, redirections, variables."""
+"""Replacement of ``./run`` if a shell is needed: pipes, redirections, variables."""
 
 
 PICTURE = re.compile(r"^<!-- from (\S+) -->\n!\[[^]]*\]\((\S+)\)", re.MULTILINE)
-"""A picture, and the file of the reader's that it is a copy of."""
+"""Picture, and the reader's file of which it is a copy."""
 
 
 class Block(NamedTuple):
-    """A block of code of a page."""
+    """Block of code of a page."""
 
     language: str
     text: str
     shown: str | None
-    """The output that the page shows."""
+    """Output that the page shows."""
     line: int
 
     @property
     def file(self) -> Path | None:
-        """Where the page says to save it."""
+        """Path where the page says to save the block."""
         named = FILE.match(self.text.partition("\n")[0])
         return Path(named[1]) if named else None
 
 
 def blocks(text: str) -> Iterator[Block]:
-    """The blocks of a page, in order, each with the output that is shown right after it."""
+    """Yield the blocks of a page, in order, each with the output that is shown right after it."""
     found = list(BLOCK.finditer(text))
     for block, after in zip(found, [*found[1:], None], strict=False):
         shows = after and after[1] == "text" and not text[block.end() : after.start()].strip()
@@ -62,18 +63,18 @@ def blocks(text: str) -> Iterator[Block]:
 
 
 def pictures(page: Path) -> dict[Path, Path]:
-    """The pictures of a page by the reader's files that they are copies of."""
+    """Return the pictures of a page, by the reader's files of which they are copies."""
     return {Path(file): page.parent / picture for file, picture in PICTURE.findall(page.read_text())}
 
 
 def commands(text: str) -> list[str]:
-    """The commands of a block of shell, without comments, a command over several lines as one."""
+    """Return the commands of a shell block, without comments; a command over several lines is one."""
     lines = text.replace("\\\n", " ").splitlines()
     return [line for line in (re.sub(r"(^|\s+)#( .*)?$", "", line) for line in lines) if line]
 
 
 class Reader:
-    """Follows a page in a folder that looks like a checkout."""
+    """Reader that follows a page in a folder that looks like a checkout."""
 
     def __init__(self, folder: Path, patch: pytest.MonkeyPatch) -> None:
         """Begin in an empty folder."""
@@ -83,10 +84,10 @@ class Reader:
         (folder / "run").write_text(RUN)
         (folder / "run").chmod(0o755)
         patch.chdir(folder)
-        patch.setattr(sys, "path", [*sys.path, str(folder)])  # last: its links lead to what is loaded already
+        patch.setattr(sys, "path", [*sys.path, str(folder)])  # last: its links lead to loaded modules
 
     def follow(self, page: Path) -> None:
-        """Do all that a page says; fails by the line of the page that does not hold."""
+        """Follow a page; fail with the line of the page that does not hold."""
         for block in blocks(page.read_text()):
             try:
                 code, said = self.do(block)
@@ -98,7 +99,7 @@ class Reader:
                 assert self.matches(block.shown, said), f"{page.name}:{block.line}: it says\n{said}"
 
     def do(self, block: Block) -> tuple[int, str]:
-        """Do what a block says; the last exit code that is not 0, and all that was printed."""
+        """Follow a block; return its largest exit code, and its output."""
         if block.file:
             block.file.parent.mkdir(parents=True, exist_ok=True)
             block.file.write_text(block.text)
@@ -110,7 +111,7 @@ class Reader:
         return 0, ""
 
     def run(self, command: str) -> tuple[int, str]:
-        """Run a command: ours in this process, so that torch is loaded once, unless it needs a shell."""
+        """Run a command; ours runs in this process, so that torch loads once, unless it needs a shell."""
         program, *words = shlex.split(command.removeprefix("PYTHONPATH=. "))  # it is in the path
         if program != "./run" or set("|><&;") & set(command):
             ended = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
@@ -135,7 +136,7 @@ class Reader:
         return 0, said.getvalue()
 
     def matches(self, shown: str, said: str) -> bool:
-        """Whether a command said what a page shows, paths being from here; ends of lines aside."""
+        """Return True if a command's output matches the page's, without our paths and line endings."""
         said = said.replace(f"{ROOT}/", "").replace(f"{self.folder}/", "")
         lines = "\n".join(line.rstrip() for line in said.strip().splitlines())
         pattern = ".*".join(map(re.escape, shown.strip().split("...")))

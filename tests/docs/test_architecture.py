@@ -1,4 +1,4 @@
-"""ARCHITECTURE.md is true of the code: its picture, the files and classes that it names. It is short."""
+"""ARCHITECTURE.md matches the code: its picture, and the files and classes that it names. It is short."""
 
 import re
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ def test_every_path_that_it_names_exists() -> None:
 
 
 def named(line: str) -> Iterator[Path]:
-    """The paths that a line names: a name by itself is in the folder of the path before it."""
+    """Yield the paths that a line names: a name alone is in the folder of the path before it."""
     folder = Path()
     for name in NAMED.findall(line):
         path = Path(name) if "/" in name.rstrip("/") or (ROOT / name).exists() else folder / name
@@ -42,7 +42,7 @@ def test_every_class_that_its_glossary_names_exists() -> None:
 
 
 def section(title: str) -> str:
-    """The text of a section."""
+    """Return the text of a section."""
     return TEXT.split(f"\n## {title}\n")[1].split("\n## ")[0]
 
 
@@ -54,7 +54,7 @@ def test_it_is_short() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_files_that_a_page_links_to_or_names_exist(page: Path) -> None:
-    """Without the site, which is slow to make."""
+    """This needs no site, which is slow to build."""
     text = page.read_text()
     links = [page.parent / link for link in re.findall(r"\]\((?!\w+:|#)([^)\s#]+)", text)]
     names = re.findall(r"`((?:logic|sim|agent|vitruvius|benchmarks|tests|docs|examples)/[\w./-]*\w/?)`", text)

@@ -1,4 +1,4 @@
-"""What pages tell their readers to write and to run, written and run; and all other commands, parsed."""
+"""Commands and files of pages, written and run; all other commands, parsed."""
 
 import re
 import shlex
@@ -21,7 +21,7 @@ PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS /
 def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # of it, pytest-benchmark times nothing
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # in a worker, pytest-benchmark times nothing
     with short_episodes():
         Reader(tmp_path, monkeypatch).follow(page)
     for file, picture in pictures(page).items():
@@ -72,7 +72,8 @@ ELSEWHERE = {
     "evaluate",
     "bench",
 }
-"""Commands of these pages that take minutes or a window: other tests run them, and the tutorials in small."""
+"""Commands of these pages that take minutes or a window: other tests run them, and the tutorials on a small
+scale."""
 
 
 def test_the_first_page_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -92,7 +93,7 @@ def test_the_first_page_is_short_and_its_results_are_those_of_the_page_of_result
 
 
 def rows(text: str, head: str) -> dict[str, list[str]]:
-    """The rows of the table with this head, by their first cells."""
+    """Return the rows of the table with this head, by their first cells."""
     _, _, *lines = text[text.index(head) :].partition("\n\n")[0].splitlines()
     cells = ([cell.strip() for cell in line.split("|")[1:-1]] for line in lines)
     return {first: others for first, *others in cells}
@@ -115,7 +116,7 @@ def test_the_page_of_use_can_be_followed(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def section(page: Path, title: str) -> list[Block]:
-    """The blocks of one section of a page."""
+    """Return the blocks of one section of a page."""
     (text,) = re.findall(rf"^{title}\n(.*?)(?=^## |\Z)", page.read_text(), re.DOTALL | re.MULTILINE)
     return [*blocks(text)]
 
@@ -127,7 +128,7 @@ COMMAND = re.compile(r"^(?: {4}|[$] )?(?:\./run|vitruvius) (?!python |test|docs)
 def test_every_command_of_a_page_is_one_that_the_command_line_takes(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Studies of days and windows among them, so they are read and not run."""
+    """Some are long studies or open windows, so they are parsed and not run."""
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").touch()  # settings, which are read at once
     for command in COMMAND.findall(page.read_text().replace("\\\n", " ")):
@@ -138,7 +139,7 @@ def test_every_command_of_a_page_is_one_that_the_command_line_takes(
 
 
 def entered_from(house: House, type_: str) -> set[str]:
-    """The types of the rooms that those of this type have doors to."""
+    """Return the types of the rooms to which rooms of this type have doors."""
     doors = [door.between for room in house.rooms if room.type == type_ for door in house.doors_of(room.name)]
     names = {name for between in doors for name in between}
     return {room.type for room in house.rooms if room.name in names} - {type_}
@@ -177,4 +178,4 @@ CLAIMS: dict[str, Callable[[], None]] = {
     "topology": the_topology_of_ten_lines_has_rooms_on_both_sides_of_a_corridor,
     "plans": the_building_is_entered_from_the_west,
 }
-"""What is true of a page's files, by its name."""
+"""Claims about a page's files, by its name."""

@@ -1,4 +1,4 @@
-"""What docs/scale.md tells those with many machines to type, with programs in their places that note it."""
+"""Commands of docs/scale.md for many machines, run with stubs that record them."""
 
 import os
 import re
@@ -18,7 +18,7 @@ BLOCKS = re.findall(r"^```\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
 NOTE = """#!/bin/bash
 printf '%s\\t%s\\n' "${ON:-one}" "$(basename "$0") $*" >> "$NOTES"
 """
-"""Notes the machine and the command."""
+"""Script that records the machine and the command."""
 
 STUBS = {
     "vitruvius": NOTE,
@@ -48,11 +48,11 @@ shift 2
 while read -r number; do "${@//\\{\\}/$number}"; done
 """,
 }
-"""Those of several machines run the command here, and say on which machine it would be."""
+"""Stubs of the programs; those for several machines run the command here and record its machine."""
 
 
 def typed(script: str, folder: Path) -> list[tuple[str, str]]:
-    """The commands that come of a script, each with its machine."""
+    """Return the commands that a script runs, each with its machine."""
     for name, content in STUBS.items():
         (folder / name).write_text(content)
         (folder / name).chmod(0o755)
@@ -71,7 +71,7 @@ def block(word: str) -> str:
 
 
 def make_sense(*commands: str) -> None:
-    """Parse commands as vitruvius and Ray do. None of Ray is run: ``ray stop`` ends all of Ray here."""
+    """Parse commands as vitruvius and Ray do. Ray is not run: ``ray stop`` ends all of Ray here."""
     for each in commands:
         program, *words = shlex.split(each)
         if program == "vitruvius":

@@ -1,4 +1,4 @@
-"""The documentation as a site: built without a warning, it needs no network, and its search no server."""
+"""Documentation as a site: it builds without a warning, needs no network, and its search no server."""
 
 import sys
 import tomllib
@@ -21,7 +21,7 @@ BUILD = [sys.executable, "-m", "docs.builder.build"]
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built as ``./run docs`` does."""
+    """Build the site as ``./run docs`` does."""
     folder = tmp_path_factory.mktemp("docs") / "site"
     built = finished([*BUILD, "--out", str(folder)])
     assert (built.returncode, built.stdout) == (0, ""), built.stderr
@@ -30,7 +30,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class Links(HTMLParser):
-    """What a page links to or shows, and the anchors that it has."""
+    """Links and pictures of a page, and its anchors."""
 
     def __init__(self, file: Path) -> None:
         super().__init__()
@@ -45,7 +45,7 @@ class Links(HTMLParser):
 
 
 def broken(site: Path) -> Iterator[str]:
-    """Links to files or anchors that the site lacks."""
+    """Yield links to files or anchors that the site lacks."""
     pages = {file: Links(file) for file in site.rglob("*.html") if file.name != "404.html"}
     for file, page in pages.items():
         for link in page.links:
@@ -114,7 +114,7 @@ BROKEN = """() => [...document.querySelectorAll("td code")].filter((each) => {
     const lines = new Set([...each.getClientRects()].map(({ top }) => Math.round(top)));
     return lines.size > each.textContent.trim().split(/[\\s(-]+/).length;
 }).map((each) => each.textContent)"""
-"""Code in tables with more lines than words, a bracket beginning one."""
+"""Script that lists code in tables with more lines than words; a bracket begins a word."""
 
 
 @pytest.mark.parametrize("name", ["docs/rules", "docs/plans", "docs/playground"])
