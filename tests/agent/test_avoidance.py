@@ -1,4 +1,4 @@
-"""The avoidance layer: the shield against exact geometry, the paper's rule, and who wins."""
+"""Avoidance layer: the shield compared with exact geometry, the paper's rule, and the order of layers."""
 
 import numpy as np
 import pytest
@@ -23,12 +23,12 @@ SHIELD = Shield(ANGLES, REACH, BODY, STEP, margin=0.0)
 
 
 def smooth(scene):
-    """No move was blocked."""
+    """Return a mask without a blocked move."""
     return torch.zeros(len(scene), dtype=torch.bool)
 
 
 def sight(x, y, heading, width, height):
-    """Observations (E, 40, 2) in an empty room, west wall at 0 and north wall at 0, from poses (E,)."""
+    """Return observations (E, 40, 2) in an empty room from poses (E,); its west and north walls are at 0."""
     angle = np.asarray(heading)[:, None] + ANGLES
     with np.errstate(divide="ignore"):
         across = np.where(np.cos(angle) > 0, width - x[:, None], x[:, None]) / np.abs(np.cos(angle))
@@ -38,7 +38,7 @@ def sight(x, y, heading, width, height):
 
 
 def poses(number, width, height, seed=0):
-    """Random poses (x, y, heading) of a body that stands inside the room."""
+    """Return random poses (x, y, heading) of a body that stands inside the room."""
     rng, half = np.random.default_rng(seed), BODY / 2
     x, y = rng.uniform(half, width - half, number), rng.uniform(half, height - half, number)
     return x, y, rng.integers(8, size=number)

@@ -1,4 +1,4 @@
-"""Banks: what is kept for measuring is whole, simulable, and never learnt from."""
+"""Banks: houses reserved for evaluation are complete, can be simulated, and are never trained on."""
 
 import msgspec
 import pytest
@@ -21,12 +21,12 @@ GRAMMAR_AND_LEAST_MOST_ROOMS = {
 }
 
 OPENS = PROMISES["home"].opens | {"bedroom": ("bathroom", "storage")}
-"""Banks of homes are older than that no storage is behind a bedroom."""
+"""Promises of homes without a newer one: the banks may have storage behind a bedroom."""
 
 PROMISED = {
-    # This bank is older than one promise, which 52 of its houses do not keep: that fronts are clear.
+    # This bank is older than the promise that fronts are clear, which 52 of its houses do not keep.
     "test-v1": replace(PROMISES["family"], clear_front=()),
-    # This one is older than the sizes of some rooms.
+    # This bank is older than the sizes of some rooms.
     "home-test-v1": replace(
         PROMISES["home"],
         room_area=PROMISES["home"].room_area
@@ -41,7 +41,7 @@ PROMISED = {
 
 @pytest.fixture(scope="module")
 def frozen():
-    """The houses of each bank; reading them compares their hash."""
+    """Return the houses of each bank; reading them compares their hash."""
     return {name: benchmark(name) for name in BANKS}
 
 
@@ -112,7 +112,7 @@ def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(ba
 
 
 def test_the_houses_that_come_with_the_simulator_may_be_learnt_from_and_have_a_kitchen():
-    """So a task may ask for one."""
+    """A task may ask for one."""
     houses = load(BANK)
     assert len(houses) == 32
     require_training(houses, BANK)

@@ -1,9 +1,9 @@
-"""Every preset and the explorer do what they did when it was recorded: 1,500 steps of 8 environments.
+"""Every preset and the explorer do what they did when they were recorded: 1,500 steps of 8 environments.
 
-``python -m tests.agent.test_golden`` prints what ``tests/golden/agent.json`` has: replace it only where
-behaviour is meant to change. Actions are compared exactly. Weights are compared exactly on the processor and
-the torch release of the record, as others round sums of float32 differently, and losses within a tolerance
-everywhere.
+``python -m tests.agent.test_golden`` prints the content of ``tests/golden/agent.json``: replace it only if
+behaviour is meant to change. Actions are compared exactly. Weights are compared exactly only on the processor
+and the torch release of the record, as others round sums of float32 differently. Losses are compared within a
+tolerance everywhere.
 """
 
 import hashlib
@@ -36,10 +36,10 @@ SMALL: dict[str, dict[str, Any]] = {
     "dqn": {"buffer_size": 8000, "learning_starts": 1000, "batch_size": 128},
     "paper": {"buffer_size": 8000, "batch_size": 100, "num_minibatches": 5},
 }
-"""What is changed so that a preset learns something in so few steps."""
+"""Changes with which a preset learns something in so few steps."""
 
 RECORDED = [preset for preset, config in PRESETS.items() if not config.reads_maps]
-"""Which views the others take depends on how a processor rounds."""
+"""Presets with a record. The choices of the other presets depend on the rounding of a processor."""
 
 EXPLORERS = {
     "explorer, secondary": ("secondary", 0.0),
@@ -52,14 +52,14 @@ def environments(
     targets: str, world: str = "default", cell: float = 0.0, backend: str = "continuous"
 ) -> HouseVectorEnv:
     houses = [*generate(4, cell=cell, count=ENVIRONMENTS)] if cell else benchmark()[:ENVIRONMENTS]
-    if targets in PAPER_TASKS:  # which are of one house
+    if targets in PAPER_TASKS:  # tasks of one house
         houses = house_list(PAPER_HOUSE)
     where = "grid" if cell else backend
     return make_envs(houses, ENVIRONMENTS, targets, preset=world, backend=where)
 
 
 def play(envs: HouseVectorEnv, policy: Any, look: Callable[[], tuple[torch.Tensor, ...]]) -> dict[str, Any]:
-    """The digest of all actions, rewards and bumps, and of what ``look`` shows after each step."""
+    """Return the digest of all actions, rewards and collisions, and of what ``look`` shows."""
     digest, shown, found = hashlib.sha256(), hashlib.sha256(), 0.0
     start = {"house": np.arange(ENVIRONMENTS)}
     observation = torch.as_tensor(envs.reset(seed=7, options=start)[0])
@@ -83,7 +83,7 @@ def play(envs: HouseVectorEnv, policy: Any, look: Callable[[], tuple[torch.Tenso
 
 
 def played(preset: str) -> dict[str, Any]:
-    """What a preset's policy does: of its released agent, or of its first weights."""
+    """Return what a preset's policy does: that of its released agent, or of its first weights."""
     torch.set_num_threads(1)
     if preset in released():
         agent = checkpoint.load(preset)
@@ -97,7 +97,7 @@ def played(preset: str) -> dict[str, Any]:
 
 
 def explored(name: str) -> dict[str, Any]:
-    """What the explorer does, its advice and what its planner counts after each step."""
+    """Return what the explorer does, with its advice and its planner's counts after each step."""
     targets, cell = EXPLORERS[name]
     envs = environments(targets, cell=cell)
     policy = Explorer(shield(envs), envs.config)
@@ -110,7 +110,7 @@ def explored(name: str) -> dict[str, Any]:
 
 
 def learnt(preset: str) -> dict[str, Any]:
-    """What a preset learns in ``STEPS`` of each environment: the losses' mean and the weights' digest."""
+    """Return what a preset learns in ``STEPS`` of each environment: losses and the digest of the weights."""
     torch.set_num_threads(1)
     config = PRESETS[preset]
     config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
@@ -127,9 +127,9 @@ def learnt(preset: str) -> dict[str, Any]:
 
 
 def machine() -> str:
-    """What the last bits of sums depend on."""
+    """Return what the last bits of sums depend on."""
     cpu = cpuinfo.get_cpu_info()
-    # Generations that round differently may bear one name.
+    # Generations that round differently may have one name.
     processor = f"{cpu['brand_raw']}, family {cpu.get('family')}, model {cpu.get('model')}"
     return f"torch {torch.__version__}, {torch.backends.cpu.get_cpu_capability()}, {processor}"
 
@@ -138,13 +138,13 @@ GOLDEN = json.loads(FILE.read_text()) if FILE.exists() else {}
 
 
 def record_of(name: str) -> dict[str, Any]:
-    """What was recorded; fails where nothing was, as of a preset that is new."""
+    """Return the record; fail if there is none, as for a new preset."""
     assert name in GOLDEN, f"{FILE.name} has no {name!r}: ./run python -m tests.agent.test_golden prints it"
     return GOLDEN[name]
 
 
 def same(found: dict[str, Any], golden: dict[str, Any]) -> None:
-    """What was done is the same; so is what was shown, where the machine is."""
+    """Assert that the actions are those recorded, and the shown values, too, on the same machine."""
     shown, recorded = found.pop("shown"), golden["shown"]
     assert found == {name: value for name, value in golden.items() if name != "shown"}
     if shown["machine"] == recorded["machine"]:

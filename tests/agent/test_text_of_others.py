@@ -1,4 +1,4 @@
-"""The text of files names no code and is no markup: names of classes, and tags in every field, do nothing."""
+"""Text in files imports no code and is no markup: class names and tags in every field have no effect."""
 
 import json
 import shutil
@@ -45,13 +45,13 @@ TASKS = (
 
 @pytest.fixture(scope="module")
 def episode() -> trace.Trace:
-    """An episode of an agent."""
+    """Return an episode of an agent."""
     return recorded(untrained()).trace
 
 
 @pytest.fixture
 def canary(tmp_path, monkeypatch) -> Iterator[Path]:
-    """A file that is there once the module ``canary`` has been imported."""
+    """Yield a path that exists only after the module ``canary`` was imported."""
     folder, sings = tmp_path / "canary", tmp_path / "sang"
     folder.mkdir()
     text = f"open({str(sings)!r}, 'w').close()\nTask = Terms = Backend = lambda **arguments: None\n"
@@ -63,7 +63,7 @@ def canary(tmp_path, monkeypatch) -> Iterator[Path]:
 
 
 def checkpoint_read(folder: Path, task: str) -> None:
-    """Measure an agent in the task that its checkpoint names."""
+    """Evaluate an agent in the task that its checkpoint names."""
     config = CompletionConfig(targets=task)
     checkpoint.save(checkpoint.Checkpoint(network_of(config), config, 0), folder / "agent.safetensors")
     save([HOUSE], folder / "houses.jsonl")
@@ -86,7 +86,7 @@ def settings_read(folder: Path, task: str) -> None:
 
 
 def game_read(folder: Path, task: str) -> None:
-    """Play a game again that names the task."""
+    """Replay a game that names the task."""
     game = PlayedGame(
         player="x",
         house=geometry_hash(HOUSE),
@@ -150,7 +150,7 @@ MARK = "\"'><meta http-equiv=refresh content=0><img src=x onerror=alert(1)></scr
 
 
 class Tags(HTMLParser):
-    """The tags of a page with the names of their attributes."""
+    """Tags of a page with the names of their attributes."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -189,7 +189,7 @@ def replaced(value: Any, text: str) -> Any:
 
 
 def contents(episode: trace.Trace) -> dict[str, Any]:
-    """By name, the JSON of each file that a report reads."""
+    """Return the JSON of each file that a report reads, by name."""
     one = result(scores([5, 8]), others={"explorer": scores([6, 10])})
     config = {"preset": "pqn", "algorithm": "pqn", "config": {"steps": 2000}, "command": "x", "python": "3"}
     learnt_in: dict[str, int | None] = {"agent": None}

@@ -1,4 +1,4 @@
-"""Results small enough to be worked out by hand, and evaluations that are soon over."""
+"""Results small enough to compute by hand, and short evaluations."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,19 +12,19 @@ from agent.evaluation.result import Result
 from sim.config import DEFAULT, PRESETS
 
 SHORT = replace(DEFAULT, steps=600)
-"""Of an episode in ``short_episodes``."""
+"""Simulator settings of an episode in ``short_episodes``."""
 
 
 @contextmanager
 def short_episodes() -> Iterator[None]:
-    """Within this, agents are measured in such episodes."""
+    """Let evaluations use short episodes within this block."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "default", SHORT)
         yield
 
 
 def scores(targets, first=None, **more) -> EpisodeScores:
-    """Episodes with these targets; the first one picked up after these steps, by default at once."""
+    """Return scores of episodes with these targets; ``first`` are the steps to the first, by default 1."""
     first = np.ones(len(targets)) if first is None else first
     more = {
         "steps": 1500 * len(targets),
@@ -37,7 +37,7 @@ def scores(targets, first=None, **more) -> EpisodeScores:
 
 
 def result(*runs, oracle=(10, 20), mode="secondary", rooms=(2, 4), shortest=(100, 200), others=()) -> Result:
-    """A result of ``agent``, by default in two houses, of other policies by name, and of the oracle."""
+    """Return a result of ``agent``, other policies by name, and the oracle, by default in two houses."""
     policies = {"agent": runs, **{name: (each,) for name, each in dict(others).items()}}
     policies["oracle"] = (scores(oracle, shortest),)
     return Result(mode, np.array(rooms), np.array(shortest, float), policies)

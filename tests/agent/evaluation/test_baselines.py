@@ -1,4 +1,4 @@
-"""The script: what it does with what it sees."""
+"""The script: its actions for an observation."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from sim.actions import FORWARD, LEFT, RIGHT
 
 
 def seen(aside):
-    """An observation (1, 40, 2) of a target this many rays from the middle, to the right."""
+    """Return an observation (1, 40, 2) of a target this many rays to the right of the middle."""
     observation = torch.ones(1, 40, 2)
     observation[..., 1] = 0
     observation[0, round(19.5 + aside), 1] = 1

@@ -1,4 +1,4 @@
-"""Agents that drive: they learn, and are measured beside baselines that drive. 28 s."""
+"""Agents that drive: their training, and their evaluation with baselines that drive. 28 s."""
 
 import json
 from dataclasses import replace
@@ -46,7 +46,7 @@ def short():
 
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory) -> tuple[Checkpoint, list]:
-    """A small run, and its checkpoint as a file has it."""
+    """Return a small run's history, and its checkpoint as read from the file."""
     folder = tmp_path_factory.mktemp("run")
     _, history = run(HOUSES, SMALL, folder, name="pqn-free")
     return checkpoint.load(folder / "agent.safetensors"), history
@@ -105,7 +105,7 @@ def test_a_network_has_an_action_for_each_command(config):
 
 
 def quick() -> Checkpoint:
-    """An agent whose body drives twice as fast as the baselines'."""
+    """Return an agent whose body drives twice as fast as the baselines'."""
     config = replace(SMALL, sim=('drive={"speed":1.4,"commands":[[0,3],[0,-3],[1.4,0]]}',))
     return Checkpoint(network_of(config), config, 0, "mine")
 

@@ -1,4 +1,4 @@
-"""An episode's scores: what counts, and what they do not depend on."""
+"""Scores of an episode: what counts, and what they do not depend on."""
 
 from typing import cast
 
@@ -23,12 +23,12 @@ ENVIRONMENTS = 4
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """Some random houses, with targets in the main room."""
+    """Return some random houses, with targets in the main room."""
     return make_envs([random_house(seed) for seed in range(ENVIRONMENTS)], ENVIRONMENTS)
 
 
 class Straight:
-    """Always forward."""
+    """Policy that always goes forward."""
 
     interventions = 0
 
@@ -40,7 +40,7 @@ class Straight:
 
 
 class Ending:
-    """Environments that reward and block every step and end for good: environment i at step i + 1."""
+    """Environments that reward and block every step; environment i ends for good at step i + 1."""
 
     num_envs = 3
 
@@ -68,7 +68,7 @@ def test_coverage_and_rooms_are_noted_after_500_steps_and_at_the_end():
     noted = play(envs, Straight(), seed=0, houses=np.zeros(4, int), coverage=coverage)
     assert noted.coverage.shape == (2, 4)
     assert (noted.coverage[0] > 0.05).all()
-    assert (noted.coverage[1] == noted.coverage[0]).all()  # it has stood before a wall for long
+    assert (noted.coverage[1] == noted.coverage[0]).all()  # it has stood in front of a wall for long
     assert (noted.coverage[1] == coverage.share()).all()
     assert (noted.rooms == coverage.rooms()).all()
 

@@ -1,4 +1,4 @@
-"""What the first page says that agents know is what they say themselves."""
+"""The signals that the first page lists for agents are those of their configs."""
 
 from pathlib import Path
 
@@ -22,11 +22,11 @@ ROWS = {
         if line[:1] == "|"
     )
 }
-"""Of the pages' tables, by the first cell."""
+"""Rows of the pages' tables, by the first cell."""
 
 
 def knows(words: str) -> str:
-    """Of the row whose first cell has these words."""
+    """Return the cell of the row whose first cell contains these words."""
     (found,) = (said for first, said in ROWS.items() if words in first)
     return found
 

@@ -1,4 +1,4 @@
-"""The protocol: all policies in the same houses, with the same starts and targets."""
+"""Evaluation protocol: all policies play in the same houses, with the same starts and targets."""
 
 import json
 from pathlib import Path
@@ -41,7 +41,7 @@ def short():
 
 @pytest.fixture(scope="module")
 def measured(short):
-    """The baselines alone, in four small houses."""
+    """Return the result of the baselines alone, in four small houses."""
     return next(measure({}, HOUSES, ("secondary",), seed=3))
 
 
@@ -59,7 +59,7 @@ def test_the_oracles_first_target_is_as_near_as_the_shortest_way(measured):
 
 
 def test_a_short_evaluation_gives_the_figures_of_the_whole_one(measured):
-    """Fewer baselines, the same episodes: scores depend neither on what else is measured nor on the run."""
+    """Fewer baselines in the same episodes give the same scores."""
     short = next(measure({}, HOUSES, ("secondary",), seed=3, baselines=("script", "oracle")))
     assert list(short.policies) == ["script", "oracle"]
     for name in short.policies:
@@ -81,7 +81,7 @@ def test_episodes_in_parts_of_a_bank_are_in_its_order():
 
 
 def written(folder, config, name="pqn") -> Path:
-    """A checkpoint of a network that has learnt nothing."""
+    """Return a checkpoint of an untrained network."""
     path = folder / f"{config.seed}-{config.steps}" / "agent.safetensors"
     checkpoint.save(Checkpoint(network_of(config), config, 0, name), path)
     return path
@@ -109,7 +109,7 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
 
 
 def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypatch):
-    """Whether it is another is known before anything is measured, which here takes no time."""
+    """The command compares before it evaluates; here the evaluation takes no time."""
     monkeypatch.setattr("agent.evaluation.protocol.measure", lambda *_, **__: [measured])
     save(HOUSES[:1], tmp_path / "houses.jsonl")
     agent = written(tmp_path, PQNConfig())
@@ -126,7 +126,7 @@ def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypat
 
 
 def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_path, capsys):
-    """On the terminal, in the file and in its pages; of a bank without one of them nothing is said."""
+    """The warning is on the terminal, in the file and in its pages; a bank without such houses has none."""
     save(HOUSES[:3], tmp_path / "houses.jsonl")
     path = tmp_path / "agent.safetensors"
     learnt_in = frozenset(map(house_key, HOUSES[1:]))
@@ -145,7 +145,7 @@ def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_pa
 
 @pytest.mark.parametrize("name", released())
 def test_what_comes_with_the_project_says_where_it_learnt(name):
-    """And in none of the houses that are kept for measuring."""
+    """None of these houses is reserved for evaluation."""
     made = checkpoint.load(name)
     assert made.learnt_in
     assert not made.learnt_in & {house_key(house) for bank in BANKS for house in benchmark(bank)}
@@ -177,7 +177,7 @@ def test_a_third_config_of_the_same_name_and_folder_is_refused(tmp_path):
 
 
 def test_agents_of_all_presets_are_measured_in_the_same_houses(tmp_path):
-    """Of those that make steps on a lattice; those that drive have tests of their own."""
+    """These agents move on a lattice; agents that drive have their own tests."""
     all_ = PRESETS.items()
     presets = {name: config for name, config in all_ if not config.reads_maps and config.backend != "free"}
     agents = {name: [checkpoint.load(written(tmp_path, config, name))] for name, config in presets.items()}

@@ -1,4 +1,4 @@
-"""The figures of an evaluation, on cases small enough to be worked out by hand."""
+"""Figures of an evaluation, on cases small enough to compute by hand."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def test_a_success_is_a_first_target_within_300_steps():
 
 
 def test_spl_weighs_a_success_by_the_shortest_way_over_the_way_taken():
-    """100 of 200 steps; 200 of 800, which is no success; nothing; the shortest way itself."""
+    """The paths are 100 of 200 steps; 200 of 800, which is no success; none; and the shortest path itself."""
     one = result(scores([1, 1, 0, 1], [200, 800, np.inf, 50]), oracle=(9,) * 4, rooms=(2,) * 4,
                  shortest=(100, 200, 100, 50))  # fmt: skip
     assert one.figures("agent")["spl"].value == pytest.approx((0.5 + 0 + 0 + 1) / 4)

@@ -1,4 +1,4 @@
-"""Files of scores: they read back as they were, and what cannot be compared is refused."""
+"""Files of scores: they read back unchanged, and scores that cannot be compared are refused."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,7 @@ RESULT = result(scores([5, 7], [30, np.inf]), scores([6, 8]), mode="main", other
 
 
 def written(path: Path, one: Result = RESULT) -> Path:
-    """A file of this result, measured in ``HOUSES``."""
+    """Write a file of this result, measured in ``HOUSES``."""
     path.write_bytes(ScoreFile(ScoredBank(bank_hash(HOUSES)), 0, modes_of([one])).json())
     return path
 
@@ -103,7 +103,7 @@ def test_a_file_that_holds_no_scores_is_refused(content, tmp_path):
 
 
 def test_what_another_library_must_write_is_little(tmp_path):
-    """The bank, the seed and the runs; figures are computed from these."""
+    """The file needs the bank, the seed and the runs; figures are computed from these."""
     path = written(tmp_path / "scores.json")
     file = json.loads(path.read_text())
     runs = {"agent": {"runs": file["targets"]["main"]["policies"]["agent"]["runs"]}}

@@ -12,7 +12,7 @@ def test_the_outer_quarters_do_not_count():
 
 
 def test_the_quarters_are_those_of_all_runs_and_houses_together():
-    """As rliable's ``aggregate_iqm`` trims the flat matrix; the middle half of 1 to 8 is 3 to 6."""
+    """rliable's ``aggregate_iqm`` trims the flat matrix, too; the middle half of 1 to 8 is 3 to 6."""
     assert interquartile_mean(np.array([[1, 8, 2, 7], [3, 6, 4, 5]])).value == 4.5
 
 
@@ -21,16 +21,16 @@ def test_equal_scores_have_no_spread():
 
 
 def test_the_interval_holds_the_true_figure_about_19_times_in_20():
-    """100 samples of 32 normal scores around 5: fewer than 85 or 100 of 100 would be no 95 % interval."""
+    """A 95 % interval must hold the figure in 85 to 99 of 100 samples of 32 normal scores around 5."""
     rng = np.random.default_rng(1)
     estimates = [interquartile_mean(rng.normal(5, 1, 32), resamples=400) for _ in range(100)]
     assert 85 <= sum(e.low <= 5 <= e.high for e in estimates) < 100
 
 
 def test_the_bootstrap_samples_houses_and_for_each_as_many_of_its_own_runs():
-    """The law of rliable's resamples with ``task_bootstrap``: 2 runs of 2 houses give 4 x 4 houses and runs.
+    """The resamples follow rliable's ``task_bootstrap``: 2 runs of 2 houses give 4 x 4 houses and runs.
 
-    Of equal houses a resample's mean is that of 4 samples of the 2 runs; of equal runs, of 2 houses.
+    For equal houses, a resample's mean is that of 4 samples of the 2 runs; for equal runs, that of 2 houses.
     """
     runs = bootstrap(np.array([[0.0, 0.0], [1.0, 1.0]]), spread, resamples=20_000)
     assert runs.low == pytest.approx(np.sqrt(0.25 / 4), abs=0.005)
@@ -39,14 +39,14 @@ def test_the_bootstrap_samples_houses_and_for_each_as_many_of_its_own_runs():
 
 
 def spread(flat: np.ndarray) -> np.ndarray:
-    """The standard deviation of the resamples' means, in place of each: a figure that shows the law."""
+    """Return the standard deviation of the resamples' means in place of each: it shows the distribution."""
     means = flat.mean(axis=-1)
     return np.full_like(means, means.std())
 
 
 @pytest.mark.parametrize("houses", [6, 64, 256])
 def test_with_one_run_the_interval_is_scipys(houses):
-    """Only houses are sampled then, which is the percentile bootstrap of ``scipy.stats``."""
+    """With one run only houses are sampled, which is the percentile bootstrap of ``scipy.stats``."""
     scores = np.random.default_rng(3).random(houses)
 
     def figure(flat, axis):
@@ -61,7 +61,7 @@ def test_with_one_run_the_interval_is_scipys(houses):
 
 
 def test_an_interval_matches_another_implementation_of_the_definition():
-    """Resample by resample, spelt out: draw tasks, draw runs for each, trim, take percentiles."""
+    """It works resample by resample: draw tasks, draw runs for each, trim, take percentiles."""
     scores = np.random.default_rng(4).random((3, 20))
     rng, figures = np.random.default_rng(5), []
     for _ in range(3000):

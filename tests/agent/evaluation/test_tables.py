@@ -1,4 +1,4 @@
-"""Tables, for a terminal and for Markdown, and pictures."""
+"""Tables for a terminal and for Markdown, and pictures."""
 
 import io
 
@@ -20,7 +20,7 @@ WIDEST = result(
 
 
 def shown(*tables: Table, width: int = 80, terminal: bool = True) -> str:
-    """What a terminal of so many columns shows, or what goes into a pipe."""
+    """Return what a terminal of ``width`` columns shows, or what goes into a pipe."""
     console = Console(width=width, file=io.StringIO(), force_terminal=terminal, color_system=None)
     print_tables(tables, console)
     return console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]

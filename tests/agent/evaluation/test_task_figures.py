@@ -1,4 +1,4 @@
-"""Figures of a task that ends on the first pick-up, of worlds with noise, and of houses that a task suits."""
+"""Figures of a task that ends on the first pick-up, of worlds with noise, and of suitable houses."""
 
 import json
 from dataclasses import replace
@@ -24,7 +24,7 @@ from vitruvius.commands.evaluate import Evaluate
 
 TABLE = '{"task": "object", "piece": "table"}'
 EMPTY = drawn(ONE_ROOM.replace("A", "a"))
-"""A house without a piece."""
+"""House without furniture."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -49,7 +49,7 @@ def test_success_is_any_find_and_spl_the_shortest_way_over_the_way_taken():
 
 
 def test_tables_call_a_piece_what_people_call_it_in_these_houses():
-    """The paper's ``desk`` is a worktop, in the houses of ``family``."""
+    """The paper's ``desk`` is called a worktop in the houses of ``family``."""
     houses = [house for house in benchmark() if "desk" in {p.type for r in house.rooms for p in r.pieces}][:1]
     mode = '{"task": "object", "piece": "desk"}'
     [found] = measure({}, houses, [mode], baselines=("script", "oracle"), world="default")

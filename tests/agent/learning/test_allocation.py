@@ -1,4 +1,4 @@
-"""What a process frees, it keeps."""
+"""The process keeps the memory that it frees."""
 
 import ctypes
 import subprocess
@@ -26,7 +26,7 @@ block = np.ones(1 << 21)  # 16 MiB
 del block
 print(pages() - before)
 """
-"""Prints how many pages of 4 KiB a process has more after it had a block."""
+"""Program that prints how many more pages of 4 KiB a process has after it allocated and freed a block."""
 
 
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallopt"), reason="the C library is not glibc")

@@ -1,4 +1,4 @@
-"""Configs: values that no run can have are refused by the field's name."""
+"""Configs: values that no run can have are refused with the field's name."""
 
 import pytest
 

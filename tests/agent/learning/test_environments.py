@@ -1,4 +1,4 @@
-"""The agent in the real simulator: the shield, and flipped houses."""
+"""Agent in the real simulator: the shield, and mirrored houses."""
 
 import math
 from dataclasses import replace
@@ -27,7 +27,7 @@ CORRIDOR, TWO_ROOMS, MIRRORED, MIRROR = 12, 13, 14, 15
 
 
 def mirror(house: House) -> House:
-    """The house with west and east exchanged about x = 0."""
+    """Return the house with west and east exchanged about x = 0."""
 
     def flipped(value: Any) -> Any:
         if isinstance(value, dict):
@@ -40,7 +40,10 @@ def mirror(house: House) -> House:
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """For all tests, as each compiles its kernels: 12 random houses and those named above."""
+    """Return environments for all tests: 12 random houses and those named above.
+
+    All tests share them, as each new one compiles its kernels.
+    """
     torch.set_num_threads(1)  # batches of 16: a second thread only costs
     door = Rect(4.0, 2.0 - 0.381, 0.0, 0.762)
     hall = StarRoom(4.0, 0.5, 3.0, 3.0, type="hall", children=(), door=door)
@@ -51,7 +54,7 @@ def envs() -> HouseVectorEnv:
 
 
 def everywhere(house: int) -> np.ndarray:
-    """That house for each environment."""
+    """Return the house for each environment."""
     return np.full(E, house)
 
 
@@ -100,7 +103,7 @@ def test_the_presets_learn_in_the_simulators_presets():
 
 
 def test_in_a_corridor_no_step_that_the_shield_allows_is_blocked(envs):
-    """8 m by 0.9 m: 16 bodies walk 1500 steps, through all headings."""
+    """In a corridor of 8 m by 0.9 m, 16 bodies walk 1500 steps, through all headings."""
     score = play(envs, RandomPolicy(shield(envs), chance()), seed=0, houses=everywhere(CORRIDOR))
     assert score.steps == E * 1500
     assert score.interventions > 1000
@@ -108,7 +111,7 @@ def test_in_a_corridor_no_step_that_the_shield_allows_is_blocked(envs):
 
 
 def test_the_shield_lets_a_body_straight_through_a_door(envs):
-    """From every offset at which the body fits with its margin, 1 m before the door to 1 m behind it."""
+    """Bodies start at every offset that their margin permits, 1 m before the door, and go 1 m beyond."""
     most = (0.762 - envs.config.body[0]) / 2 - 0.006
     poses = np.column_stack([np.full(E, 3.0), 2.0 + np.linspace(-most, most, E), np.full(E, EAST)])
     options = {"house": everywhere(TWO_ROOMS), "pose": poses, "target": np.full((E, 2), 0.5)}
@@ -121,7 +124,7 @@ def test_the_shield_lets_a_body_straight_through_a_door(envs):
 
 
 def test_in_furnished_houses_hardly_a_step_that_the_shield_allows_is_blocked(envs):
-    """Rays are 3 degrees apart and end at 58.5: corners beside the body can stay unseen, but rarely."""
+    """Rays are 3 degrees apart and end at 58.5: corners next to the body can stay unseen, but rarely."""
     shielded = play(envs, RandomPolicy(shield(envs), chance()), seed=0)
     free = play(envs, RandomPolicy(lambda observation, blocked: torch.ones(E, 3).bool(), chance()), seed=0)
     assert shielded.blocked < 0.05 * free.blocked

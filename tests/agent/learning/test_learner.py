@@ -1,4 +1,4 @@
-"""What all learners share, shown by PQN: reports, the ends of a run, schedules."""
+"""Common parts of all learners, shown by PQN: reports, the end of a run, schedules."""
 
 import math
 import subprocess
@@ -24,7 +24,7 @@ SHORT = PQNConfig(num_envs=E, num_steps=8, steps=600)
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """The same environments for all tests, as each compiles its kernels."""
+    """Return environments that all tests share, as each new one compiles its kernels."""
     torch.set_num_threads(1)
     return HouseVectorEnv([random_house(seed) for seed in range(4)], E, max_episode_steps=100)
 
@@ -40,7 +40,7 @@ def test_each_algorithm_has_a_config_a_learner_and_a_preset():
 
 
 def test_the_table_of_algorithms_is_imported_without_torch():
-    """So that help and completion are quick."""
+    """Without torch, help and completion are fast."""
     program = "import sys, agent.algorithms.table; sys.exit('torch' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], check=True)
 

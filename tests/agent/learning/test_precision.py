@@ -1,4 +1,4 @@
-"""Less than the highest precision is refused where the processor cannot run it."""
+"""A precision below the highest is refused if the processor cannot run it."""
 
 import subprocess
 

@@ -1,4 +1,4 @@
-"""Several processes that learn as one give what one process with all their environments gives."""
+"""Several processes that train together give the results of one process with all their environments."""
 
 import json
 import signal
@@ -27,7 +27,7 @@ TORCHRUN += ["--rdzv-backend=c10d", "--rdzv-endpoint=localhost:0"]
 
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory):
-    """What one process learnt from eight environments, and what two learnt from four each, with gloo."""
+    """Return the results of one process with eight environments, and of two with four each, by gloo."""
     folder = tmp_path_factory.mktemp("ranks")
     learn(str(folder / "one"))
     assert processes.as_two_ranks(str(folder / "two"), job=learn) == [0, 0]
@@ -42,7 +42,7 @@ def test_two_ranks_give_the_gradient_of_one_with_both_batches(learnt):
 
 def test_two_ranks_report_the_steps_and_targets_of_one(learnt):
     one, two = learnt
-    # Of 30 steps one of each environment began an episode, of the next 30 another one.
+    # Of 30 steps, one of each environment began an episode, and one of the next 30.
     assert one["steps"] == two["steps"] == [8 * 29, 8 * 58]
     assert two["targets"] == one["targets"]
 
@@ -54,7 +54,7 @@ def test_all_ranks_hold_the_same_weights(learnt):
 
 
 def test_no_thread_of_the_process_group_is_left(learnt):
-    """Else gloo's threads still run as the interpreter ends, and now and then abort the process."""
+    """Otherwise gloo's threads still run as the interpreter ends, and sometimes abort the process."""
     assert all(each["left"] for each in learnt)
 
 
@@ -74,7 +74,10 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
 
 
 def test_a_rank_that_is_lost_costs_nothing_but_time(tmp_path):
-    """By SIGKILL: the other one ends in a line, and both, begun again with --resume, learn the same bits."""
+    """The rank is lost by SIGKILL: the other ends with one line.
+
+    Both, started again with --resume, learn the same bits.
+    """
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     train = [
         "train",
@@ -105,7 +108,7 @@ def test_a_rank_that_is_lost_costs_nothing_but_time(tmp_path):
 
 
 def metrics(folder: Path) -> list[dict]:
-    """The reports, without what a clock says."""
+    """Return the reports, without the values of clocks."""
     file = folder / "metrics.jsonl"
     lines = file.read_text().splitlines() if file.exists() else []
     clocks = {"seconds", "simulator", "learner", "map"}

@@ -1,4 +1,4 @@
-"""The replay buffer against episodes written by hand: no sample mixes episodes, environments or lost rows."""
+"""Replay buffer compared with episodes written by hand: no sample mixes episodes or environments."""
 
 import pytest
 import torch
@@ -7,12 +7,14 @@ from agent.algorithms.dqn.learner import n_step_batch
 from agent.learning.replay import ReplayBuffer
 
 LENGTHS = (7, 5)
-"""Steps in the episodes of the two environments; the next row is the one whose action is ignored."""
+"""Steps in the episodes of the two environments; the action of the next row is ignored."""
 
 
 def filled(rows: int, room: int) -> ReplayBuffer:
-    """A buffer of two environments after that many rows: an observation has its row's number and environment,
-    a reward the number of its episode. Each episode ends by a time-out.
+    """Return a buffer of two environments after ``rows`` rows, with capacity ``room``.
+
+    An observation has its row's number and environment, a reward the number of its episode. Each episode ends
+    by a time-out.
     """
     no = torch.zeros(2, dtype=torch.bool)
     replay = ReplayBuffer(

@@ -1,4 +1,4 @@
-"""The planner as these tests see it: the one place that knows the names of its arrays."""
+"""Adapter of the planner for these tests: the one place that knows the names of its arrays."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from agent.planner.state import AT
 from sim.config import Config
 
 SIDE, UNKNOWN = 256, 65535
-"""Cells of a map along each axis; a node without a distance, or a viewpoint without a gain."""
+"""Cells of a map along each axis; value of a node without a distance, or of a viewpoint without a gain."""
 
 BITS = {"occupied": OCCUPIED, "solid": SOLID, "near": NEAR}
 KINDS = ("none", "search", "target")
@@ -26,7 +26,7 @@ MEMORY = ("cells", "distance", "candidates", "gains", "advice", "states")
 
 
 class Memory:
-    """What one environment's planner keeps: the arrays, and all numbers by name."""
+    """Memory of one environment's planner: the arrays, and all numbers by name."""
 
     def __init__(self, arrays: dict[str, np.ndarray]) -> None:
         self.arrays, numbers = arrays, {name: int(arrays["states"][at]) for name, at in AT.items()}
@@ -37,7 +37,7 @@ class Memory:
         self.tried, self.advice = arrays["candidates"] > 127, int(arrays["advice"][0])
 
     def __getattr__(self, name: str) -> Any:
-        """Of cells [y, x]: when each was seen, 0 for never, its bits, and its node's distance."""
+        """Return an array of cells [y, x]: steps of the last sight, 0 for never; a bit; or distances."""
         value = self.arrays["cells" if name in (*BITS, "seen_at") else name]
         if name in BITS:
             value = value & BITS[name] > 0
@@ -57,16 +57,16 @@ class Planner:
         self.kept = (*MEMORY, *["prior"] * prior)
 
     def step(self, *inputs: np.ndarray) -> None:
-        """Observation, blocked, action, begun, of all environments."""
+        """Step with observation, blocked, action and begun of all environments."""
         self.tested.step(*(torch.as_tensor(each) for each in inputs))
 
     def array(self, name: str) -> np.ndarray:
-        """An array of all environments, (E, ...): a view."""
+        """Return an array of all environments, (E, ...), as a view."""
         view = self.tested.arrays[name].view()
         return view.reshape(self.environments, *SHAPES.get(name, (-1,)))
 
     def memory(self, e: int) -> Memory:
-        """A copy of what an environment's planner keeps."""
+        """Return a copy of the memory of an environment's planner."""
         return Memory({name: self.array(name)[e].copy() for name in self.kept})
 
     def write(self, e: int, cells: Any = None, **numbers: Any) -> None:

@@ -1,4 +1,4 @@
-"""Walks that the tests of the planner share: recorded once, and replayed through planners step by step."""
+"""Walks that the planner's tests share: recorded once, and replayed through planners step by step."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ E, STEPS = 8, 240
 
 
 class Step(NamedTuple):
-    """A step of one environment's planner: its inputs, and its memory before and after."""
+    """Step of one environment's planner: its inputs, and its memory before and after."""
 
     e: int
     observation: np.ndarray
@@ -32,7 +32,7 @@ class Step(NamedTuple):
 
 @dataclass
 class Walk:
-    """Steps of environments in houses, and what truly was: poses, targets and rewards (E,)."""
+    """Steps of environments in houses, and the truth: poses, targets and rewards (E,)."""
 
     envs: HouseVectorEnv
     planner: Planner
@@ -51,7 +51,7 @@ class Walk:
         return [self.envs.houses[e % len(self.envs.houses)] for e in range(self.envs.num_envs)]
 
     def record(self, steps: int, random: float = 0.0) -> "Walk":
-        """Go where the planner advises, and a ``random`` share of the steps anywhere, into walls too."""
+        """Record a walk that follows the planner; a ``random`` fraction of steps is random."""
         number, noise = self.envs.num_envs, np.random.default_rng(0)
         options = {"house": np.arange(number) % len(self.envs.houses)}
         observation, info = self.envs.reset(seed=2, options=options)
@@ -71,7 +71,7 @@ class Walk:
         return self
 
     def __iter__(self) -> Iterator[Step]:
-        """Its steps, by a planner that begins again; all environments of one step after the other."""
+        """Yield the walk's steps, replayed by the planner; environments of a step follow each other."""
         before = [self.planner.memory(e) for e in range(self.envs.num_envs)]
         for inputs in self.inputs:
             self.planner.step(*inputs)
@@ -107,7 +107,7 @@ def ask(
 
 @pytest.fixture(scope="session")
 def continuous() -> Walk:
-    """Seven furnished houses and the mirror image of the first."""
+    """Return a walk in seven furnished houses and the mirror image of the first."""
     torch.set_num_threads(1)
     houses = [random_house(seed) for seed in range(E - 1)]
     envs = make_envs([*houses, mirror(houses[0])], E, "mixed")
@@ -122,7 +122,7 @@ def planner() -> Planner:
 
 @pytest.fixture(scope="session")
 def grid() -> Walk:
-    """A house whose edges lie on a grid, in whose cells bodies stand."""
+    """Return a walk in a house whose edges lie on a grid, in whose cells bodies stand."""
     torch.set_num_threads(1)
     envs = make_envs(list(generate(3, seed=5, count=1, cell=0.3)), E, "mixed", backend="grid")
     return Walk(envs, Planner(envs.config, E)).record(STEPS, random=0.2)

@@ -1,4 +1,4 @@
-"""Closed doors: the avoidance layer lets a body walk at them, and the explorer finds what lies behind."""
+"""Closed doors: the avoidance layer lets a body walk at them, and the explorer finds what is behind."""
 
 import numpy as np
 import torch
@@ -9,11 +9,11 @@ from sim.config import DOORS
 from tests import sample_houses
 
 HOUSE = sample_houses.drawn("aaa\naaa\na+a\n...\n...\n...", cell=0.9)
-"""The door is in the middle of the south wall of ``a``, 0.9 m wide."""
+"""House whose door is in the middle of the south wall of ``a``, 0.9 m wide."""
 
 
 def test_the_shield_lets_a_body_walk_at_a_door_and_not_at_a_wall():
-    """Also after a bump: there the door says no, until it opens."""
+    """This holds after a collision, too: the layer then forbids the step until the door opens."""
     envs = make_envs([HOUSE], 2, "all", preset=DOORS)
     pose = np.array([[1.35, 2.7 + 0.16, np.pi / 2], [0.45, 2.7 + 0.16, np.pi / 2]])
     seen, _ = envs.reset(seed=0, options={"house": [0, 0], "pose": pose, "target": [[0.4, 0.4]] * 2})

@@ -37,7 +37,7 @@ def explorer(envs: HouseVectorEnv) -> DrivingExplorer:
 
 
 def driven(envs: HouseVectorEnv, steps: int, seed: int = 0, house: int | None = None) -> list[np.ndarray]:
-    """The actions and the last poses of an explorer."""
+    """Return the actions and the last poses of an explorer."""
     policy, count = explorer(envs), envs.num_envs
     options = {"house": np.arange(count) % len(HOUSES) if house is None else np.full(count, house)}
     seen, blocked, rows = (
@@ -68,8 +68,7 @@ def test_in_small_houses_it_finds_the_first_target_of_every_episode_and_more_tha
 
 
 def test_its_map_is_the_houses_where_it_looked_also_where_walls_stand_at_an_angle():
-    """What it takes for occupied is near something, what it takes for floor is not inside of anything, and
-    of the walls that its rays meet none is missing."""
+    """Occupied cells are near an obstacle, floor is not inside one, and no wall that rays meet is missing."""
     bank = [*HOUSES, with_slanted_walls(3)]
     envs = make_envs(bank, len(bank), "all", backend="free")
     policy, count = explorer(envs), len(bank)
@@ -98,7 +97,7 @@ def test_its_map_is_the_houses_where_it_looked_also_where_walls_stand_at_an_angl
         taken = start[e] + cell * (np.argwhere(cells == TAKEN)[:, ::-1] - len(cells) // 2 + 0.5)
         assert shapely.distance(shapely.points(taken), solids).max() < 0.81 * cell
         at = np.floor(np.concatenate(ends[e]) / cell).astype(int) + len(cells) // 2
-        # Rays are swept every other step where they show nothing new.
+        # Rays are swept every other step if they show nothing new.
         assert (cells[at[:, 1], at[:, 0]] == TAKEN).mean() > 0.99
 
 

@@ -1,4 +1,4 @@
-"""A map lies in the house as the body looked at the start."""
+"""Position of a map in the house, from how the body looked at the start."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The window of a planner's map as an observation, beside the planner's own map. 45 s."""
+"""Window of a planner's map as an observation, compared with the planner's own map. 45 s."""
 
 import re
 from dataclasses import replace
@@ -29,7 +29,7 @@ def make(count: int = 3, **arguments: Any) -> MapWindow:
 
 
 def walk(envs: MapWindow, steps: int, seed: int = 0) -> np.ndarray:
-    """Actions (steps, E), mostly forward."""
+    """Return actions (steps, E), mostly forward."""
     rng, count = np.random.default_rng(seed), envs.num_envs
     if isinstance(envs.single_action_space, gymnasium.spaces.Discrete):
         return rng.choice(3, (steps, count), p=[0.2, 0.2, 0.6])
@@ -39,7 +39,7 @@ def walk(envs: MapWindow, steps: int, seed: int = 0) -> np.ndarray:
 
 
 def cut(planner: Planner, e: int) -> np.ndarray:
-    """The window of an environment, (4, SIDE, SIDE), out of what the planner says of its whole map."""
+    """Return the window of an environment, (4, SIDE, SIDE), cut out of the planner's whole map."""
     cells, last, time = planner.occupancy(e), planner.last_seen(e).astype(int), int(planner.read("time")[e])
     x, y, heading = planner.pose(e)
     seen, taken = last > 0, cells == 2
@@ -48,7 +48,7 @@ def cut(planner: Planner, e: int) -> np.ndarray:
     layers = np.stack([255 * taken, 255 * seen, 255 * (seen & ~taken & near), age])
     row, column = int(np.floor(y)) + len(cells) // 2, int(np.floor(x)) + len(cells) // 2
     about = layers[:, row - SIDE // 2 : row + SIDE // 2, column - SIDE // 2 : column + SIDE // 2]
-    # North is up: a body that looks east has its left there, a quarter on.
+    # North is up: the left of a body that looks east is there, a quarter on.
     return np.rot90(about, 1 - heading // 2, axes=(1, 2))
 
 

@@ -1,4 +1,4 @@
-"""A sensor and wheels that err: what the planner makes of them, beside what is true."""
+"""Sensor and wheels with errors: the planner's estimates compared with the truth."""
 
 from dataclasses import replace
 from functools import cache
@@ -22,18 +22,18 @@ HOUSES = [house for rooms in (3, 5) for house in generate(rooms, grammar="family
 
 
 class Play(NamedTuple):
-    """What an explorer did."""
+    """Record of an explorer's steps."""
 
     pose: np.ndarray
-    """(T, E, 3): the eye's, as it was."""
+    """Poses of the eye, (T, E, 3)."""
     taken: np.ndarray
-    """(T, E, 3): as the planner took it to be."""
+    """Poses of the eye as the planner estimated them, (T, E, 3)."""
     action: np.ndarray
-    """(T, E)."""
+    """Actions, (T, E)."""
     blocked: np.ndarray
-    """(T, E): whether the action was."""
+    """True if the action was blocked, (T, E)."""
     found: float
-    """Targets, of all."""
+    """Number of targets picked up, all environments together."""
     planner: Planner
 
 
@@ -57,7 +57,7 @@ def play(config, steps, tuned=TUNED):
 
 
 def changed(places):
-    """Whether (T - 1, E) they changed from one step to the next."""
+    """Return a mask (T - 1, E) of places that changed from one step to the next."""
     return (np.abs(np.diff(places, axis=0)) > 1e-4).any(axis=-1)
 
 
@@ -71,7 +71,7 @@ def test_wheels_slip_as_often_as_stated_and_nothing_says_so():
     ("config", "steps", "missed", "false"), [(SLIPPERY, 400, 0.15, 0), (NOISY, 1500, 0.2, 0.005)]
 )
 def test_the_planner_tells_from_its_rays_whether_wheels_slipped(config, steps, missed, false):
-    """All but a few slips, those along corridors without furniture; and hardly a step is taken for one."""
+    """It misses few slips, those in corridors without furniture, and takes hardly a step for a slip."""
     played = play(config, steps)
     went, thought, free = changed(played.pose)[20:], changed(played.taken)[20:], ~played.blocked[20:-1]
     slipped = ~went & free
@@ -85,7 +85,7 @@ def test_noise_costs_little():
 
 
 def test_by_noisy_rays_no_more_is_occupied_than_by_exact_ones():
-    """What single rays put in the middle of the way, others that pass there take away."""
+    """Later rays that pass clear the cells in the middle of the way that single rays marked."""
     noisy, exact = (
         np.mean([(play(config, 1500).planner.occupancy(e) == TAKEN).sum() for e in range(E)])
         for config in (NOISY, DEFAULT)

@@ -26,7 +26,7 @@ def octant(pose: np.ndarray) -> int:
 
 
 def in_house(walk: Walk, e: int, points: np.ndarray) -> np.ndarray:
-    """Points (n, 2) in cells of a planner's frame as metres in the house, by the pose where it began."""
+    """Return points (n, 2) in cells of a planner's frame as metres in the house, by the first pose."""
     start = walk.poses[0][e]
     turn = octant(start) // 2 * np.pi / 2
     x, y = points.T * walk.cell
@@ -125,7 +125,7 @@ def test_bodies_have_no_room_at_the_corners_of_occupied_cells(continuous: Walk) 
 
 
 def test_paths_may_lead_near_what_was_seen(walk: Walk) -> None:
-    """At a distance along one of eight directions."""
+    """The distance is along one of eight directions."""
     for step in walk:
         if step.after.time % 50 == 0:
             seen = step.after.seen_at > 0
@@ -136,7 +136,7 @@ def test_paths_may_lead_near_what_was_seen(walk: Walk) -> None:
 
 
 def test_floor_on_the_map_is_floor_of_the_house(continuous: Walk) -> None:
-    """Every wall is in its cell or within a centimetre of it; hardly a free cell has one in its midst."""
+    """Every wall is in its cell or within a centimetre of it; hardly a free cell has a wall in its middle."""
     for e, house in enumerate(continuous.houses):
         memory = last(continuous)[e]
         boxes = [house.star.floor.box, *(room.box for room in house.star.rooms)]
@@ -157,14 +157,14 @@ def test_floor_on_the_map_is_floor_of_the_house(continuous: Walk) -> None:
 
 
 def last(walk: Walk) -> list[Any]:
-    """The memories at a walk's end."""
+    """Return the memories at a walk's end."""
     for inputs in walk.inputs:
         walk.planner.step(*inputs)
     return [walk.planner.memory(e) for e in range(walk.envs.num_envs)]
 
 
 def test_bodies_that_fill_cells_have_a_wall_on_the_map_where_there_is_one(grid: Walk) -> None:
-    """Between two cells that were seen: never one that is not in the house, and nearly always one that is."""
+    """Walls lie between two seen cells: none that the house lacks, and nearly all that it has."""
     nodes, agree = 2 * np.argwhere(np.ones((120, 120)))[:, ::-1] - 120, []
     for e, memory in enumerate(last(grid)):
         turn = octant(grid.poses[0][e]) // 2 * 2
@@ -187,7 +187,7 @@ def test_bodies_that_fill_cells_have_a_wall_on_the_map_where_there_is_one(grid: 
 
 
 def abilities(walk: Walk, places: np.ndarray) -> np.ndarray:
-    """What bodies can do at places (n, 2) m of the grid's house: a bit for each heading, and ``STANDS``."""
+    """Return what bodies can do at places (n, 2) m of the house: a bit per heading, and ``STANDS``."""
     bank = pack(walk.envs.houses, walk.envs.config)
     table = bank.indices.numpy()
     first, columns, rows = table[:3]
@@ -197,7 +197,7 @@ def abilities(walk: Walk, places: np.ndarray) -> np.ndarray:
 
 
 def test_what_was_never_seen_is_not_on_the_map() -> None:
-    """A room in the east that the body never turns to: small and empty, or large and furnished."""
+    """The room in the east, to which the body never turns, is small and empty, or large and furnished."""
     memories, table = [], Piece(8.5, 1.0, 0.5, 0.5, type="table")
     for depth, pieces in ((2.0, ()), (3.5, (table,))):
         hidden = StarRoom(6.0, 0.5, depth, 2.5, "hall", pieces, Rect(6.0, 1.0, 0.0, 0.762))
@@ -212,7 +212,7 @@ def test_what_was_never_seen_is_not_on_the_map() -> None:
 
 
 def replay(planner: Planner, envs: HouseVectorEnv, actions: list[int], options: dict[str, Any]) -> None:
-    """An episode of these actions in all environments."""
+    """Play an episode of these actions in all environments."""
     observation, info = envs.reset(seed=0, options=options)
     blocked, begun = np.zeros(E, bool), np.ones(E, bool)
     for action in actions:
@@ -224,9 +224,7 @@ def replay(planner: Planner, envs: HouseVectorEnv, actions: list[int], options: 
 
 @pytest.mark.parametrize("slant", [0, 1])
 def test_where_no_wall_is_in_sight_an_episode_begins_at_the_first_wall(continuous: Walk, slant: int) -> None:
-    """In the midst of a hall of 20 m, straight and diagonal: only there does it know how it lies to the
-    walls.
-    """
+    """A body in the middle of a hall of 20 m learns its angle to the walls only there."""
     room = StarRoom(0.0, 20.0, 4.0, 3.0, "hall", (), Rect(1.0, 20.0, 0.762, 0.0))
     envs = make_envs([House.of_star(Star(Rect(0, 0, 20.0, 20.0), (room,)))], E, "main")
     pose = [10.0, 10.0, slant * np.pi / 4]

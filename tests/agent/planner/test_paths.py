@@ -83,7 +83,7 @@ def test_a_body_that_follows_the_advice_goes_a_shortest_way_with_few_turns(plann
 
 
 def test_a_body_that_stands_at_a_known_target_without_touching_it_searches_again() -> None:
-    """The target turned out to lie a part of a cell aside since the last search, maybe behind a wall."""
+    """Since the last search the target turned out to lie a fraction of a cell aside, maybe behind a wall."""
     envs = make_envs([random_house(seed) for seed in range(6)], 6, "main")
     policy = Explorer(shield(envs), envs.config)
     policy.begin(6)
@@ -96,7 +96,7 @@ def test_a_body_that_stands_at_a_known_target_without_touching_it_searches_again
         for e in np.flatnonzero(away):
             x, y, _ = planner.pose(int(e))
             near = [np.arange(int(at) - 2, int(at) + 4) % SIDE for at in (y, x)]
-            distance[e][np.ix_(*near)] = 0  # as if the goal were where it stands
+            distance[e][np.ix_(*near)] = 0  # as if the goal were at the body
         observation, _, _, _, info = envs.step_torch(policy(observation, blocked))
         blocked = info["blocked"]
         on_node = (planner.read("x") | planner.read("y")).numpy() % 2 == 0
@@ -132,7 +132,7 @@ def test_a_viewpoint_stays_the_goal_until_it_is_reached_or_something_has_happene
 
 
 def test_mirrored_rays_and_actions_give_mirrored_advice(continuous: Walk) -> None:
-    """But where two ways are equally good."""
+    """Ties between two equally good ways are excepted."""
     advice = np.array([step.after.advice for step in continuous]).reshape(-1, E)
     agree = []
     for (observation, blocked, action, begun), expected in zip(continuous.inputs[:32], advice, strict=False):
@@ -143,7 +143,7 @@ def test_mirrored_rays_and_actions_give_mirrored_advice(continuous: Walk) -> Non
 
 
 def explored(envs: HouseVectorEnv, steps: int, seed: int) -> tuple[Explorer, np.ndarray, int]:
-    """An explorer after some steps; its rewards (T, E) and bumps."""
+    """Return an explorer after some steps, with its rewards (T, E) and its number of collisions."""
     explorer, rewards, bumps = Explorer(shield(envs), envs.config), [], 0
     explorer.begin(envs.num_envs)
     observation, _ = envs.reset(seed=seed, options={"house": np.arange(envs.num_envs) % len(envs.houses)})
@@ -163,7 +163,7 @@ def test_an_explorer_on_a_grid_never_bumps(grid: Walk) -> None:
 
 
 def test_an_explorer_finds_targets_behind_walls(continuous: Walk) -> None:
-    """Far more than a target-blind walk, in every house; and the planner knows how many it picked up."""
+    """It finds far more than a walk that cannot see targets, in every house, and counts its pick-ups."""
     envs = make_envs([random_house(seed) for seed in range(6)], 6, "secondary")
     explorer, rewards, bumps = explored(envs, 1499, seed=0)
     truly, found = rewards.sum(0), explorer.tracker.planner.read("found").numpy()
@@ -173,7 +173,7 @@ def test_an_explorer_finds_targets_behind_walls(continuous: Walk) -> None:
 
 
 def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes() -> None:
-    """Against the simulator's shortest paths, turns and all: in three quarters of cases in just as many."""
+    """The simulator's shortest paths, turns included, are as long in three quarters of the cases."""
     number = 80
     envs = make_envs([random_house(0)], number, "main")
     observation, _ = envs.reset(seed=1, options={"house": np.zeros(number, int)})

@@ -65,7 +65,7 @@ def test_what_floor_surrounds_may_be_floor_and_what_walls_surround_is_none(plann
         (0, 1, (0.25, 1)),  # 0.05 / 0.5 / 0.5 + 1 = 1.2, 0.95 / 0.5 / 0.5 + 1 = 4.8
         (1, 2, (1, 1)),
         (3, 3, (1, 1.002 / 14.718)),
-        (1, 6, (1.00004 / 5.952, 1)),  # one was taken for the wrong room, or targets lie anywhere
+        (1, 6, (1.00004 / 5.952, 1)),  # one was assigned to the wrong room, or targets lie anywhere
     ],
 )
 def test_pick_ups_tell_by_bayes_rule_if_targets_lie_in_the_start_room(planner, here, found, shares) -> None:

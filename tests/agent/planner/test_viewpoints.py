@@ -103,7 +103,7 @@ def poses_in(memories: list[Any], random: np.random.Generator) -> list[tuple[int
 
 
 def test_kept_gains_change_next_to_no_choice_and_spare_looks(continuous: Walk) -> None:
-    """As long as nothing is new: against a planner that forgets them. Choices one after the other."""
+    """While nothing is new, choices are compared with those of a planner without kept gains."""
     memories, random = last(continuous), np.random.default_rng(1)
     lazy, fresh = continuous.planner, Planner(continuous.envs.config, E)
     kept, forgotten = lazy.array("gains"), fresh.array("gains")
@@ -113,7 +113,7 @@ def test_kept_gains_change_next_to_no_choice_and_spare_looks(continuous: Walk) -
     same, again, known, lazily, in_all = [], 0, 0, 0, 0
     for _ in range(24):
         forgotten[:] = UNKNOWN
-        kept[kept < UNKNOWN] += 1  # so that a look shows: it writes what there is
+        kept[kept < UNKNOWN] += 1  # so that a look shows: it writes the true gain
         marked, poses = kept.copy(), poses_in(memories, random)
         pairs = (ask(each, memories, poses, keep=True, since=200) for each in (lazy, fresh))
         same += [(one.goal, one.look) == (other.goal, other.look) for one, other in zip(*pairs, strict=True)]
@@ -126,7 +126,7 @@ def test_kept_gains_change_next_to_no_choice_and_spare_looks(continuous: Walk) -
 
 
 def test_planners_that_keep_tiles_walk_like_those_that_find_everything_again(walk: Walk) -> None:
-    """Views, goals and paths: whatever is seen, closed or cleared makes tiles dirty where it matters."""
+    """Seen, closed and cleared cells make the relevant tiles dirty."""
     other, chosen = Planner(walk.envs.config, E), 0
     for inputs in walk.inputs:
         other.forget_tiles()

@@ -1,4 +1,4 @@
-"""People play: key events in a window without a screen, files of games, games beside agents."""
+"""Play by people: key events in a window without a screen, files of games, and comparison with agents."""
 
 import math
 import sys
@@ -21,12 +21,12 @@ from vitruvius.cli import main
 
 HOUSES = benchmark()[:3]
 STEP = 0.01
-"""Seconds of a step where 1500 last 15 s."""
+"""Seconds of a step if 1500 steps last 15 s."""
 
 
 @pytest.fixture
 def window(monkeypatch: pytest.MonkeyPatch) -> Iterator[GameWindow]:
-    """A window without a screen."""
+    """Yield a window without a screen."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     window = GameWindow()
     yield window
@@ -36,9 +36,9 @@ def window(monkeypatch: pytest.MonkeyPatch) -> Iterator[GameWindow]:
 def press(
     window: GameWindow, keys: dict[float, tuple[int, int]], frame: float = STEP, ended: float = 30.0
 ) -> None:
-    """At these seconds keys go down (``pygame.KEYDOWN``) or up, as the system's queue of events has them.
+    """Press keys: at these seconds they go down (``pygame.KEYDOWN``) or up, as in the system's event queue.
 
-    Every frame lasts ``frame`` seconds of the game; after the last key that matters Esc ends what waits.
+    Every frame lasts ``frame`` seconds of the game. After ``ended`` seconds, Esc ends a window that waits.
     """
     time, left = 0.0, dict(sorted(keys.items()))
 
@@ -56,7 +56,7 @@ def press(
 
 
 def played(game: Game, index: int, **others: object) -> PlayedGame:
-    """A game as a file has it."""
+    """Return a game as a file stores it."""
     fields = {
         "player": "Ada",
         "house": geometry_hash(HOUSES[index]),
@@ -72,7 +72,7 @@ def played(game: Game, index: int, **others: object) -> PlayedGame:
 
 
 def drive(index: int, actions: str) -> Game:
-    """A game of these actions in a house."""
+    """Return a game of these actions in a house."""
     game = Game(HOUSES[index], "main", index)
     for letter in actions:
         game.act("LRF".index(letter))
@@ -264,7 +264,7 @@ def test_without_a_display_one_line_says_so(
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    """SDL, left to itself, would draw where nobody sees it and wait for keys for ever."""
+    """By default SDL would draw on an invisible display and wait for keys for ever."""
     for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.setenv(name, variables.get(name, ""))
     with pytest.raises(SystemExit) as end:
@@ -275,7 +275,7 @@ def test_without_a_display_one_line_says_so(
 
 
 def test_a_game_of_the_papers_human_benchmark_stands_beside_agents_that_play_its_episode(tmp_path):
-    """The same house, start and targets at their places; the oracle walks there in a person's stead."""
+    """The house, start and targets are the same, at their places; the oracle walks in place of a person."""
     houses = named("paper-house")
     game = Game(houses[0], "paper-main", 0)
     oracle = Oracle(game.envs)
@@ -303,4 +303,4 @@ def test_a_name_and_its_score_are_whole_above_a_plan_and_on_the_card_of_results(
     black.invert()
     card = black.get_bounding_rects()[0]
     assert pygame.Rect(0, 0, MIN_WIDTH, 400).contains(card.inflate(2, 2))
-    assert black.count() > 0.98 * card.width * card.height  # nothing shines through but round corners
+    assert black.count() > 0.98 * card.width * card.height  # nothing shines through except at round corners

@@ -25,12 +25,12 @@ Display = dict[str, str]
 
 
 def keys(display: Display, *words: str) -> None:
-    """Press keys on a display, as the X server's XTEST has them: ``keydown Up``."""
+    """Press keys on a display by the X server's XTEST: ``keydown Up``."""
     subprocess.run(["xdotool", *words], env=display, check=True, timeout=PATIENCE)
 
 
 def comes(condition: Callable[[], bool], seconds: float = 60) -> bool:
-    """Whether a condition holds within some seconds."""
+    """Return True if a condition becomes true within some seconds."""
     end = time.monotonic() + seconds
     while not (holds := condition()) and time.monotonic() < end:
         time.sleep(0.05)
@@ -38,7 +38,7 @@ def comes(condition: Callable[[], bool], seconds: float = 60) -> bool:
 
 
 def shows(display: Display, house: House) -> bool:
-    """Whether the window shows the plan of a house: all but the body, its rays and the target."""
+    """Return True if the window shows the plan of a house, apart from the body, its rays and the target."""
     search = ["xdotool", "search", "--onlyvisible", "--class", ".", "getwindowgeometry", "--shell"]
     said = finished(search, env=display).stdout
     at = {name: int(value) for name, value in (line.split("=") for line in said.split())}
@@ -53,7 +53,7 @@ def shows(display: Display, house: House) -> bool:
 
 
 def test_keys_on_a_display_drive_a_game_that_its_file_repeats(tmp_path: Path, display: Display) -> None:
-    """A turn, a step for as long as a key is held, a turn; then Enter to the next house, and Esc."""
+    """The keys: a turn, a step while a key is held, a turn; then Enter to the next house, and Esc."""
     save(HOUSES, tmp_path / "houses.jsonl")
     out = tmp_path / "games.jsonl"
     play = ["play", str(tmp_path / "houses.jsonl"), "--player", "Ada", "--seconds", "5", "--out", str(out)]
@@ -70,7 +70,7 @@ def test_keys_on_a_display_drive_a_game_that_its_file_repeats(tmp_path: Path, di
         process.kill()
     [game] = load(out)
     assert (game.player, game.index, game.house) == ("Ada", 0, geometry_hash(HOUSES[0]))
-    assert re.fullmatch("R+F+L+", game.actions)  # no step after the key is let go
+    assert re.fullmatch("R+F+L+", game.actions)  # no step after the key is released
     again, scenes = replayed(game, HOUSES[0], "games.jsonl:1")
     assert again.score == game.score
     assert (scenes[-1].pose != scenes[0].pose).any()

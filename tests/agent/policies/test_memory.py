@@ -1,4 +1,4 @@
-"""The memory: exponential moving averages that rise, fall, and begin empty."""
+"""Memory: exponential moving averages that rise, fall, and begin empty."""
 
 import pytest
 import torch

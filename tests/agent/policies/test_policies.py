@@ -1,4 +1,4 @@
-"""Policies: the share of random actions."""
+"""Policies: the fraction of random actions."""
 
 from typing import Any
 
@@ -53,7 +53,7 @@ def test_what_drives_has_no_layer_and_so_no_interventions():
 
 
 class Planners:
-    """What makes no map, and notes what it is given."""
+    """Stub of a planner, which makes no map and records its arguments."""
 
     def __init__(self, _, environments, *__, led=False):
         self.advice = self.course = torch.zeros(environments, 2)

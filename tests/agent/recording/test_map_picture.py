@@ -1,4 +1,4 @@
-"""The film shows the map where the house is, and what the agent believes of it."""
+"""The film's map: its position on the house, and the agent's beliefs in it."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def explorer(envs):
 
 
 def filmed(envs, explorer, eighth: int, steps: int = 40) -> Image.Image:
-    """The map after some steps from a place where walls are in sight, at this heading."""
+    """Return the map after some steps from a place with walls in sight, at this heading."""
     pose = [[6.0, 1.5, eighth * np.pi / 4]]
     seen, _ = envs.reset(seed=1, options={"house": [0], "pose": pose, "target": [[7.0, 0.6]]})
     explorer.begin(1)
@@ -44,7 +44,7 @@ def filmed(envs, explorer, eighth: int, steps: int = 40) -> Image.Image:
 
 
 def places(image: Image.Image, colour: tuple[int, int, int]) -> np.ndarray:
-    """The places (n, 2), metres, of the picture's pixels of a colour."""
+    """Return the places (n, 2), metres, of the picture's pixels of a colour."""
     frame = View(HOUSE, 400).frame
     rows, columns = np.nonzero((np.asarray(image) == colour).all(axis=-1))
     return (np.stack([columns, rows], axis=1) + 0.5 - [frame.left, frame.top]) / frame.scale

@@ -1,4 +1,4 @@
-"""Runs small enough to be reported often."""
+"""Runs small enough for frequent reports."""
 
 import pytest
 
@@ -16,19 +16,19 @@ STEPS = 60
 
 
 def untrained() -> Checkpoint:
-    """An agent without a map that has learnt nothing, so that the avoidance layer has much to forbid."""
+    """Return an untrained agent without a map, so that the avoidance layer forbids many actions."""
     config = PQNConfig()
     return Checkpoint(network_of(config), config, 0, "untrained", "")
 
 
 def with_planner() -> Checkpoint:
-    """An agent that keeps a map and has learnt nothing of it."""
+    """Return an untrained agent that keeps a map."""
     config = CompletionConfig()
     return Checkpoint(network_of(config), config, 0, "with planner", "")
 
 
 def recorded(agent: Checkpoint) -> Recorder:
-    """The first steps of an agent's episode in the house."""
+    """Record the first steps of an agent's episode in the house."""
     recorder = Recorder(agent.name, "main", 3)
     watch(agent, HOUSE, [recorder], seed=3, steps=STEPS)
     return recorder
@@ -36,5 +36,5 @@ def recorded(agent: Checkpoint) -> Recorder:
 
 @pytest.fixture(scope="session")
 def mapped() -> trace.Trace:
-    """An episode of an agent that keeps a map."""
+    """Return an episode of an agent that keeps a map."""
     return recorded(with_planner()).trace

@@ -1,6 +1,6 @@
-"""A report in a real browser: opened as a file, filtered, played, scrubbed by the keyboard; it asks nobody.
+"""Report in a real browser: opened as a file, filtered, played, and controlled by the keyboard.
 
-The fixture ``page`` fails a test where the page logs an error or a warning, or asks of another host.
+The fixture ``page`` fails a test if the page logs an error or a warning, or makes a request to another host.
 """
 
 import json
@@ -26,19 +26,19 @@ from tests.conftest import opened_page
 
 @pytest.fixture(scope="module")
 def houses() -> list[House]:
-    """30 houses of family, of 2 to 6 rooms, and a flat."""
+    """Return 30 houses of family, with 2 to 6 rooms, and a flat."""
     return [*benchmark("test-v1")[:30], benchmark("home-test-v1")[0]]
 
 
 @pytest.fixture(scope="module")
 def vetoed() -> Trace:
-    """An episode with vetoes, without a map."""
+    """Return an episode with masked actions, without a map."""
     return recorded(untrained()).trace
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory, houses, mapped, vetoed) -> Path:
-    """A report of houses, runs, scores and two episodes."""
+    """Write a report of houses, runs, scores and two episodes."""
     folder = tmp_path_factory.mktemp("run")
     metrics(folder, msgspec.json.encode(LINE).decode())
     measured(folder, houses[:2])
@@ -62,7 +62,7 @@ def opened(page: Page, file: Path) -> Page:
 
 
 def inked(page: Page, episode: int = 0) -> str:
-    """What is drawn on an episode's canvas."""
+    """Return the drawing on an episode's canvas."""
     return page.evaluate(
         """(episode) => {
             const canvas = document.querySelectorAll(".stage canvas")[episode];
@@ -339,13 +339,13 @@ def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(opened: Page) -> 
     opened.locator("summary").first.click()
     assert findings(opened) == []
     opened.locator(".sheet button").first.click()
-    assert findings(opened) == []  # of a house that is enlarged
+    assert findings(opened) == []  # of an enlarged house
     opened.keyboard.press("Escape")
     assert too_wide(opened) == []
     assert cut_on_paper(opened) == []
     stage, drawn = (box(opened.locator(each).first) for each in (".stage", ".stage canvas"))
     assert drawn["height"] <= stage["height"]
-    # All tables are whole, those that are folded on the screen too, but for the numbers of curves.
+    # All tables are whole, also those folded on the screen, except for the numbers of curves.
     shown, every = (f"table.figures tbody tr{which}" for which in (":visible", ":not(figure details *)"))
     assert opened.locator(shown).count() == opened.locator(every).count()
 

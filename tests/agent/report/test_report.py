@@ -1,4 +1,4 @@
-"""A report holds what its folder does, whole, and says in one line where there is nothing to report."""
+"""A report has everything in its folder, and prints one line if there is nothing to report."""
 
 import json
 import re
@@ -48,7 +48,7 @@ def metrics(folder: Path, *lines: str) -> None:
 
 
 def measured(folder: Path, houses: Sequence[House] = ()) -> None:
-    """Scores in two houses: these, or houses that nobody has."""
+    """Write scores in two houses: these, or houses that nobody has."""
     one = result(scores([5, 8]), others={"explorer": scores([6, 10])})
     bank = ScoredBank(bank_hash(houses) if houses else "abc", "b.jsonl", 2)
     (folder / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())
@@ -56,7 +56,7 @@ def measured(folder: Path, houses: Sequence[House] = ()) -> None:
 
 @pytest.fixture
 def run(tmp_path, mapped) -> Path:
-    """A folder with something of everything."""
+    """Return a folder with files of every kind."""
     metrics(tmp_path / "training", json.dumps(LINE), json.dumps(LINE | {"steps": 2000, "fraction": 1.0}))
     measured(tmp_path)
     save([HOUSE, HOUSE], tmp_path / "houses.jsonl")
@@ -69,7 +69,7 @@ def run(tmp_path, mapped) -> Path:
 
 
 class Outline(HTMLParser):
-    """The sections of a page, and whether each element is closed."""
+    """Sections of a page; creation fails if an element is not closed."""
 
     VOID = frozenset({"meta", "input", "link", "br"})
 
@@ -227,14 +227,14 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     found = modes_of([replace(one, ends_on_pick_up=True)])
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(ScoredBank("abc", "b.jsonl", 2), 0, found).json())
     page = report(tmp_path, SECTIONS).decode()
-    # The SPL too: the share of successes alone may equal the oracle's.
+    # The SPL is given, too: the fraction of successes alone may equal the oracle's.
     assert (
         "In 2 houses, agent finds a coffee table in 50% of its episodes, at an SPL of 0.50, where 1 means "
         "the shortest path in every episode."
     ) in page
     assert "<h3>Find a coffee table</h3>" in page
     assert "coffeeTable" not in page
-    # In houses of a grammar that calls its worktop so.
+    # The houses are of a grammar that calls its worktop so.
     desk = modes_of([replace(one, mode='{"task": "object", "piece": "desk"}', ends_on_pick_up=True)])
     bank = ScoredBank(bank_hash(benchmark()), "test-v1", 2)
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, desk).json())

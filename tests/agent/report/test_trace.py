@@ -1,4 +1,4 @@
-"""A trace says what happened, in few bytes, and refuses what it cannot say."""
+"""A trace records an episode in few bytes; a malformed trace is refused."""
 
 import json
 
@@ -19,7 +19,7 @@ from tests.agent.report.conftest import HOUSE, STEPS, recorded, untrained, with_
 
 
 class Notes:
-    """What the environment and the policy really were at each step."""
+    """True states of the environment and the policy at each step."""
 
     def begin(self, envs, policy):
         self.envs, self.policy, self.scenes, self.blocked = envs, policy, [], []
@@ -37,7 +37,7 @@ class Notes:
 
 @pytest.fixture(scope="module")
 def both() -> tuple[Trace, Notes]:
-    """An episode of an agent that keeps a map, and what it really was."""
+    """Return an episode of an agent that keeps a map, and its true states."""
     recorder, notes = Recorder("with planner", "main", 3), Notes()
     watch(with_planner(), HOUSE, [notes, recorder], seed=3, steps=STEPS)
     return recorder.trace, notes
@@ -117,7 +117,7 @@ def test_where_it_believes_the_target_to_be_is_where_the_target_is(both) -> None
     assert known.any()
     targets = np.array(made.targets)[made.column("found")[:-1]]
     near = np.abs(made.column("goal") / 100 - targets).max(axis=1)[known] < 0.15
-    assert near.mean() > 0.9  # at the very step of a pick-up it is the last one's
+    assert near.mean() > 0.9  # at the very step of a pick-up it is the last target's
 
 
 def test_looking_on_changes_nothing_that_the_agent_does(both) -> None:

@@ -1,4 +1,4 @@
-"""Checkpoints come back as they were, and anything else is refused in one line."""
+"""Checkpoints come back unchanged, and anything else is refused in one line."""
 
 import json
 import os
@@ -23,13 +23,13 @@ CONFIG = PQNConfig(steps=1000, seed=3)
 
 
 def made(path, config: TrainConfig = CONFIG):
-    """A checkpoint file."""
+    """Write a checkpoint file."""
     save(Checkpoint(network_of(config), config, 512, "mine", "1234", "vitruvius train"), path)
     return path
 
 
 def spoiled(path, tensors=None, **changes):
-    """A checkpoint file with some entries of its record replaced, or its tensors."""
+    """Write a checkpoint file with some entries of its record replaced, or its tensors."""
     with safetensors.safe_open(made(path), framework="pt") as file:
         record = file.metadata() | changes
         kept = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
@@ -38,7 +38,7 @@ def spoiled(path, tensors=None, **changes):
 
 
 def refusal(path) -> str:
-    """The one line that says why the file is refused."""
+    """Return the one line that explains why the file is refused."""
     with pytest.raises(CheckpointError) as caught:
         load(path)
     assert caught.value.exit_code == 5
@@ -53,7 +53,7 @@ def test_a_checkpoint_comes_back_as_it_was(tmp_path, preset):
     assert found.config == PRESETS[preset]
     assert (found.steps, found.name, found.houses, found.command) == (512, "mine", "1234", "vitruvius train")
     network = network_of(PRESETS[preset])
-    if PRESETS[preset].reads_maps:  # and no observations: it has tests of its own
+    if PRESETS[preset].reads_maps:  # it reads no observations, and has its own tests
         kept = found.network.state_dict()
         assert all(torch.equal(kept[name], each) for name, each in network.state_dict().items())
         return
@@ -143,7 +143,7 @@ def test_control_characters_of_a_name_are_escaped(tmp_path):
 
 def test_what_is_too_large_or_no_file_is_refused_unread(tmp_path):
     path = made(tmp_path / "agent.safetensors")
-    os.truncate(path, 5 << 30)  # of zeros, which take no disk
+    os.truncate(path, 5 << 30)  # zeros, which take no disk space
     assert "holds more than 256 MiB" in refusal(path)
     os.mkfifo(tmp_path / "pipe.safetensors")
     assert "is a device or a pipe, and no file" in refusal(tmp_path / "pipe.safetensors")

@@ -1,4 +1,4 @@
-"""The exported network is the network: the same values and memories, in another runtime."""
+"""The exported network gives the same values and memories in another runtime."""
 
 import builtins
 from typing import Any
@@ -24,7 +24,7 @@ pytest.importorskip("onnxscript")
 
 @pytest.fixture(autouse=True)
 def whole_floats():
-    """A run in this process may have set products to fewer bits (``agent.runs.runs``)."""
+    """Restore full precision, as a run in this process may have reduced it (``agent.runs.runs``)."""
     before = torch.get_float32_matmul_precision()
     torch.set_float32_matmul_precision("highest")
     yield
@@ -38,7 +38,7 @@ def network(kind: type[torch.nn.Module] = QNetwork) -> Any:
 
 @pytest.fixture(scope="module", params=[QNetwork, RecurrentQNetwork], ids=["pqn", "recurrent"])
 def exported(request, tmp_path_factory):
-    """A network's step, and the file of it in the other runtime."""
+    """Return a network's step, and its file opened in the other runtime."""
     step = ExportedStep(network(request.param)).eval()
     path = tmp_path_factory.mktemp("onnx") / "agent.onnx"
     export(step.network, path)

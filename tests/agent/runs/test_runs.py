@@ -55,25 +55,25 @@ REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learn
 
 @pytest.fixture(autouse=True)
 def keeping_at_once(monkeypatch):
-    """All is kept after every report."""
+    """Save all after every report."""
     monkeypatch.setattr(runs, "SAVE_EVERY", 0.0)
 
 
 def metrics(folder: Path) -> list[dict]:
-    """The reports, without what a clock says."""
+    """Return the reports, without the values of clocks."""
     lines = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
     clocks = ("seconds", "simulator", "learner", "map")
     return [{name: value for name, value in line.items() if name not in clocks} for line in lines]
 
 
 def same(one: Path, other: Path) -> bool:
-    """Whether two checkpoints hold the same numbers."""
+    """Return True if two checkpoints hold the same numbers."""
     pairs = [checkpoint.load(path / "agent.safetensors").network.state_dict() for path in (one, other)]
     return all(torch.equal(value, pairs[1][name]) for name, value in pairs[0].items())
 
 
 def test_train_takes_any_task_and_any_field_of_the_simulator_and_keeps_them(tmp_path, monkeypatch):
-    """In the houses that come with the project, where none are given."""
+    """Without given houses, it trains on those that come with the project."""
     monkeypatch.chdir(tmp_path)
     task = '{"task": "reach", "room": "kitchen"}'
     words = ["train", "--targets", task, "--sim", "steps=99", "--sim", "random_start=false", "--out", "run"]
@@ -99,13 +99,13 @@ def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):
 
 
 def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
-    """By SIGKILL, wherever it stood; and again. With all that a run may keep."""
+    """The kill is SIGKILL, at any point, and again, with all that a run may save."""
     save(HOUSES, tmp_path / "houses.jsonl")
     arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
     arguments += ["--num-envs", "8", "--num-steps", "16"]
 
     def started(name: str) -> BaseProcess:
-        # --resume begins where there is nothing yet
+        # --resume starts a new run in an empty folder
         return processes.start(*arguments, "--out", str(tmp_path / name), "--resume")
 
     whole = started("whole")
@@ -135,7 +135,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
     ids=["pqn", "pqn-recurrent", "dqn", "map-completion", "search", "pqn-in-rotation"],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config, houses):
-    """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
+    """This is so for each algorithm; what was learned after the last saved state is learned again."""
     run(houses, config, tmp_path / "whole")
     learner = algorithm_of(config)
     iterate = learner.iterate
@@ -235,7 +235,7 @@ def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
     with folder.alone(resume=False), pytest.raises(RequestError, match="another run is at work here"):
         run(HOUSES, CONFIG, tmp_path / "run", resume=True)
     assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
-    run(HOUSES, CONFIG, tmp_path / "run")  # what ended leaves it free
+    run(HOUSES, CONFIG, tmp_path / "run")  # a run that ended leaves the folder free
 
 
 def test_a_damaged_state_is_refused_in_one_line(tmp_path):

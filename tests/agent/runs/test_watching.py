@@ -1,5 +1,6 @@
-"""Evaluations in held-out houses, checkpoints, hooks and several seeds, none of which affects learning, and
-user-defined modules.
+"""Evaluations in held-out houses, checkpoints, hooks and several seeds, and user-defined modules.
+
+None of the first four affects the training.
 """
 
 import json
@@ -35,7 +36,7 @@ REPORTS = list[Progress]()
 
 
 class Wide(nn.Module):
-    """A layer over all that there is."""
+    """Module with one layer over all inputs."""
 
     def __init__(self, rays: int, channels: int, remembered: int, actions: int) -> None:
         super().__init__()
@@ -46,14 +47,14 @@ class Wide(nn.Module):
 
 
 class Narrow(Wide):
-    """A module with an action too few."""
+    """Module with one action too few."""
 
     def forward(self, observation: torch.Tensor, memory: torch.Tensor) -> torch.Tensor:
         return super().forward(observation, memory)[:, 1:]
 
 
 def passed(every: int, steps: Iterable[int]) -> list[int]:
-    """The steps of reports that are the first after a multiple of ``every``."""
+    """Return the steps of reports that are the first after a multiple of ``every``."""
     return [step for before, step in pairwise([0, *steps]) if step // every > before // every]
 
 
@@ -79,7 +80,7 @@ def test_an_agent_is_evaluated_in_held_out_houses_and_the_best_one_kept_and_lear
     kept = sorted((tmp_path / "watched/checkpoints").iterdir(), key=lambda file: int(file.stem))
     assert [int(file.stem) for file in kept] == passed(600, found)
     assert [checkpoint.load(file).steps for file in kept] == passed(600, found)
-    # What goes on knows the best of what was.
+    # A resumed run knows the best evaluation so far.
     run(HOUSES, replace(CONFIG, steps=2000), tmp_path / "watched", watching=watching, resume=True)
     again = checkpoint.load(tmp_path / "watched/best.safetensors").steps
     scores |= {line["steps"]: line["held_out"] for line in metrics(tmp_path / "watched")[len(found) :]}

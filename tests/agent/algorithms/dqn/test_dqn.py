@@ -1,4 +1,4 @@
-"""Deep Q-learning: targets against numbers worked out by hand, what is replayed, runs that stop and go on."""
+"""Deep Q-learning: targets compared with numbers computed by hand, replay, and runs that stop and resume."""
 
 from dataclasses import replace
 from typing import cast
@@ -28,15 +28,16 @@ SMALL = replace(
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """The same environments for all tests, as each compiles its kernels; episodes of 100 steps, so that many
-    end.
+    """Return environments that all tests share, as each new one compiles its kernels.
+
+    Episodes have 100 steps, so that many end.
     """
     torch.set_num_threads(1)
     return HouseVectorEnv([random_house(seed) for seed in range(4)], E, max_episode_steps=100)
 
 
 def returned(terminated=(), truncated=(), r=(1.0, 2.0, 4.0)) -> list[float]:
-    """Of three steps with these rewards and ends, at a discount of a half: g, ahead, discount."""
+    """Return g, ahead and discount of three steps with these rewards and ends, at a discount of a half."""
     rewards = torch.tensor(r)[:, None]
     ends = (torch.tensor([[step in at] for step in range(3)]) for at in (terminated, truncated))
     return [float(part) for part in n_step_returns(rewards, *ends, gamma=0.5)]
@@ -98,7 +99,7 @@ def test_the_buffer_holds_what_was_seen_and_the_actions_that_were_executed(envs)
     assert learner.tally.overruled > 100 * E
     assert torch.equal(data["allowed"][:250], torch.stack(given))
     assert torch.equal(data["s"][:250], torch.stack(seen[:250]).half())
-    # Episodes of 100 steps: rows 100 and 201 are the ignored ones, and 99 and 200 the last ones.
+    # Episodes have 100 steps: rows 99 and 200 are the last ones, 100 and 201 the ignored ones.
     steps = torch.arange(250)
     assert torch.equal(data["valid"][:250], ((steps != 100) & (steps != 201))[:, None].expand(-1, E))
     assert torch.equal(data["truncated"][:250], ((steps == 99) | (steps == 200))[:, None].expand(-1, E))
@@ -106,7 +107,7 @@ def test_the_buffer_holds_what_was_seen_and_the_actions_that_were_executed(envs)
 
 
 def run(envs, config=SMALL, steps=None) -> DQN:
-    """A run to its end, or to the first report after that many steps."""
+    """Return a run to its end, or to the first report after ``steps`` steps."""
     learner = DQN(config, envs)
     for now in learner.train():
         if steps and now.steps >= steps:
@@ -151,7 +152,7 @@ def test_a_run_of_another_config_or_in_other_houses_cannot_go_on(envs):
 
 
 def test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk(envs):
-    """By 40 times as much; a run of seconds."""
+    """It finds 40 times as much in a run of seconds."""
     envs = HouseVectorEnv([House.of_star(Star(Rect(0, 0, 4, 4)))], 32, max_episode_steps=300)
     config = replace(
         PRESET,

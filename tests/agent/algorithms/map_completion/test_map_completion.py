@@ -1,4 +1,4 @@
-"""Map completion: what it reads of maps and houses, what it writes, and what it refuses."""
+"""Map completion: its inputs from maps and houses, its outputs, and the arguments that it refuses."""
 
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ KINDS = "bed", "chair"
 
 @pytest.fixture(scope="module")
 def explored():
-    """Explorers after some steps, one in each house, the truth of their maps, and their marks."""
+    """Return explorers after some steps, one in each house, with the truth of their maps and their marks."""
     config = replace(DEFAULT, kinds=KINDS)
     envs = make_envs(HOUSES, len(HOUSES), "secondary", preset=config)
     policy = Explorer(shield(envs), envs.config)
@@ -57,7 +57,7 @@ def explored():
 
 
 def middle(planner, e):
-    """The node that the body is on, or next to, in whole blocks: south and east of the start."""
+    """Return the block of the body's node, or next to it: blocks south and east of the start."""
     x, y, _ = planner.pose(e)
     return np.floor((np.array([y, x]) + 1) / 2).astype(int)
 
@@ -82,7 +82,7 @@ def test_windows_hold_the_four_cells_about_each_other_node(explored):
 
 
 def on_map(truth, e, metres, planner, corner):
-    """Points of a house (n, 2) as blocks of a window, south and east: by complex numbers."""
+    """Return points of a house (n, 2) as blocks of a window, south and east, by complex numbers."""
     x, y, heading = truth.pose[e]
     along = np.exp(-1j * (np.pi / 2) * (round(heading / (np.pi / 4)) // 2))  # y grows south
     ways = (metres[:, 0] - x + 1j * (metres[:, 1] - y)) / along / (2 * planner.cell)
@@ -90,7 +90,7 @@ def on_map(truth, e, metres, planner, corner):
 
 
 def test_the_truth_is_where_targets_may_lie_in_the_house(explored):
-    """By another way: each place of the house, turned into the map's frame."""
+    """Checked in another way: each place of the house is turned into the map's frame."""
     envs, planner, truth, _ = explored
     windows, corners = Windows(planner).read(EVERYONE)
     floor, solid, target, kinds = truth.read(EVERYONE, corners)
@@ -111,7 +111,7 @@ def test_the_truth_is_where_targets_may_lie_in_the_house(explored):
                 counts += np.histogram2d(south + a, east + b, (edges, edges))[0] / 4 / len(places)
         assert np.allclose(target[e], counts, atol=1e-6)
         assert target[e].sum() <= 1 + 1e-6
-    assert not floor[(windows & 7) == 4].any()  # nothing lies in what is occupied
+    assert not floor[(windows & 7) == 4].any()  # nothing lies in an occupied block
     assert not (floor & solid).any()
     assert set(np.unique(kinds)) == {*range(len(GROUND) + 3), UNKNOWN}
 
@@ -147,7 +147,7 @@ def test_the_kinds_of_ground_are_those_of_the_house(explored):
 
 
 def test_solid_is_where_walls_run_and_furniture_stands(explored):
-    """By another way: points of blocks, turned into the house's frame by complex numbers."""
+    """Checked in another way: points of blocks are turned into the house's frame by complex numbers."""
     envs, planner, truth, _ = explored
     _, corners = Windows(planner).read(EVERYONE)
     solid, half = truth.read(EVERYONE, corners).solid, planner.cell
@@ -165,13 +165,13 @@ def test_solid_is_where_walls_run_and_furniture_stands(explored):
                 inside |= np.maximum(across, down) <= margin
             return inside
 
-        # A block is taken for the lattice's place that is nearest to it.
+        # A block stands for the lattice's nearest place.
         margin = envs.unwrapped.config.step / 2 + 1e-6
         assert solid[e][covered(middles, -margin)].all()
         aside = np.linspace(-half, half, 5)
         points = middles[..., None, None] + aside[:, None] + 1j * aside
         assert np.any(covered(points, margin), axis=(2, 3))[solid[e] == 1].all()
-        # A wall is thin, and still ends sight all along, to half a block from its ends.
+        # A thin wall still ends sight along all of it, to half a block from its ends.
         for west, north, wide, high in boxes:
             if min(wide, high) < half / 2 and max(wide, high) > 2 * half:
                 ends = np.array([[west - wide, north - high], [west + wide, north + high]])
@@ -248,8 +248,9 @@ def test_what_is_written_is_what_places_count_and_where_paths_lead():
 
 
 def corridor():
-    """A window of 48 by 48 that is seen in its first four columns, with a wall at column 10, half of whose
-    rows have a gap, and one at column 20.
+    """Return a window of 48 by 48 that is seen in its first four columns, with two walls.
+
+    Half of the rows of the wall at column 10 have a gap; the wall at column 20 has none.
     """
     windows, solid = np.zeros((2, 2, 48, 48), np.uint8)
     windows[:, :, :4] = 8 * 4
@@ -261,8 +262,8 @@ def test_rays_go_from_seen_ground_as_far_as_the_first_wall():
     windows, solid = corridor()
     sight = cast_rays(windows, solid, np.random.default_rng(0))
     assert sight.rays.shape == sight.passed.shape == windows.shape
-    assert not sight.rays[:, :, :4].any()  # what was seen need not be foreseen
-    assert not sight.rays[:, :, 21:].any()  # nothing comes there
+    assert not sight.rays[:, :, :4].any()  # seen ground needs no prediction
+    assert not sight.rays[:, :, 21:].any()  # no ray gets there
     came = sight.rays > 0
     assert came[:, 10:40, 4:10].mean() > 0.95
     assert set(np.unique(sight.passed[came & (solid == 1)])) == {0.0}
@@ -271,7 +272,7 @@ def test_rays_go_from_seen_ground_as_far_as_the_first_wall():
 
 
 def test_the_product_of_what_passes_is_about_how_far_rays_come():
-    """Over many houses whose wall is anywhere within ten columns; rays that go aside take more steps."""
+    """Over many houses whose wall is anywhere within ten columns; rays at an angle take more steps."""
     random, wide = np.random.default_rng(1), 48
     windows, solid = np.zeros((2, 400, wide, wide), np.uint8)
     windows[:, :, :3] = 8 * 4
@@ -282,7 +283,7 @@ def test_the_product_of_what_passes_is_about_how_far_rays_come():
     survives = np.cumprod(shares[3:21])
     true = [(at > column).mean() for column in range(3, 21)]
     assert np.allclose(survives, true, atol=0.08)
-    assert survives[-1] == 0  # beyond the last of them there is never a view, though no wall stands there
+    assert survives[-1] == 0  # no view reaches beyond the last wall, although no wall stands there
     assert (rays.sum((1, 2)) > 0).all()
     assert rays.sum() <= 400 * RAYS * RANGE
 
@@ -297,7 +298,7 @@ def test_no_ray_is_cast_where_nothing_was_seen_or_all_of_it_is_occupied():
 
 
 def batch_of(windows, floor, kinds, starts=None):
-    """A batch whose targets lie on all floor alike."""
+    """Return a batch whose targets lie on all floor with equal probability."""
     target = floor.float() / floor.float().sum((1, 2), keepdim=True)
     starts = torch.zeros(len(windows), 2) if starts is None else starts
     rays = (windows == 0).float()
@@ -339,7 +340,7 @@ def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
     right = completion_loss(Prediction(floor, floor, target, ground), batch)
     least = TARGETS * np.log(16 * 32)
     assert float(right) == pytest.approx(least, abs=0.01)
-    # Farther than 12 blocks from what was seen it hardly matters.
+    # Beyond 12 blocks from seen ground the weight is small.
     far = floor.clone()
     far[0, :, 30:] = 9.0
     wrong = floor.clone()
@@ -349,7 +350,7 @@ def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
     assert completion_loss(Prediction(floor, floor, target, -ground), batch) > right + 1
     nowhere = torch.full_like(floor, -np.log(32 * 32.0))
     assert completion_loss(Prediction(floor, floor, nowhere, ground), batch) > right + 0.1
-    # Sight is judged where rays came, and nowhere else.
+    # Sight is judged only where rays came.
     came = batch.rays > 0
     for where, least in ((came, 1.0), (~came, 0.0)):
         loss = completion_loss(Prediction(floor, torch.where(where, -floor, floor), target, ground), batch)
@@ -375,7 +376,7 @@ def test_a_network_tells_how_likely_a_target_is_in_its_window():
 
 
 def picked_up(policy_of, houses, steps=350):
-    """Targets in an episode of each house."""
+    """Return the targets picked up in an episode of each house."""
     envs = make_envs(houses, len(houses), "secondary")
     policy = policy_of(envs)
     policy.begin(len(houses))
@@ -408,8 +409,8 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     some[0, 40:42, 40:42] += 8.0  # some blocks are far likelier: they are certain, and no more
     given = foresight.given(Prediction(sure, sure, some, sure[:, None]), windows)
     assert (given[0, 40:42, 40:42] == CERTAIN | PATH).all()
-    # What the others count is less than 1: no floor counts less. Where it is between whole numbers some of
-    # them count one more, as many as is right.
+    # The weights of the others are below 1, but no floor has less. Between whole numbers, the right fraction
+    # of them is rounded up.
     others = (given & COUNT).astype(float)[0, 48:]
     assert (others == 1).all()
     fewer = likely.clone()
@@ -419,17 +420,17 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     mean = CERTAIN * dense[1] / dense[0]
     assert set(np.unique(others)) == {int(mean), int(mean) + 1}
     assert others.mean() == pytest.approx(mean, abs=1 / 16)
-    # Where these were looked at since the last pick-up, the others are what is left.
+    # If these were looked at since the last pick-up, only the others are left.
     windows[0, 40:42, 40:42] |= LOOKED
     assert (foresight.given(Prediction(sure, sure, some, sure[:, None]), windows) & COUNT == CERTAIN).all()
     none = foresight.given(Prediction(-sure, -sure, likely - 50, sure[:, None]), windows)
-    assert none[0, 0, 0] == PATH | 1  # it was seen: a path may lead there, a view go on, a target lie there
+    assert none[0, 0, 0] == PATH | 1  # seen: a path may lead there, a view may go on, a target may lie there
     assert (none[0, 1:] == BLOCKED << WALL).all()
     half = foresight.given(Prediction(sure, 0 * sure, likely, sure[:, None]), windows)
     assert half[0, 0, 0] == CERTAIN | PATH
     assert (half[0, 1:] >> WALL == BLOCKED // 2 + 1).all()
     door = foresight.given(Prediction(-sure, sure, likely, sure[:, None]), windows)
-    assert (door[0, 1:] == 0).all()  # sight passes, but nothing lies there, nor is it where a body stands
+    assert (door[0, 1:] == 0).all()  # sight passes, but neither a target nor a body can be there
 
 
 def test_where_nothing_is_likely_it_still_looks_at_all_before_it_looks_again():
@@ -439,7 +440,7 @@ def test_where_nothing_is_likely_it_still_looks_at_all_before_it_looks_again():
     observation = torch.as_tensor(envs.reset(seed=0, options={"house": EVERYONE})[0])
     blocked, seen = torch.zeros(len(HOUSES), dtype=torch.bool), []
     planner = policy.tracker.planner
-    planner.arrays["prior"].view()[:] = PATH | 1  # the least that floor counts
+    planner.arrays["prior"].view()[:] = PATH | 1  # the least weight of floor
     for step in range(STEPS):
         observation, _, _, _, info = envs.step_torch(policy(observation, blocked))
         blocked = info["blocked"]
@@ -456,7 +457,7 @@ def test_what_is_foreseen_is_the_ground_of_the_next_choice():
     foresight.begin(len(HOUSES))
     look, planner = torch.as_tensor(envs.reset(seed=0, options={"house": EVERYONE})[0]), foresight.planner
     stands = torch.zeros(len(HOUSES), dtype=torch.bool)
-    for _ in range(12):  # it turns on the spot; it predicted on its own three steps ago
+    for _ in range(12):  # it turns on the spot; its own last prediction was three steps ago
         foresight.look(look, stands)
         look, _, _, _, _ = envs.step_torch(foresight.actions)
     ages = planner.read("plan_age").numpy().copy()

@@ -1,4 +1,4 @@
-"""The paper's agent: its network, targets, schedules, and what it replays after each episode."""
+"""Paper's agent: its network, targets and schedules, and the steps that it replays after each episode."""
 
 from dataclasses import replace
 from typing import cast
@@ -24,7 +24,10 @@ SMALL = replace(EIGHT, episodes=None, steps=3500, buffer_size=2048, batch_size=6
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """The paper's environments for all tests, as each compiles its kernels; episodes of at most 100 steps."""
+    """Return the paper's environments for all tests, as each new one compiles its kernels.
+
+    Episodes have at most 100 steps.
+    """
     torch.set_num_threads(1)
     houses = [random_house(seed) for seed in range(4)]
     return HouseVectorEnv(houses, E, preset=PRESET.world, max_episode_steps=100)
@@ -52,7 +55,7 @@ def test_the_loss_is_the_mean_squared_error_with_none_for_actions_that_were_not_
 
 
 def test_the_first_weights_are_keras_s_or_torch_s_own():
-    """Glorot's are uniform up to the root of 6 / (inputs + outputs)."""
+    """Glorot weights are uniform up to the root of 6 / (inputs + outputs)."""
     network = network_of(PRESET)
     for layer in network.layers:
         if isinstance(layer, nn.Linear):
@@ -117,7 +120,7 @@ def test_exploring_goes_forward_where_the_middle_rays_see_the_target_if_it_homes
 
 
 def run(envs, config=SMALL, steps=None) -> Paper:
-    """A run to its end, or to the first report after that many steps."""
+    """Return a run to its end, or to the first report after ``steps`` steps."""
     learner = Paper(config, envs)
     for now in learner.train():
         if steps and now.steps >= steps:

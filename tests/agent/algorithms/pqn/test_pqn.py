@@ -1,4 +1,4 @@
-"""Q(lambda) and the loss against numbers worked out by hand; runs that stop and go on."""
+"""Q(lambda) and the loss compared with numbers computed by hand; runs that stop and resume."""
 
 from dataclasses import replace
 
@@ -21,12 +21,12 @@ HALF = {"gamma": 0.5, "q_lambda": 0.5}
 
 
 def column(*values: float) -> torch.Tensor:
-    """Values (T, 1) of one environment."""
+    """Return values (T, 1) of one environment."""
     return torch.tensor(values, dtype=torch.float32)[:, None]
 
 
 def returns(*, terminated: int | None = None, truncated: int | None = None, r=(1, 0, 2, 4)) -> list[float]:
-    """Returns of four steps with values 8, 4, 2, 6 ahead; the episode may end at one of them."""
+    """Return the returns of four steps with values 8, 4, 2, 6 ahead; the episode may end at one of them."""
     died, timed_out = (column(*(float(t == at) for t in range(4))).bool() for at in (terminated, truncated))
     return lambda_returns(column(*r), died, timed_out, column(8, 4, 2, 6), **HALF).flatten().tolist()
 
@@ -77,15 +77,16 @@ def test_the_loss_of_ignored_steps_alone_is_0():
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """The same environments for all tests, as each compiles its kernels; episodes of 40 steps, so that many
-    end.
+    """Return environments that all tests share, as each new one compiles its kernels.
+
+    Episodes have 40 steps, so that many end.
     """
     torch.set_num_threads(1)
     return HouseVectorEnv([random_house(seed) for seed in range(4)], E, max_episode_steps=40)
 
 
 def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[RolloutBatch]]:
-    """A learner after one rollout, and what it learnt from."""
+    """Return a learner after one rollout, and the batches that it learned from."""
     config = replace(PQNConfig(num_envs=E, num_minibatches=1, steps=100_000), **changes)
     learner = PQN(config, envs)
     batches, train_step = [], learner.train_step

@@ -1,4 +1,4 @@
-"""Rollouts: which steps count, what is remembered, and how one goes on after another."""
+"""Rollouts: the steps that count, the memory, and the start of one rollout after another."""
 
 import pytest
 import torch
@@ -17,13 +17,16 @@ E, STEPS = 16, 40
 
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
-    """The same environments for all tests, as each compiles its kernels; episodes of 40 steps."""
+    """Return environments that all tests share, as each new one compiles its kernels.
+
+    Episodes have 40 steps.
+    """
     torch.set_num_threads(1)
     return HouseVectorEnv([random_house(seed) for seed in range(4)], E, max_episode_steps=STEPS)
 
 
 def filled(envs: HouseVectorEnv, network: QNetwork, *, length: int, times: int) -> tuple[torch.Tensor, ...]:
-    """Observations, memories, actions and validity of that many rollouts, end to end."""
+    """Return observations, memories, actions and validity of ``times`` rollouts, end to end."""
     observation = torch.as_tensor(envs.reset(seed=0)[0])
     rollout, kept = Rollout.starting(length, observation, network.memory.empty(E)), []
     for _ in range(times):

@@ -1,4 +1,4 @@
-"""A network that searches: what it reads, what views are worth, where it goes, and what it refuses."""
+"""Network that searches: its inputs, the worth of views, its goals, and the arguments that it refuses."""
 
 from dataclasses import replace
 from typing import Any, cast
@@ -47,7 +47,7 @@ SMALL = SearchConfig(targets="secondary", channels=(4, 4), num_envs=4, num_steps
 
 
 def played(policy, envs, steps, look=lambda: None):
-    """Targets after some steps, one environment in each house; ``look`` is called after each action."""
+    """Return the targets after some steps, one environment in each house; call ``look`` after each action."""
     policy.begin(envs.num_envs)
     houses = np.arange(envs.num_envs) % len(envs.houses)
     observation = torch.as_tensor(envs.reset(seed=3, options={"house": houses})[0])
@@ -61,19 +61,19 @@ def played(policy, envs, steps, look=lambda: None):
 
 
 def without_cost(network, inputs, values):
-    """Values of views to which far ways cost nothing."""
+    """Return values of views for which far paths cost nothing."""
     (maps,) = inputs
     return values + cost(maps.ways, network.turns[maps.heading]).log()
 
 
 def learnt(network):
-    """The network with other last weights than a new one's, which are zero."""
+    """Return the network with random last weights; those of a new network are zero."""
     torch.nn.init.normal_(network.out.weight, std=0.05)
     return network
 
 
 class Noted(ViewChooser):
-    """A chooser that keeps what it read, where it went, and the maps as they were then."""
+    """Chooser that keeps its inputs and choices, and the maps as they were then."""
 
     def __call__(self, planner):
         self.choices, self.waiting = getattr(self, "choices", []), []
@@ -101,7 +101,10 @@ class Noted(ViewChooser):
 
 @pytest.fixture(scope="module")
 def choices():
-    """The choices of a network at random, to which far views cost nothing, in some steps."""
+    """Return the choices of a network with random weights in some steps.
+
+    Far views cost this network nothing.
+    """
     torch.manual_seed(0)
     envs, network = make_envs(HOUSES, len(HOUSES), "secondary"), learnt(ViewNetwork((4, 4), looks=True))
     network.register_forward_hook(without_cost)
@@ -140,7 +143,7 @@ def test_the_known_way_to_a_place_is_that_of_the_path_that_the_body_then_takes(c
         away.append((way, choice["path"] / 2))
     ways, paths = np.array([each for each in away if each[1] < 30000]).T
     assert len(ways) > 0.9 * len(away)
-    # Where no path comes so near, it ends beside the place, maybe on this side of a wall.
+    # If no path comes so near, the path ends next to the place, perhaps on this side of a wall.
     assert np.median(np.abs(ways - paths)) < 3
     assert (np.abs(ways - paths) < 8).mean() > 0.8
     assert ways.max() > 12
@@ -166,14 +169,14 @@ def test_no_view_is_the_goal_twice_between_two_pick_ups(choices):
             if choice["maps"].taken[0, south, east] >> h & 1
         }
         assert goal not in goals
-        assert noted <= set(goals)  # those that the window still shows
+        assert noted <= set(goals)  # those in the window
         goals.append(goal)
     assert max(map(len, taken.values())) > 3
 
 
 @pytest.mark.filterwarnings("ignore:.*Calling non-taichi function:SyntaxWarning")
 def test_the_rule_that_chooses_views_is_not_called(monkeypatch):
-    """With a fault in its place the network plays on, and the explorer does not."""
+    """The network plays on if the rule raises an error; the explorer does not."""
 
     def fault(*given):
         raise AssertionError("a rule chose a view")
@@ -181,7 +184,7 @@ def test_the_rule_that_chooses_views_is_not_called(monkeypatch):
     monkeypatch.setattr(Viewpoints, "choose", fault)
     monkeypatch.setattr(Viewpoints, "gain", fault)
     envs = make_envs(HOUSES[:1], 1, "secondary")
-    other = replace(TUNED, gain_most=TUNED.gain_most + 1)  # so that kernels are compiled with the fault
+    other = replace(TUNED, gain_most=TUNED.gain_most + 1)  # so that kernels are compiled with the error
     chooser = ViewChooser(ViewNetwork((4, 4)), envs.config)
     policy = Explorer(shield(envs), envs.config, other, chooser=chooser)
     played(policy, envs, 40)
@@ -203,7 +206,7 @@ def test_a_body_without_a_view_to_go_to_turns():
 
 @pytest.fixture(scope="module")
 def valued():
-    """Bodies on their way, what views are worth to them, and where their windows lie."""
+    """Return bodies on their way, the worth of views for them, and the corners of their windows."""
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     policy = true_views(envs)
     chooser, told = cast(Any, policy.tracker.chooser), []
@@ -224,7 +227,7 @@ def valued():
 
 
 def test_what_a_view_is_worth_is_of_its_place_and_heading_in_the_house(valued):
-    """By another way: where the body can stand in the lattice, and what rays from there show."""
+    """Checked in another way: where the body can stand in the lattice, and what rays from there show."""
     envs, truth, told = valued
     world = envs.unwrapped.world
     bank = survey(world.backend, world.bank, list(range(len(HOUSES))), world.lattices)
@@ -241,7 +244,7 @@ def test_what_a_view_is_worth_is_of_its_place_and_heading_in_the_house(valued):
         can = np.zeros(inside.shape, bool)
         can[inside] = part[tuple(lattice[inside].T)] > 0
         near = lattice % truth.pitch
-        assert near.max() <= truth.steps - 1  # of the views that are known, at most a part of a node aside
+        assert near.max() <= truth.steps - 1  # a known view is at most a fraction of a node aside
         some = worth.amax(0).numpy() > 0
         some[MIDDLE, MIDDLE] = False
         stands += (can & some).sum()
@@ -263,7 +266,7 @@ def test_a_path_costs_its_steps():
 
 
 def test_targets_that_were_not_seen_lie_where_the_map_says_that_they_may():
-    """By another way: the exact posterior, which strikes out each place that a ray would have met."""
+    """Checked in another way: the exact posterior, which removes each place that a ray would have met."""
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     policy = true_views(envs)
     played(policy, envs, 200)
@@ -305,7 +308,7 @@ def test_who_goes_by_true_values_finds_more_than_the_explorer():
 
 
 def random_maps(count=3):
-    """Maps at random, the body on the middle; what views are worth is 1 where they were taken."""
+    """Return random maps with the body in the middle; the worth is 1 for views that were taken."""
     random = torch.Generator().manual_seed(0)
 
     def draw(most, *shape, kind=torch.uint8):
@@ -340,7 +343,7 @@ def test_turned_maps_are_of_the_same_views():
     assert torch.equal(once.worth[:, :, inner, inner], maps.worth[:, :, inner, inner])
     assert torch.equal(once.heading, maps.heading)
     assert torch.equal(once.start, maps.start)
-    # A quarter counter-clockwise: what lay to the east lies to the north, and so does its heading.
+    # A quarter counter-clockwise: what lay to the east lies to the north, and the heading turns with it.
     east = maps._replace(ways=torch.full_like(maps.ways, FAR), heading=torch.zeros(3, dtype=torch.int64))
     east.ways[:, MIDDLE, MIDDLE + 5] = 7
     north = turned(east, 1, False)
@@ -358,7 +361,7 @@ def test_a_network_values_the_views_that_a_path_leads_to():
     assert values.shape == (3, HEADINGS, PLACES, PLACES)
     assert torch.equal(torch.isfinite(values), views(maps))
     assert not views(maps)[torch.arange(3), maps.heading, MIDDLE, MIDDLE].any()
-    # The same view, farther away or behind more turns, is worth less at first.
+    # The same view has less value at first if it is farther away or needs more turns.
     near = maps._replace(ways=torch.full_like(maps.ways, 10))
     far = maps._replace(ways=torch.full_like(maps.ways, 100))
     assert network(near).mean() > network(far).mean() + 1
@@ -371,7 +374,7 @@ def test_a_network_values_the_views_that_a_path_leads_to():
 
 
 def test_what_a_view_would_show_is_what_rays_over_the_map_meet(choices):
-    """By another way: ray by ray, in Python."""
+    """Checked in another way: ray by ray, in Python."""
     turns, random, some = (
         np.pi / 4 * (np.arange(8)[:, None] + (np.arange(5) - 2) / 5),
         np.random.default_rng(0),
@@ -435,7 +438,7 @@ def test_a_part_of_a_window_has_all_that_was_seen_and_some_ground_about_it(choic
 
 
 def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
-    """Of places that begin at odd nodes, whose blocks are map completion's."""
+    """The places begin at odd nodes, and their blocks are map completion's."""
     torch.manual_seed(0)
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     policy = Explorer(shield(envs), envs.config, chooser=ViewChooser(ViewNetwork((4, 4)), envs.config))
@@ -461,7 +464,7 @@ def test_what_is_foreseen_is_of_the_map_as_map_completion_reads_it():
 
 
 def test_the_loss_of_choices_is_what_is_lost_by_drawing_one():
-    """Of views worth 4, 1, 3 and 0, the first of which was the goal before; the last is none."""
+    """Views are worth 4, 1, 3 and 0. The first was the goal before; the last is no view."""
     values = torch.full((1, HEADINGS, PLACES, PLACES), -torch.inf)
     maps = random_maps(1)._replace(
         worth=torch.zeros(values.shape), taken=torch.zeros(1, PLACES, PLACES).byte()
@@ -472,7 +475,7 @@ def test_the_loss_of_choices_is_what_is_lost_by_drawing_one():
     assert float(choice_loss(values, maps, 0.5)) == pytest.approx(1 - (4 + 1 + 4 * 3) / 6 / 4)
     maps.taken[0, 0, 0] = 1
     assert float(choice_loss(values, maps, 1.0)) == pytest.approx(1 - (1 / 3 + 2 * 3 / 3) / 3)
-    maps.taken[0, 0] = 255  # all were: then they are as good as before
+    maps.taken[0, 0] = 255  # all were goals: then they count as before
     assert float(choice_loss(values, maps, 1.0)) == pytest.approx(1 - (0.25 + 0.25 / 4 + 0.5 * 3 / 4))
     values.requires_grad_()
     choice_loss(values, maps, 1.0).backward()
@@ -482,7 +485,7 @@ def test_the_loss_of_choices_is_what_is_lost_by_drawing_one():
 
 
 def test_the_loss_of_values_is_least_at_the_mean_of_what_views_are_worth():
-    """What cannot be known is averaged: half of the time 1, half of the time 0."""
+    """Unknowable outcomes are averaged: half of the time 1, half of the time 0."""
     worth = torch.zeros(2, 1, 1, 3)
     worth[0, 0, 0] = torch.tensor([1.0, 0.4, 0.0])
     values = torch.tensor([0.5, 0.2, 1e-4]).log().expand(2, 1, 1, 3).clone()
@@ -492,7 +495,7 @@ def test_the_loss_of_values_is_least_at_the_mean_of_what_views_are_worth():
         for k in range(2):
             other = values.clone()
             other[..., k] += change
-            # The weights may differ; the gradient at the mean is what is claimed.
+            # The weights may differ; the claim is about the gradient at the mean.
             other.requires_grad_()
             value_loss(other, worth).backward()
             assert float(cast(torch.Tensor, other.grad)[..., k].sum()) * change > 0
@@ -511,20 +514,20 @@ def test_a_run_learns_what_views_are_worth(loss):
     assert any(losses)
     assert learner.made > 60
     choices = ViewMaps(*(field[:40] for field in learner.buffer))
-    with torch.no_grad():  # on the same choices: those of a run's beginning and end differ
+    with torch.no_grad():  # with the same choices: those of a run's beginning and end differ
         learnt, new = (
             float(learner.loss(network(choices), choices))
             for network in (learner.network, cast(Any, network_of(config)))
         )
-    assert learnt < 0.98 * new  # untrained it is much of the way: it reads what views show
+    assert learnt < 0.98 * new  # an untrained network is near this: it reads what views show
     assert learner.buffer.worth[: learner.made].float().amax((1, 2, 3)).min() > 0
-    # What it is told of unseen ground is as it was.
+    # The predictions of unseen ground are unchanged.
     told, released = learner.network.completion.state_dict(), foreseeing().state_dict()
     assert all(torch.equal(told[name], each) for name, each in released.items())
 
 
 def test_the_state_of_a_run_is_as_large_as_that_of_a_new_one():
-    """Or it could not be read again: see ``agent.runs.runs``."""
+    """Otherwise a saved state could not be read: see ``agent.runs.runs``."""
     envs = make_envs(HOUSES, 4, "secondary")
     learner = learner_of(replace(SMALL, buffer_size=8), envs)
     before = {name: field.shape for name, field in learner.state()["buffer"].items()}
