@@ -1,4 +1,4 @@
-"""What an architect would not draw, judged by doors and rectangles alone: no promise and no rule is read."""
+"""Faults that an architect would not draw, judged by doors and rectangles, without promises or rules."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -7,16 +7,16 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Piece
 
 WAYS = {"hall", "corridor", "commonCorridor", "reception"}
-"""Room types that one passes on the way to others: circulation, and where visitors are received."""
+"""Room types on the way to other rooms: circulation, and reception."""
 SLEEPS, WASHES = {"bedroom", "ward"}, {"bathroom", "wc", "washroom"}
 DARK = {*WAYS, *WASHES, "storage"} - {"reception"}
 """Room types where nobody stays for long, so that they need no daylight."""
 LARGEST = {"bathroom": 12.0, "wc": 4.0, "washroom": 12.0, "storage": 26.0}
-"""Square metres."""
+"""Largest area of some room types, in square metres."""
 
 
 def faults(house: House) -> Iterator[str]:
-    """Ways through rooms where one lives, rooms out of reach, dark ones, service rooms as large as halls."""
+    """Yield faults: ways through living rooms, rooms out of reach, dark rooms, large service rooms."""
     ways = WAYS if any(room.type in WAYS for room in house.rooms) else WAYS | {"living"}
     direct, behind = passed(house, ways), passed(house, WAYS)
     types = {room.name: room.type for room in house.rooms} | {OUTSIDE: OUTSIDE}
@@ -42,7 +42,7 @@ def faults(house: House) -> Iterator[str]:
 
 
 def desks_without_chairs(pieces: tuple[Piece, ...]) -> Iterator[str]:
-    """Each desk at which no chair stands, in front of it and turned to it."""
+    """Yield a fault for each desk without a chair in front of it that is turned to it."""
     for desk in pieces:
         if desk.type == "writingDesk":
             chairs = [each for each in desk.children if each.type == "chair"]
@@ -51,7 +51,7 @@ def desks_without_chairs(pieces: tuple[Piece, ...]) -> Iterator[str]:
 
 
 def in_front(piece: Piece, seat: Piece) -> bool:
-    """Whether a seat stands at the middle of a piece's front, and is turned to it."""
+    """Return True if a seat stands at the middle of a piece's front, turned to the piece."""
     at = "NESW".index(piece.orientation)
     (west, north, east, south), (x1, y1, x2, y2) = piece.box, seat.box
     gap = (north - y2, x1 - east, y1 - south, west - x2)[at]
@@ -60,7 +60,7 @@ def in_front(piece: Piece, seat: Piece) -> bool:
 
 
 def passed(house: House, ways: set[str]) -> dict[str, int]:
-    """How many rooms at least one passes from outside to each room, those of these types not counted."""
+    """Return the least number of rooms on the way from outside to each room; ``ways`` do not count."""
     types = {room.name: room.type for room in house.rooms}
     found, left = {OUTSIDE: 0}, deque([OUTSIDE])
     while left:

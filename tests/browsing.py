@@ -1,4 +1,4 @@
-"""What all pages keep: nothing is wider than the screen or cut off on paper, and axe finds nothing."""
+"""Checks of all pages: nothing is wider than the screen or cut off on paper, and axe reports nothing."""
 
 from functools import cache
 from pathlib import Path
@@ -11,10 +11,10 @@ from logic.browser.playground.npm import installed
 from logic.errors import MissingProgram
 
 WIDTHS = 320, 390, 768, 1280
-"""CSS pixels of screens."""
+"""Widths of screens, in CSS pixels."""
 
 PAPER = 718
-"""CSS pixels: the width of A4 between margins of 1 cm."""
+"""Width of A4 between margins of 1 cm, in CSS pixels."""
 
 CUT = """() => [...document.querySelectorAll("body *")].filter((each) => {
     const { display, visibility, overflowX, overflowY } = getComputedStyle(each);
@@ -23,12 +23,12 @@ CUT = """() => [...document.querySelectorAll("body *")].filter((each) => {
     const high = overflowY !== "visible" && each.scrollHeight > each.clientHeight + 1;
     return wide || high || each.getBoundingClientRect().right > document.documentElement.clientWidth + 1;
 }).map((each) => `${each.tagName} ${each.className}: ${each.textContent.trim().slice(0, 60)}`)"""
-"""Elements whose content is cut off, or that reach beyond the right edge."""
+"""Script that lists elements whose content is cut off, or that reach beyond the right edge."""
 
 
 @cache
 def axe() -> str:
-    """The text of axe-core, which ``tests/axe/package-lock.json`` names."""
+    """Return the text of axe-core, which ``tests/axe/package-lock.json`` names."""
     try:
         packages = installed(Path(__file__).with_name("axe"), "axe-core, which judges pages,")
     except MissingProgram as missing:
@@ -37,8 +37,9 @@ def axe() -> str:
 
 
 def findings(page: Page) -> list[str]:
-    """What axe says is wrong, its rules of best practice and of names that match their labels included, and
-    what of colours in a dark theme.
+    """Return axe's violations, with its best practices and its rule on names that match labels.
+
+    Contrast in a dark theme is checked, too.
     """
     page.evaluate(axe())
     every = {"rules": {"label-content-name-mismatch": {"enabled": True}}, "preload": False}
@@ -55,7 +56,7 @@ def findings(page: Page) -> list[str]:
 
 
 def too_wide(page: Page) -> list[int]:
-    """The widths of screens, of ``WIDTHS``, that the page is wider than."""
+    """Return the widths in ``WIDTHS`` that are narrower than the page."""
     found = []
     for width in WIDTHS:
         page.set_viewport_size({"width": width, "height": 844})
@@ -65,7 +66,7 @@ def too_wide(page: Page) -> list[int]:
 
 
 def cut_on_paper(page: Page) -> list[str]:
-    """What is cut off where the page is printed, in a dark theme."""
+    """Return what is cut off when the page is printed, in a dark theme."""
     page.emulate_media(media="print", color_scheme="dark")
     page.set_viewport_size({"width": PAPER, "height": 1000})
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
@@ -73,14 +74,14 @@ def cut_on_paper(page: Page) -> list[str]:
 
 
 def box(place: Locator) -> FloatRect:
-    """Where an element lies on the screen."""
+    """Return the box of an element on the screen."""
     found = place.bounding_box()
     assert found
     return found
 
 
 def answered_under_the_finger(phone: Page, tapped: Locator) -> None:
-    """Tap: the answer lies at the foot of the screen, and what was tapped stays above it."""
+    """Tap an element and check: the answer is at the foot of the screen, the element stays above it."""
     tapped.tap()
     answer = box(phone.locator("#answer"))
     assert answer["y"] > 844 / 3
@@ -91,7 +92,7 @@ def answered_under_the_finger(phone: Page, tapped: Locator) -> None:
 
 
 def line_is_seen(phone: Page) -> None:
-    """The line of a rule file that was asked for last is on the screen, above the answer if there is one."""
+    """Check that the requested line of a rule file is on the screen, above the answer if there is one."""
     answer = phone.locator("#answer")
     foot = box(answer)["y"] if answer.is_visible() else 844
     line = box(phone.locator("#code .here"))

@@ -1,5 +1,6 @@
-"""Both parts of the tests; a browser and a display for those of pages and windows, which ``./run test``
-installs.
+"""Configuration of both parts of the tests, with a browser and a display.
+
+``./run test`` installs the browser and the display, which tests of pages and windows need.
 """
 
 import fcntl
@@ -21,11 +22,11 @@ from tests.second_part import of_second_part
 
 TESTS = Path(__file__).parent
 
-# How long a case takes is no claim, least of all beside others that are at work.
+# The duration of a case is no claim, particularly not while other tests run.
 settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("tests")
 
-# A browser of tests alone: no sandbox, which root may not have, and no talk with its maker.
+# A browser for tests alone: without a sandbox, which root may not have, and without requests to its vendor.
 FLAGS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -38,12 +39,12 @@ FLAGS = (
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """``--all``: the second part too."""
+    """Add the option ``--all``, which includes the second part."""
     parser.addoption("--all", action="store_true", help="the second part of the tests too")
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Import no file of the second part that is left out."""
+    """Skip the import of files of the second part that is left out."""
     if collection_path == TESTS or not collection_path.is_relative_to(TESTS):
         return None
     test = collection_path.relative_to(TESTS).as_posix()
@@ -51,7 +52,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave the tests of the second part out that stand in files of the first."""
+    """Deselect tests of the second part that are in files of the first."""
     if config.getoption("--all"):
         return
 
@@ -66,13 +67,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish() -> None:
-    """What is imported is no garbage: it need not be looked through again and again."""
+    """Freeze imported objects, so that the garbage collector does not search them again and again."""
     gc.freeze()
 
 
 def pytest_sessionfinish() -> None:
-    """Let Taichi keep the kernels that this process has compiled for the next run, one process after the
-    other: it itself waits a quarter of a second for another one that writes, and xdist ten for its processes.
+    """Let Taichi store the kernels that this process has compiled, one process after the other.
+
+    Taichi itself waits a quarter of a second for another process that writes, and xdist ten seconds for its
+    processes.
     """
     if runtime := sys.modules.get("sim.runtime"):
         with Path(__file__).open() as file:
@@ -83,7 +86,7 @@ def pytest_sessionfinish() -> None:
 
 
 def _is_left_out(path: Path, config: pytest.Config) -> bool:
-    """Whether what is of the second part at a path is not asked for: by ``--all``, or by its path."""
+    """Return True if tests of the second part at a path are not requested, by ``--all`` or by their path."""
     asked = [Path(each.partition("::")[0]).resolve() for each in config.args]
     named = [each for each in asked if each.is_relative_to(TESTS) and each != TESTS]
     return not config.getoption("--all") and not any(
@@ -93,7 +96,7 @@ def _is_left_out(path: Path, config: pytest.Config) -> bool:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Headless Chromium of the system."""
+    """Yield the system's Chromium, headless."""
     program = shutil.which("chromium")
     if program is None:
         pytest.skip("no chromium")
@@ -105,7 +108,7 @@ def browser() -> Iterator[Browser]:
 
 @contextmanager
 def opened_page(browser: Browser, **options: Any) -> Iterator[Page]:
-    """A page that fails the test where it logs a warning or an error, throws, or asks of another host."""
+    """Yield a page that fails the test if it logs a warning or an error, throws, or requests another host."""
     errors: list[str] = []
     context = browser.new_context(**options)
 
@@ -128,21 +131,21 @@ def opened_page(browser: Browser, **options: Any) -> Iterator[Page]:
 
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
-    """Such a page, on a screen."""
+    """Yield such a page on a screen."""
     with opened_page(browser, viewport={"width": 1280, "height": 800}) as page:
         yield page
 
 
 @pytest.fixture
 def phone(browser: Browser) -> Iterator[Page]:
-    """Such a page on a telephone's screen, which is touched."""
+    """Yield such a page on the touch screen of a phone."""
     with opened_page(browser, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True) as page:
         yield page
 
 
 @pytest.fixture
 def display(tmp_path) -> Iterator[dict[str, str]]:
-    """The environment of a process whose windows lie on a virtual display of 1280 by 800 pixels."""
+    """Yield the environment of a process with a virtual display of 1280 by 800 pixels."""
     if shutil.which("Xvfb") is None or shutil.which("xdotool") is None:
         pytest.skip("no Xvfb or no xdotool")
     read, write = os.pipe()

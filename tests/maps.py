@@ -7,7 +7,7 @@ from logic.house.occupancy import FREE, OCCUPIED, UNKNOWN
 
 
 def random_map(seed: int, cell: float, rows: int = 25, columns: int = 30) -> House:
-    """Rooms with walls a cell thick and gaps in them, posts, and a strip that is unknown."""
+    """Return rooms with gaps in walls a cell thick, posts, and a strip that is unknown."""
     rng = np.random.default_rng(seed)
     cells = np.full((rows, columns), FREE)
     for line in range(0, rows, 6):

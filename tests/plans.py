@@ -1,4 +1,4 @@
-"""Houses that are no stars, made by hand, all of their edges on a grid of 0.3 m: flats with shared walls.
+"""Houses that are no stars, made by hand with all edges on a grid of 0.3 m: flats with shared walls.
 
 ``python -m tests.plans`` writes them to ``fixtures/plans.jsonl``.
 """
@@ -18,7 +18,7 @@ Place = tuple[float, float, float, float]
 
 
 def room(name: str, kind: str, place: Place, *pieces: Piece) -> Room:
-    """A room at x, y, width, height, metres; its pieces are placed in it."""
+    """Return a room at x, y, width, height, metres; its pieces are placed in it."""
     x, y, width, height = (round(value, 9) for value in place)
     inside = tuple(
         Piece(
@@ -30,7 +30,7 @@ def room(name: str, kind: str, place: Place, *pieces: Piece) -> Room:
 
 
 def wall(one: Room, other: Room) -> tuple[bool, float, float, float]:
-    """The wall that two rooms share: whether it runs along x, where it is, from where to where."""
+    """Return the wall that two rooms share: True if it runs along x, its place, its start and its end."""
     (a, b, c, d), (e, f, g, h) = one.box, other.box
     for at in {c, a} & {g, e}:
         if min(d, h) > max(b, f):
@@ -40,7 +40,7 @@ def wall(one: Room, other: Room) -> tuple[bool, float, float, float]:
 
 
 def joined(rooms: Iterable[Room], one: str, other: str, start: float, width: float = DOOR) -> Door:
-    """A door between two rooms, ``start`` metres from the west or north end of the wall that they share."""
+    """Return a door between two rooms, ``start`` metres from the west or north end of their shared wall."""
     by_name = {each.name: each for each in rooms}
     along_x, at, low, _ = wall(by_name[one], by_name[other])
     low = round(low + start, 9)
@@ -49,7 +49,7 @@ def joined(rooms: Iterable[Room], one: str, other: str, start: float, width: flo
 
 
 def flat() -> House:
-    """A corridor between two bands of rooms; the bathroom R2 is reached through the bedroom R1."""
+    """Return a corridor between two bands of rooms; the bathroom R2 is behind the bedroom R1."""
     bed, wardrobe = Piece(1.2, 0.0, 1.5, 2.1, "bed", "S"), Piece(0.0, 1.2, 0.6, 1.5, "wardrobe", "E")
     wet = Piece(0.9, 0.0, 0.6, 0.6, "toilet", "S"), Piece(1.5, 1.5, 0.6, 0.6, "sink", "W")
     rooms = (
@@ -80,7 +80,7 @@ def flat() -> House:
 
 
 def around_a_living_room() -> House:
-    """A living room in an L, with five doors, two of them in one wall; hall and study are joined besides."""
+    """Return a living room in an L, with five doors, two in one wall; hall and study also have a door."""
     rooms = (
         room("R0", "living", (3.6, 3.0, 5.4, 4.5), Piece(1.8, 3.6, 1.8, 0.9, "sofa", "N")),
         room("R1", "bedroom", (0, 3.0, 3.6, 4.5), Piece(0.0, 1.2, 2.1, 1.5, "bed", "E")),
@@ -107,7 +107,7 @@ def around_a_living_room() -> House:
 
 
 def one_after_the_other() -> House:
-    """Five rooms in a U, each entered through the one before it; no hub, no furniture."""
+    """Return five rooms in a U, each entered through the one before it; no hub, no furniture."""
     rooms = (
         room("R0", "hall", (0, 0, 3.0, 3.0)),
         room("R1", "kitchen", (0, 3.0, 3.0, 4.2)),
@@ -121,8 +121,10 @@ def one_after_the_other() -> House:
 
 
 def random_plan(seed: int, count: int = 8) -> House:
-    """A rectangle cut into rooms of at least 2 m a side, a door wherever two of them share 1.2 m of wall; in
-    half of the plans the last rooms are left out, so that the outline has corners.
+    """Return a rectangle cut into rooms of at least 2 m a side, with doors.
+
+    Two rooms have a door if they share 1.2 m of wall. In half of the plans the last rooms are left out, so
+    that the outline has corners.
     """
     rng = np.random.default_rng(seed)
     boxes = [(0.0, 0.0, float(rng.uniform(9, 14)), float(rng.uniform(7, 11)))]

@@ -1,4 +1,4 @@
-"""Processes forked from one that has imported torch: that takes longer than a small run."""
+"""Processes that are forked from one that has imported torch: the import takes longer than a small run."""
 
 import os
 import sys
@@ -19,7 +19,7 @@ SERVER.set_forkserver_preload(
 
 
 def vitruvius(*arguments: str) -> None:
-    """The command; a run is saved after every report."""
+    """Run the command; it saves the run after every report."""
     from agent.runs import runs
     from vitruvius import cli
 
@@ -29,14 +29,14 @@ def vitruvius(*arguments: str) -> None:
 
 
 def start(*arguments: str, job: Callable[..., None] = vitruvius, **environment: str) -> BaseProcess:
-    """A job at work in a process of this environment."""
+    """Start a job in a process of this environment."""
     process = SERVER.Process(target=_work, args=(job, arguments, environment))
     process.start()
     return process
 
 
 def as_two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> list[int | None]:
-    """Two processes in the environment that ``torchrun`` gives them, to their ends: their exit codes."""
+    """Run two processes in the environment of ``torchrun`` to their ends; return their exit codes."""
     with two_ranks(*arguments, job=job) as ranks:
         for process in ranks:
             process.join(PATIENCE)
@@ -45,7 +45,7 @@ def as_two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> list[
 
 @contextmanager
 def two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> Iterator[list[BaseProcess]]:
-    """These processes at work."""
+    """Yield these processes at work."""
     store = TCPStore("localhost", 0, is_master=True, wait_for_workers=False)
     shared = {"WORLD_SIZE": "2", "LOCAL_WORLD_SIZE": "2", "MASTER_ADDR": "localhost"}
     shared |= {"MASTER_PORT": str(store.port), "TORCHELASTIC_USE_AGENT_STORE": "True"}

@@ -1,4 +1,4 @@
-"""What each rank of ``test_ranks.py`` does, and the single process."""
+"""Work of each rank of ``test_ranks.py``, and of the single process."""
 
 import weakref
 
@@ -24,7 +24,7 @@ CONFIG = PQNConfig(
 
 
 def main(file: str) -> None:
-    """Learn from two rollouts, in which episodes end; the first rank writes gradients and weights."""
+    """Learn from two rollouts in which episodes end; the first rank writes gradients and weights."""
     torch.set_num_threads(1)
     record, group = {}, None
     with ranks.joined():

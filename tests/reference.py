@@ -1,10 +1,10 @@
-"""The simulator's geometry written a second time, in plain terms and float64: the oracle of rays and moves.
+"""Second implementation of the simulator's geometry, in plain terms and float64: reference of rays and moves.
 
-It shares nothing with ``sim``: walls by shapely's set operations, rays by cross products, moves by the
-convex hull of what the body sweeps. Where it is too close to say, it says so.
+It shares nothing with ``sim``. Walls come from shapely's set operations, rays from cross products, moves from
+the convex hull of what the body sweeps. The reference states when a case is too close to decide.
 
 ``sights`` and ``stopped`` do the same for many rays and bodies at once, among a house's boxes as kernels have
-them: float32 numbers, so that no difference is the fault of rounded inputs.
+them. The boxes are float32 numbers, so no difference comes from rounded inputs.
 """
 
 from collections.abc import Iterable
@@ -20,26 +20,26 @@ from sim.geometry import Geometry
 from tests.thick import faces
 
 CLOSE = 1e-4
-"""Metres: what passes an edge nearer than this may be decided either way in float32."""
+"""Distance to an edge, in metres, below which float32 may decide either way."""
 
 OVERLAP = 2e-5
-"""Metres that lines reach beyond their ends for rays, as the simulator states it."""
+"""Extension of lines beyond their ends for rays, in metres, as the simulator states it."""
 
 SKIN = 1e-5
-"""Metres that a body must reach into something to be stopped by it, as the simulator states it."""
+"""Depth, in metres, that a body must reach into an obstacle to be stopped, as the simulator states it."""
 
 ROUNDING = 5e-6
-"""Metres: more than float32 can shift where a ray passes a line's end, or a body a box."""
+"""Bound, in metres, on how far float32 can shift a ray at a line's end, or a body at a box."""
 
 WALL, PIECE, DOOR, TARGET = 1, 2, 4, 3
-"""What a ray hits, in the order in which hits at one distance count; 0 is nothing."""
+"""Kinds of hits, in the order in which hits at one distance count; 0 is no hit."""
 
 
 class Reference:
-    """A house's walls and pieces."""
+    """Walls and furniture of a house."""
 
     def __init__(self, house: House) -> None:
-        """Prepare them; ``joints`` (n, 2) are the places where two lines end."""
+        """Prepare the walls and furniture; ``joints`` (n, 2) are the places where two lines end."""
         pieces = [box(*piece.box) for room in house.rooms for piece in room.pieces]
         self.walls = walls(house)
         self.solid = shapely.GeometryCollection([self.walls, *pieces])
@@ -50,7 +50,7 @@ class Reference:
         self.joints = ends[count >= 2]
 
     def in_the_way(self, old: np.ndarray, new: np.ndarray, side: float) -> bool | None:
-        """Whether a square that slides from one centre to another meets something; None if that is close."""
+        """Return True if a square that slides from one centre to another meets an obstacle; None if close."""
         squares = [box(x - side / 2, y - side / 2, x + side / 2, y + side / 2) for x, y in (old, new)]
         swept = shapely.union_all(squares).convex_hull
         if self.solid.intersects(swept.buffer(-CLOSE, join_style="mitre")):
@@ -58,17 +58,19 @@ class Reference:
         return None if self.solid.intersects(swept.buffer(CLOSE, join_style="mitre")) else False
 
     def is_free(self, place: np.ndarray, side: float) -> bool:
-        """Whether a square is surely clear of everything."""
+        """Return True if a square is surely clear of everything."""
         return self.in_the_way(place, place, side) is False
 
 
 def walls(house: House) -> shapely.Geometry:
-    """All walls as lines: rooms' boundaries without the doors between them, but a star's main room's only
-    where no room is. Of walls with a thickness they are the edge of rooms and doorways.
+    """Return all walls as lines: rooms' boundaries without the doors between them.
+
+    A star's main room has walls only where no room adjoins. Walls with a thickness are the edges of rooms and
+    doorways.
     """
     if house.wall_thickness:
         return faces(house)
-    # Doors and covers are a little wide, so that rounding leaves no splinter of a wall.
+    # Doors and covers have a small width, so that rounding leaves no fragment of a wall.
     if not house.main_room:
         doors = [box(*door.box).buffer(1e-9) for door in house.doors if "outside" not in door.between]
         outlines = [box(*room.box).boundary for room in house.rooms]
@@ -80,7 +82,7 @@ def walls(house: House) -> shapely.Geometry:
 
 
 def sides(boxes: Iterable[np.ndarray]) -> np.ndarray:
-    """The sides (S, 2, 2) of boxes (west, north, east, south); a flat box has one."""
+    """Return the sides (S, 2, 2) of boxes (west, north, east, south); a flat box has one."""
     lines = []
     for west, north, east, south in boxes:
         flat = west == east or north == south
@@ -90,8 +92,10 @@ def sides(boxes: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def cast(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray, slack: float = 0.0) -> np.ndarray:
-    """How far rays at ``angle`` (R,) radians, counter-clockwise as seen, go to the first of the lines
-    (S, 2, 2), each longer by ``slack`` at both ends; infinite where there is none.
+    """Return how far rays at ``angle`` (R,) radians go to the first of the lines (S, 2, 2).
+
+    Angles are counter-clockwise as seen. Each line is longer by ``slack`` at both ends. The distance is
+    infinite without a hit.
     """
     way = np.column_stack([np.cos(angle), -np.sin(angle)])[:, None]
     start, along = lines[None, :, 0] - eye, lines[None, :, 1] - lines[None, :, 0]
@@ -106,8 +110,9 @@ def cast(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray, slack: float = 0
 
 @dataclass(frozen=True)
 class Boxes:
-    """A house's walls (W, 4), pieces (P, 4) and closed doors (D, 4), (west, north, east, south), as kernels
-    have them.
+    """Walls (W, 4), furniture (P, 4) and closed doors (D, 4) of a house, as kernels have them.
+
+    A box is (west, north, east, south).
     """
 
     walls: np.ndarray
@@ -116,7 +121,10 @@ class Boxes:
 
     @classmethod
     def of(cls, shape: Geometry, closed: np.ndarray | None = None) -> "Boxes":
-        """Rounded to float32 and kept in float64. ``closed`` (D,) bool: which doors are, by default none."""
+        """Return boxes rounded to float32 and kept in float64.
+
+        ``closed`` (D,) bool marks the closed doors, by default none.
+        """
         doors = shape.doors[np.zeros(len(shape.doors), bool) if closed is None else closed]
         rows = np.concatenate([shape.solids, doors])
         boxes = np.hstack([rows[:, :2] - rows[:, 2:], rows[:, :2] + rows[:, 2:]])
@@ -127,20 +135,23 @@ class Boxes:
 
     @property
     def all(self) -> np.ndarray:
-        """Walls, pieces, closed doors."""
+        """Walls, furniture and closed doors."""
         return np.concatenate([self.walls, self.pieces, self.doors])
 
     def clear(self, centre: np.ndarray, half: np.ndarray | float) -> np.ndarray:
-        """Whether squares round centres (N, 2) are clear of everything, by 1e-4 m. (N,) bool."""
+        """Return a mask (N,) bool of the squares round centres (N, 2) that are clear of everything by 1e-4
+        m."""
         reach, boxes = np.reshape(half, (-1, 1, 1)) + CLOSE, self.all
         low, high = centre[:, None] - reach, centre[:, None] + reach
         return ~np.all((low < boxes[:, 2:]) & (boxes[:, :2] < high), axis=2).any(axis=1)
 
 
 def meetings(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, ...]:
-    """How far rays (N,), each from its own eye (N, 2), go to each line, infinite if that is behind; by how
-    much they miss its ends there, negative between them; whether a box that has it as one of its ``sides`` is
-    behind it: (N, S) all. Lines are the same for all, (S, 2, 2), or each ray's own, (N, S, 2, 2).
+    """Return the meetings of rays (N,) with lines, each ray from its own eye (N, 2); all are (N, S).
+
+    The first is the distance, infinite behind the eye. The second is by how much the ray misses the line's
+    ends, negative between them. The third is True if a box with the line as one of its ``sides`` is behind
+    it. Lines are the same for all rays, (S, 2, 2), or each ray's own, (N, S, 2, 2).
     """
     way_x, way_y = np.cos(angle)[:, None], -np.sin(angle)[:, None]
     start_x, start_y = lines[..., 0, 0] - eye[:, :1], lines[..., 0, 1] - eye[:, 1:]
@@ -152,7 +163,7 @@ def meetings(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray) -> tuple[np.
         across = start_x * along_y - start_y * along_x
         far, past = across * turn, (start_x * way_y - start_y * way_x) * turn
         miss = np.abs(past - length / 2) - length / 2
-    # Along a line no ray meets it; those across its ends do.
+    # A ray along a line does not meet it, but meets the lines across its ends.
     parallel = ~(np.abs(turn) < 1e12)
     return np.where((far < 0) | parallel, np.inf, far), miss, across < 0
 
@@ -160,8 +171,10 @@ def meetings(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray) -> tuple[np.
 def sights(
     boxes: Boxes, eye: np.ndarray, angle: np.ndarray, target: np.ndarray, side: float, reach: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """What rays (N,) from eyes (N, 2) see up to ``reach`` metres, each with its own target (N, 2): distances
-    and kinds, and which of the ones and of the others are beyond doubt. A target is seen from outside only.
+    """Return what rays (N,) from eyes (N, 2) see up to ``reach`` metres, each with its own target (N, 2).
+
+    The result is distances and kinds, and masks of the distances and the kinds that are beyond doubt. A
+    target is seen only from outside.
     """
     half = np.float32(side / 2)
     goal = target.astype(np.float32)
@@ -174,7 +187,7 @@ def sights(
         square,
     )
     inside = ~((low > eye) | (high < eye)).any(axis=1)
-    # For each axis what is met of the lines across it, walls, pieces, doors and targets.
+    # For each axis, meetings with the lines across it: walls, furniture, doors and targets.
     met = []
     for axis in (0, 1):
         for lines in kinds:
@@ -184,14 +197,14 @@ def sights(
         met[-1][0][inside] = np.inf
     outcomes = []
     for slack, only_faces in ((OVERLAP - ROUNDING, True), (OVERLAP + ROUNDING, False)):
-        # A ray that grazes a box's far corner meets a side that looks away: it may count or not.
+        # A ray that grazes a box's far corner meets a side that looks away: this side may count or not.
         nearest = np.array(
             [
                 np.where((miss <= slack) & (face | (not only_faces)), far, np.inf).min(axis=1, initial=np.inf)
                 for far, miss, face in met
             ]
         ).reshape(2, 4, -1)
-        # Of hits at one distance, on one line that is, the first kind counts.
+        # For hits at one distance, and so on one line, the first kind counts.
         first = nearest.min(axis=1)
         same = nearest <= first[:, None] + 1e-9
         kind = np.array([WALL, PIECE, DOOR, TARGET])[same.argmax(axis=1)]
@@ -210,8 +223,9 @@ def sights(
 def stopped(
     boxes: Boxes, old: np.ndarray, new: np.ndarray, half: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Whether squares that slide from centres (N, 2) to others are stopped by a box, and where that is beyond
-    doubt: the way in time that the square overlaps each box along x, and along y, and whether they meet.
+    """Return masks (N,) bool of squares that a box stops between centres, and of sure cases.
+
+    The test compares the intervals of time in which the square overlaps each box along x and along y.
     """
     outcomes = []
     for skin in (SKIN - ROUNDING, SKIN + ROUNDING):

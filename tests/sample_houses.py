@@ -13,23 +13,23 @@ from sim.tasks.tasks import PAPER
 from tests.reference import Reference
 
 FIXTURES = Path(__file__).parent / "fixtures"
-"""The original program's own house and a recording of it: see the README there."""
+"""Folder of the original program's own house and a recording of it: see the README there."""
 
 ONE_ROOM = """
 aaaa....
 aA.+....
 aaaa....
 """
-"""A room ``a`` with a piece in it, west of the main room; ``+`` is its door's cell."""
+"""Room ``a`` with a piece in it, west of the main room; ``+`` is its door's cell."""
 
 Sides = tuple[float, float, float, float]
 
 
 def drawn(text: str, cell: float = 0.9) -> House:
-    """A house from text, a square ``cell`` metres a side for each character.
+    """Return a house from text, a square ``cell`` metres a side for each character.
 
-    ``.`` is the main room (a rectangle), a small letter a secondary room, its capital a piece in it, and
-    ``+`` a cell of the room it touches that is open to the main room beside it, over the cell's length.
+    ``.`` is the main room (a rectangle), a small letter a secondary room, its capital a piece in it. ``+`` is
+    a cell of the adjacent room, open to the main room next to it, over the cell's length.
     """
     rows = text.strip("\n").split("\n")
     letters = np.array([list(row) for row in rows])
@@ -64,19 +64,24 @@ def drawn(text: str, cell: float = 0.9) -> House:
 
 
 def changed_star(house: House, **changes: Any) -> House:
-    """A star with another ``floor`` or other ``rooms``."""
+    """Return a star with another ``floor`` or other ``rooms``."""
     return House.of_star(msgspec.structs.replace(house.star, **changes), house.topology, house.provenance)
 
 
 def example(whole_pixels: bool = False, name: str = "example1") -> House:
-    """A house of the original program; with its lengths cut to whole pixels, as its simulator has them."""
+    """Return a house of the original program.
+
+    ``whole_pixels`` cuts its lengths to whole pixels, as in the original's simulator.
+    """
     path = PAPER / "house.json" if name == "2019-2-15" else FIXTURES / f"{name}.json"
     return load(path, whole_pixels=whole_pixels)[0]
 
 
 def random_house(seed: int, original: bool = False) -> House:
-    """A main room with up to one furnished room on each side, which touches it, or overlaps it as the
-    original's files have it. Pieces may overlap each other and stand anywhere but near the door.
+    """Return a main room with up to one furnished room on each side.
+
+    The rooms touch the main room, or overlap it as in the original's files. Pieces may overlap each other and
+    stand anywhere except near the door.
     """
     rng = np.random.default_rng(seed)
     width, height = rng.uniform(3.5, 7, 2).tolist()
@@ -105,7 +110,7 @@ def random_house(seed: int, original: bool = False) -> House:
 
 
 def free_poses(house: House, count: int, seed: int) -> np.ndarray:
-    """Poses (count, 3) in a house where the default body is surely clear of everything."""
+    """Return poses (count, 3) in a house where the default body is surely clear of everything."""
     rng, reference = np.random.default_rng(seed), Reference(house)
     boxes = np.array([room.box for room in house.rooms])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
@@ -140,7 +145,7 @@ RANDOM = [random_house(seed, original) for seed in range(3) for original in (Fal
 
 
 def changed_record(record: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
-    """A copy of a record with the value at a dotted path; ``...`` takes it away."""
+    """Return a copy of a record with another value at a dotted path; ``...`` removes it."""
     record = copy.deepcopy(record)
     *way, last = [int(step) if step.isdecimal() else step for step in path.split(".")]
     place: Any = record

@@ -1,7 +1,7 @@
-"""Which tests are of the second part: what takes long, and seldom finds what the first part does not.
+"""Tests of the second part: those that take long, and seldom find what the first part does not.
 
 ``./run test`` runs the first part; ``./run test --all`` both, as ``.ci/run`` does. A file or folder of the
-second part that is named on the command line runs as any other does.
+second part that the command line names runs as any other does.
 """
 
 SECOND_PART: dict[str, str | dict[str, str]] = {
@@ -173,11 +173,12 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
         "test_a_proof_that_a_room_is_too_small_for_its_furniture_is_of_that_room_alone": "many proofs",
     },
 }
-"""By path below ``tests``: of a folder or a file what takes long there; or names, where it is some tests."""
+"""Reasons why tests take long, by path below ``tests``: of a folder or a file, or by name of some tests in
+it."""
 
 
 def of_second_part(test: str) -> bool:
-    """Whether a test, as ``logic/browser/test_watch.py::test_it[1]``, is one of them."""
+    """Return True if a test, such as ``logic/browser/test_watch.py::test_it[1]``, is in the second part."""
     path, _, name = test.partition("[")[0].partition("::")
     what = SECOND_PART.get(path)
     if isinstance(what, dict):

@@ -1,4 +1,4 @@
-"""Other people's learners in our houses: each example learns, plays, and writes what ``evaluate`` would."""
+"""Other libraries' algorithms in our houses: each example learns, plays, and writes its scores."""
 
 import importlib.util
 import json
@@ -43,7 +43,7 @@ def short():
 
 @pytest.fixture(scope="module", autouse=True)
 def path():
-    """Scripts import what lies beside them; batches are small, so that one thread is best."""
+    """Make the examples' folder importable, as for scripts in it; set one thread, as batches are small."""
     torch.set_num_threads(1)
     sys.path.insert(0, str(EXAMPLES))
     yield
@@ -58,7 +58,7 @@ def houses(tmp_path_factory):
 
 
 def example(name: str) -> ModuleType:
-    """The script as a module, which the library that it needs is there for."""
+    """Return the script as a module; skip the test if the library that it needs is missing."""
     pytest.importorskip(LIBRARIES.get(name, "torch"))
     spec = importlib.util.spec_from_file_location(f"example_{name}", EXAMPLES / f"{name}.py")
     assert spec is not None
@@ -99,7 +99,7 @@ def test_an_example_learns_plays_and_writes_its_score(name, options, houses, tmp
 
 
 def test_an_examples_scores_are_a_row_of_evaluates_tables(houses, tmp_path, capsys):
-    """An agent that always turns left, beside the references; the oracle did the same for both."""
+    """An agent that always turns left is compared with the references; the oracle did the same for both."""
     file, out = tmp_path / "score.json", tmp_path / "out"
     task = example("task").Task(houses, held_out=houses, out=file)
     task.score("dizzy", lambda seen: torch.tensor([1.0, 0.0, 0.0]).expand(len(seen), 3))
@@ -121,7 +121,7 @@ def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bu
     task = example("task")
     free, avoiding = (task.Task(houses, environments=4, avoid=avoid).make_envs() for avoid in (False, True))
     assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
-    # JSON has no Config, which says what is observed.
+    # JSON has no Config, which states the observations.
     check_vector_env(avoiding, steps=SHORT.steps + 100, skip=["close", "spec"])
     bumps = []
     for envs in (free, avoiding):
@@ -177,7 +177,7 @@ def test_the_example_of_continuous_control_learns_and_plays_beside_its_baselines
 
 
 def test_a_stack_of_frames_is_that_of_stable_baselines():
-    """The same rows as its own wrapper's, which learns by them, until an episode ends."""
+    """The rows are those of the library's own wrapper, which learns from them, until an episode ends."""
     frames = pytest.importorskip("stable_baselines3.common.vec_env")
     from sim.adapters.stable_baselines import StableBaselinesVecEnv
 

@@ -1,4 +1,4 @@
-"""Regular expressions end soon, whatever text a file of others has: each is found in the code and timed."""
+"""Regular expressions end soon, whatever text a file has: each is found in the code and timed."""
 
 import ast
 import re
@@ -17,16 +17,17 @@ ROOT = Path(__file__).parents[1]
 FOLDERS = ("logic", "sim", "agent", "vitruvius")
 
 OURS = {"logic/language/reference.py", "logic/browser/playground/npm.py"}
-"""Modules that read nothing but what comes with the project."""
+"""Modules that read only files that come with the project."""
 
 CALLS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
 
 LENGTHS = ((1_000, 0.2), (20_000, 0.3), (200_000, 1.0))
-"""Characters, and seconds of processor time: a time that grows faster is noticed at the shorter ones."""
+"""Numbers of characters, and limits of processor time in seconds: a superlinear time shows at the shorter
+ones."""
 
 
 class Expression(NamedTuple):
-    """A regular expression, how it is applied, its flags and where it stands."""
+    """Regular expression, with its call, its flags and its place in the code."""
 
     pattern: Any
     call: str
@@ -35,7 +36,7 @@ class Expression(NamedTuple):
 
 
 def expressions() -> Iterator[Expression]:
-    """Every one in the code; one that is compiled, as its name is applied."""
+    """Yield every expression in the code; a compiled one with each call of its name."""
     for file, tree in trees().items():
         named = {
             id(node.value): node.targets[0].id
@@ -71,7 +72,7 @@ def trees() -> dict[str, ast.Module]:
 
 @cache
 def applied() -> dict[str, set[str]]:
-    """By the name of a compiled expression, how it is applied."""
+    """Return the calls of each compiled expression, by its name."""
     found: dict[str, set[str]] = {}
     for node in (each for tree in trees().values() for each in ast.walk(tree)):
         if isinstance(node, ast.Attribute) and node.attr in CALLS and isinstance(node.value, ast.Name):
@@ -92,7 +93,10 @@ def flags_of(call: ast.Call) -> int:
 
 
 def hostile(parsed: Any, before: str = "") -> Iterator[tuple[str, str]]:
-    """What leads to each part of an expression, and what is repeated there: the part, and all up to it."""
+    """Yield texts that lead to each part of an expression, and the text that is repeated there.
+
+    They are the part, and everything up to it.
+    """
     for item in parsed:
         kind, value = str(item[0]), item[1]
         inner = {"SUBPATTERN": lambda v: [v[3]], "ATOMIC_GROUP": lambda v: [v], "BRANCH": lambda v: v[1]}
@@ -106,7 +110,7 @@ def hostile(parsed: Any, before: str = "") -> Iterator[tuple[str, str]]:
 
 
 def sample(parsed: Any) -> str:
-    """Return a text that an expression matches, as short as may be."""
+    """Return a short text that an expression matches."""
     return "".join(_sample(str(kind), value) for kind, value in parsed)
 
 
@@ -126,7 +130,7 @@ def _sample(kind: str, value: Any) -> str:
 
 
 def _letter(choices: Any) -> str:
-    """A letter of a set, one that other expressions have too where there is one."""
+    """Return a letter of a set, if possible one that other expressions have, too."""
     tests = {
         "LITERAL": lambda letter, value: ord(letter) == value,
         "RANGE": lambda letter, value: value[0] <= ord(letter) <= value[1],
@@ -149,12 +153,12 @@ CATEGORIES = {
 
 @pytest.mark.parametrize("expression", list(expressions()), ids=lambda each: f"{each.place} {each.call}")
 def test_an_expression_takes_a_time_that_grows_as_its_text(expression: Expression) -> None:
-    """Of up to 200,000 characters that lead it on and then end otherwise."""
+    """The texts have up to 200,000 characters that lead the expression on and then end differently."""
     pattern, call, flags, place = expression
     assert pattern is not None, f"{place}: write the expression where it is compiled, for this test"
     compiled: Any = re.compile(pattern, flags)
     texts = {(start, unit) for start, unit in hostile(_parser.parse(pattern, flags)) if unit}
-    # In lines, too: a part that may go on over their ends begins again in each.
+    # The texts are in lines, too: a part that may cross line ends begins again in each.
     lines = {("", unit + "\n") for _, unit in texts}
     for start, unit in texts | lines:
         for length, most in LENGTHS if start else LENGTHS[:-1]:
@@ -163,6 +167,6 @@ def test_an_expression_takes_a_time_that_grows_as_its_text(expression: Expressio
             began = process_time()
             found = getattr(compiled, call)(*[text[:0]] * (call == "sub"), text)
             if call == "finditer":
-                deque(found, maxlen=0)  # a list of all of them is looked through as garbage again and again
+                deque(found, maxlen=0)  # a list of them would be scanned as garbage
             took = process_time() - began
             assert took < most, f"{place}: {took:.2g} s, {length:,} characters: {start[:20]!r}, {unit[:20]!r}"

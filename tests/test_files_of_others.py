@@ -1,4 +1,4 @@
-"""Every reader of files of others, with contents that once failed and with random changes of right ones."""
+"""Readers of untrusted files, with contents that once failed and with random changes of valid contents."""
 
 import random
 
@@ -8,13 +8,13 @@ from benchmarks.reliability.random_changes import changed
 from benchmarks.reliability.readers import CORPUS, READ, READERS, REFUSED, answer, begin
 
 CHANGES = 25
-"""Of a reader's contents; ``vitruvius bench fuzz`` tries more."""
+"""Number of changes of a reader's contents; ``vitruvius bench fuzz`` tries more."""
 
 SLOW = {"answer-sets": 2, "prolog": 0}
-"""Fewer changes for readers that take long."""
+"""Smaller numbers of changes for slow readers."""
 
 LARGEST = 300_000
-"""Bytes of the whole corpus."""
+"""Largest size of the whole corpus, in bytes."""
 
 
 @pytest.mark.parametrize("name", READERS)

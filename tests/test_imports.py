@@ -1,4 +1,4 @@
-"""Imports run one way: between the packages, between the folders of each, and in no circle of modules."""
+"""Imports run one way: between packages, between the folders of each, and without a cycle of modules."""
 
 import ast
 import re
@@ -15,7 +15,7 @@ from sim.tracing import COMPILERS
 ROOT = Path(__file__).parents[1]
 
 PACKAGES = ("logic", "sim", "agent", "benchmarks", "vitruvius")
-"""From the lowest up: a package imports those before it alone."""
+"""Packages from the lowest up: a package imports only those before it."""
 
 FOLDERS = {
     "logic": (
@@ -80,21 +80,21 @@ FOLDERS = {
         ),
     ),
 }
-"""Folders and modules at the top of each package, from the lowest up: each imports those before it alone."""
+"""Folders and modules at the top of each package, from the lowest up: each imports only those before it."""
 
 TRY_COMMANDS = {"benchmarks.reliability.kills", "benchmarks.reliability.readers"}
-"""Studies that try the command line itself: every reader of it, and commands under kills."""
+"""Studies of the command line itself: every reader of it, and commands under kills."""
 
 OF_LOGIC = {"House", "generate", "load"}
-"""What the simulator takes of ``logic`` by its public name."""
+"""Public names of ``logic`` that the simulator imports."""
 
 DRAWN = {"canvas", "frame", "labels", "palettes"}
-"""What it draws episodes with."""
+"""Modules with which the simulator draws episodes."""
 
 
 @cache
 def modules() -> dict[str, Path]:
-    """The files of our packages, by the names they are imported by."""
+    """Return the files of our packages, by module name."""
     found = {}
     for file in (file for package in PACKAGES for file in (ROOT / package).rglob("*.py")):
         name = ".".join(file.relative_to(ROOT).with_suffix("").parts)
@@ -103,8 +103,10 @@ def modules() -> dict[str, Path]:
 
 
 def named(file: Path, strings: bool) -> Iterator[str]:
-    """What a file names of our packages: by imports, inside functions too; and in ``strings``, as a table of
-    commands or sections does: ``"agent.report.plans:section"``.
+    """Yield the modules of our packages that a file names.
+
+    It names them by imports, also inside functions. With ``strings`` it also names them in strings, as a
+    table of commands or sections does: ``"agent.report.plans:section"``.
     """
     known = modules()
     for node in ast.walk(ast.parse(file.read_text())):
@@ -122,12 +124,12 @@ def named(file: Path, strings: bool) -> Iterator[str]:
 
 @cache
 def graph(strings: bool = True) -> dict[str, frozenset[str]]:
-    """By module, those of ours that it names."""
+    """Return the modules of ours that each module names."""
     return {name: frozenset(set(named(file, strings)) - {name}) for name, file in modules().items()}
 
 
 def test_no_module_imports_itself_through_others() -> None:
-    """``prepare`` raises ``CycleError`` with the circle. A table may name what reads it."""
+    """``prepare`` raises ``CycleError`` with the cycle. A table may name what reads it."""
     assert "logic.generation.builder" in graph()["logic.workers.worker"]
     TopologicalSorter(graph(strings=False)).prepare()
 
@@ -194,7 +196,7 @@ def test_a_compiler_is_imported_in_one_place(name: str) -> None:
 
 
 def test_the_public_names_of_the_simulator_are_these() -> None:
-    """What needs another library is imported by its own name, as ``sim.adapters.stable_baselines``."""
+    """A module that needs another library is imported by its full name."""
     houses = ["HouseEnv", "HouseRotation", "HouseVectorEnv"]
     tasks = ["Points", "Reach", "Rooms", "Task"]
     classes = ["Collect", "Config", "FixedTask", *houses, "Oracle", *tasks]

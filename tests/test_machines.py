@@ -1,4 +1,4 @@
-"""Claims about machines without what a person's has, as containers are: a home, open streams."""
+"""Claims about machines that lack a home or open streams, as containers do."""
 
 import json
 import os
@@ -51,7 +51,7 @@ NOTHING_WRITTEN = {
 @pytest.mark.parametrize("name", NOTHING_WRITTEN)
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder in which nobody can write")
 def test_the_simulator_runs_where_no_file_can_be_written(name: str, tmp_path: Path) -> None:
-    """As in a container whose file systems are read only, or with a disk that is full."""
+    """This is so in a container with read-only file systems, or with a full disk."""
     own, keeps = NOTHING_WRITTEN[name]
     environment = os.environ | {"HOME": str(tmp_path)} | own
     environment.pop("XDG_CACHE_HOME", None)
@@ -60,7 +60,7 @@ def test_the_simulator_runs_where_no_file_can_be_written(name: str, tmp_path: Pa
 
 
 def command(words: str, streams: str, folder: Path) -> tuple[int, str]:
-    """Run a command with streams as a shell has them: its exit code, and what it says on stderr."""
+    """Run a command with streams as in a shell; return its exit code and its stderr."""
     line = f'exec "$0" -m vitruvius.cli {words} {streams}'
     made = finished(["bash", "-c", line, sys.executable], cwd=folder)
     return made.returncode, made.stderr
@@ -164,7 +164,7 @@ def test_a_bound_of_processor_time_is_no_rules_fault() -> None:
 
 
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-"""What Python then takes for ASCII: names of files, and what is printed."""
+"""Environment in which Python takes names of files and its output for ASCII."""
 
 
 def test_names_are_read_and_written_without_a_locale(folder: Path) -> None:

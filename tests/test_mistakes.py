@@ -1,4 +1,4 @@
-"""Wrong requests, calls and commands are answered by what is wrong and what to do, at once."""
+"""Wrong requests, calls and commands get an immediate answer that states the mistake and what to do."""
 
 import shlex
 import time
@@ -17,7 +17,7 @@ from vitruvius.cli import main
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the commands are typed."""
+    """Return the folder in which the commands run."""
     made = tmp_path_factory.mktemp("mistakes")
     save(generate(rooms=2), made / "houses.jsonl")
     (made / "runs/mine").mkdir(parents=True)
@@ -27,7 +27,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @contextmanager
 def within_two_seconds() -> Iterator[None]:
-    """Of CPU time, by this process."""
+    """Fail if the block takes two seconds of this process's CPU time or more."""
     began = time.process_time()
     yield
     assert time.process_time() - began < 2

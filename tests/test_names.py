@@ -1,4 +1,4 @@
-"""Names of the code: one for one thing, and the field's terms."""
+"""Names in the code: one for each thing, and the field's terms."""
 
 import ast
 import re
@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 PARALLEL = {"Motion", "Sight"}
-"""Parts of both backends, which are read side by side."""
+"""Classes with one name in both backends, which are read side by side."""
 
 TERMS = {
     "lookout": "coverage",
@@ -22,13 +22,13 @@ TERMS = {
     "brim": "lower_bound",
     "bare": "unfurnished",
 }
-"""By a private word, the field's."""
+"""Terms of the field, by the private word that each replaces."""
 
 WRITTEN = {".py", ".lp", ".pl", ".js"}
 
 
 def test_a_class_has_a_name_of_its_own_in_all_packages() -> None:
-    """So a name means one thing to a reader, wherever it stands."""
+    """So a name means one thing to a reader, in every place."""
     where: dict[str, list[str]] = {}
     for package in ("logic", "sim", "agent", "benchmarks"):
         for path in sorted((ROOT / package).rglob("*.py")):
@@ -41,7 +41,7 @@ def test_a_class_has_a_name_of_its_own_in_all_packages() -> None:
 
 @pytest.mark.parametrize("package", ["logic", "sim", "agent", "benchmarks", "vitruvius"])
 def test_no_name_is_a_private_word(package: str) -> None:
-    """In identifiers and prose alike, of rules and pages too."""
+    """This covers identifiers and prose, also in rules and pages."""
     private = re.compile(rf"\b_*({'|'.join(TERMS)})s?\b", re.IGNORECASE)
     found = {
         str(path.relative_to(ROOT)): [f"{word}: {TERMS[word]}" for word in map(str.lower, said)]

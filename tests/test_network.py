@@ -1,4 +1,4 @@
-"""Nothing that Vitruvius runs asks for a network: its processes are watched while they work."""
+"""Nothing that Vitruvius runs uses a network: its processes are watched while they work."""
 
 import json
 import os
@@ -21,7 +21,7 @@ def note(event, arguments):
 
 sys.addaudithook(note)
 """
-"""Each Python process of the environment notes what it asks of a network: as a module that Python imports."""
+"""Module that Python imports in each process of the environment; it records requests to a network."""
 
 WORK = """
 import sys
@@ -44,20 +44,22 @@ agents = {"agent": [checkpoint.load("run/agent.safetensors")]}
 for _ in measure(agents, load("houses.jsonl"), ["main"], baselines=["oracle"]):
     pass
 """
-"""The commands; of ``evaluate`` what plays, with one baseline: to compile each takes a second."""
+"""Program that runs the commands, and plays as ``evaluate`` does with one baseline: each takes a second to
+compile."""
 
 ASKS = """
 import subprocess, sys
 ask = "import socket; socket.socket(socket.AF_INET, socket.SOCK_DGRAM).connect(('192.0.2.1', 9))"
 subprocess.run([sys.executable, "-c", ask])
 """
-"""Of an address that no computer has, in a process of its own."""
+"""Program whose child process asks for an address that no computer has."""
 
 
 def asked_of_a_network(program: str, folder: Path) -> list[str]:
-    """What a program asks of a network with its processes, in a folder, without one if that is permitted.
+    """Return the network requests of a program and its processes, in a folder.
 
-    Python's calls; where strace is, connections of any library too, but for those within the machine.
+    The program runs without a network if that is permitted. The requests are Python's calls and, if strace
+    exists, connections of any library, except those within the machine.
     """
     log, calls, site = folder / "watched.jsonl", folder / "strace.txt", folder / "site"
     site.mkdir()
@@ -73,7 +75,7 @@ def asked_of_a_network(program: str, folder: Path) -> list[str]:
     kernels = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "taichi/ticache"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("TI_")}
     environment |= {"WATCHED": str(log), "PYTHONPATH": os.pathsep.join([str(site), *filter(None, sys.path)])}
-    # A home of its own: nothing says that somebody was asked today.
+    # A new home has no record of an earlier request.
     environment |= {
         "HOME": str(folder),
         "XDG_CACHE_HOME": str(folder),

@@ -1,4 +1,4 @@
-"""Claims about ./run, the one way to set up, on machines made of stubs: nothing is really installed."""
+"""Claims about ./run, which sets up everything, on machines made of stubs: nothing is really installed."""
 
 import os
 import shutil
@@ -36,7 +36,7 @@ esac
 
 
 class Machine:
-    """A checkout with ./run in it, on a machine that has only basic tools and the programs given."""
+    """Checkout with ./run in it, on a machine that has only basic tools and the given programs."""
 
     def __init__(self, folder: Path, **programs: str) -> None:
         self.stubs, self.checkout = folder / "bin", folder / "a checkout"
@@ -161,7 +161,7 @@ def test_an_old_prolog_is_not_taken_for_a_good_one(machine: Machine) -> None:
 
 
 def test_a_prolog_that_cannot_run_is_named_and_nothing_is_installed(tmp_path: Path) -> None:
-    """As under a tiny stack (``ulimit -s``), where it ends by a signal."""
+    """This happens under a tiny stack (``ulimit -s``), where Prolog ends by a signal."""
     install = {"apt-get": 'echo >"$STUBS/installed"'}
     machine = Machine(tmp_path, swipl="kill -SEGV $$", **install)
     code, _, err = machine.run("demo")

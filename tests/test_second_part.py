@@ -1,4 +1,4 @@
-"""What is left to the second part of the tests is there: no claim is lost by a name that has changed."""
+"""The tests of the second part exist: no claim is lost by a changed name."""
 
 from pathlib import Path
 

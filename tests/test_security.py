@@ -1,4 +1,4 @@
-"""The page of what is promised to those who use files of others."""
+"""Page of the promises to users of untrusted files."""
 
 import ast
 import re
@@ -63,17 +63,17 @@ MODULES = {
     "torch.load",
     "yaml",
 }
-"""Modules and functions that run or make what a text says."""
+"""Modules and functions that run or create what a text states."""
 
 CALLS = {
     *("__import__", "compile", "eval", "exec", "import_module", "resolve_name", "spec_from_file_location"),
     *("execv", "execve", "execvp", "fork", "popen", "posix_spawn", "system"),
 }
-"""Functions, of any module, that do."""
+"""Functions, of any module, that do the same."""
 
 
 def calls(path: Path) -> Iterator[str]:
-    """Yield the calls of a file that make more of text than text."""
+    """Yield the calls of a file that run text or create objects from it."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Call):
             full = ast.unparse(node.func)

@@ -1,4 +1,4 @@
-"""Walls with a thickness, apart from what makes houses: plans that get some, and the faces of walls."""
+"""Walls with a thickness, independent of generation: plans that get walls, and the faces of walls."""
 
 from bisect import bisect_left, bisect_right
 from typing import TypeVar
@@ -13,8 +13,10 @@ R = TypeVar("R", bound=Rect)
 
 
 def thickened(house: House, inner: float = 0.3, outer: float = 0.6) -> House:
-    """A plan with walls: each line on which walls stand becomes as wide as an inner one, and what lies beyond
-    moves away. What is on a grid of cells as wide as inner walls stays on it.
+    """Return a plan with walls of a thickness.
+
+    Each line of walls becomes as wide as an inner wall, and everything beyond moves away. Edges on a grid of
+    cells as wide as inner walls stay on it.
     """
     lines = [
         sorted({round(edge, 9) for room in house.rooms for edge in room.box[axis::2]}) for axis in (0, 1)
@@ -39,7 +41,7 @@ def thickened(house: House, inner: float = 0.3, outer: float = 0.6) -> House:
 
 
 def faces(house: House) -> shapely.Geometry:
-    """The boundary of all that a body may be in: rooms and doorways, which reach a hair into both."""
+    """Return the boundary of the space of bodies: rooms and doorways, which overlap slightly."""
     assert house.wall_thickness
     half = house.wall_thickness.inner / 2 + 1e-9
     parts = [shapely.box(*room.box) for room in house.rooms]

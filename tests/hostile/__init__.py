@@ -1,1 +1,1 @@
-"""Inputs that others might have made to do harm: each is answered, and has no effect."""
+"""Hostile inputs, made to do harm: each is answered, and has no effect."""

@@ -134,7 +134,7 @@ not
 bed room
 bed;shell
 """
-"""Names of a type and of a piece: what SWI-Prolog would read as more than a name."""
+"""Names of a type and of a piece that SWI-Prolog would read as more than a name."""
 
 STATEMENTS = (
     "type(NAME). may(NAME,bed,0,1).",

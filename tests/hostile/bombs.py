@@ -1,4 +1,4 @@
-"""Grammars that would take for ever, or all of the memory: each ends at a limit, or is refused before."""
+"""Grammars that would run for ever, or use all of the memory: each ends at a limit, or is refused before."""
 
 from tests.hostile.case import HARMLESS, STOPPED, Case, grammar, titled
 
@@ -34,7 +34,7 @@ CLINGO = {
     "blanks": " \n" * 100_000,
     "an unclosed comment": "%* " * 200_000,
 }
-"""What is added to ``rooms.lp``."""
+"""Text that is added to ``rooms.lp``."""
 
 PROLOG = {
     "a loop": "room_gap(G) :- room_gap(G).",
@@ -101,7 +101,7 @@ PROLOG = {
     "names that are alike": "".join(f"room_sizf{n}(a{n}, 1, 1).\n" for n in range(200)),
     "many variables": "room_gap(G) :- " + "".join(f"X{n} = Y{n}, " for n in range(1000)) + "G = 0.6.",
 }
-"""What is added to ``sizes.pl``."""
+"""Text that is added to ``sizes.pl``."""
 
 FAST = {
     *("a sum of large weights", "very many rules", "not not not", "a long string", "blanks", "a cyclic term"),
@@ -126,7 +126,7 @@ FAST = {
         "a very long rule",
     ),
 }
-"""What may be answered by a house after all."""
+"""Cases to which a house may be the answer after all."""
 
 ENDING = {
     *("clingo: a join in an aggregate", "clingo: a pool of pools", "clingo: a pool in a body"),
@@ -134,9 +134,8 @@ ENDING = {
     *("Prolog: products that grow", "Prolog: brackets in brackets", "Prolog: functions in functions"),
     *("Prolog: lists in lists", "Prolog: braces in braces", "Prolog: signs"),
 }
-"""What reading does not refuse by itself: it takes the time, the memory or the life of the process, so a
-solver process reads it. Of very many rules it takes long to say what is of no use in them.
-"""
+"""Cases that reading does not refuse by itself. They take the time, the memory or the life of the process, so
+a solver process reads them. With very many rules, the report of useless ones takes long."""
 
 CASES = [
     Case(

@@ -1,4 +1,4 @@
-"""A hostile input: what it tries, how it is made, and what must be answered."""
+"""Hostile input: its purpose, its maker, and the right answers."""
 
 import os
 import shutil
@@ -10,65 +10,65 @@ from pathlib import Path
 from logic.grammar import SHIPPED
 
 REFUSED, LIMITED, ACCEPTED = "refused", "limited", "accepted"
-"""An error of ours with its place; a stated limit; taken as data, without an effect."""
+"""Kinds of answers: an error of ours with its place; a stated limit; accepted as data, without an effect."""
 
 STOPPED = (REFUSED, LIMITED)
 HARMLESS = (REFUSED, LIMITED, ACCEPTED)
 
 SECRET = "swordfish-1729"
-"""What no answer may show: it stands in a file that is no part of the input."""
+"""Text that no answer may show: it is in a file outside the input."""
 
 
 @dataclass(frozen=True)
 class Yard:
-    """A folder with a hostile input and all that it may reach for, which must stay as it is."""
+    """Folder with a hostile input and everything within its reach, which must stay unchanged."""
 
     root: Path
     port: int
-    """Where a server listens to which nothing may connect."""
+    """Port of a server to which nothing may connect."""
 
     @property
     def input(self) -> Path:
-        """Where the input lies."""
+        """Folder of the input."""
         return self.root / "input"
 
     @property
     def out(self) -> Path:
-        """The only place where files may be written."""
+        """Only folder where files may be written."""
         return self.root / "out"
 
     @property
     def trace(self) -> Path:
-        """A file that each of the inputs tries to make."""
+        """File that each of the inputs tries to make."""
         return self.root / "canary" / "trace"
 
     @property
     def secret(self) -> Path:
-        """A file that others try to read, and to delete."""
+        """File that some inputs try to read or to delete."""
         return self.root / "canary" / "secret.lp"
 
     @cached_property
     def words(self) -> dict[str, str]:
-        """What stands for these places in the text of an input."""
+        """Words in the text of an input, and the places that replace them."""
         evil = self.root / "canary" / "evil.pl"
         names = {"TRACE": self.trace, "SECRET": self.secret, "EVIL": evil, "PORT": self.port}
         return {name: str(place) for name, place in names.items()} | {"TOUCH": f"touch {self.trace}"}
 
     def lay_out(self) -> None:
-        """Make the folders and what lies in them."""
+        """Make the folders and the files in them."""
         for folder in ("input", "out", "canary", "home"):
             (self.root / folder).mkdir(parents=True)
         self.secret.write_text(f'password("{SECRET}"). {SECRET} ?!\n')
         (self.root / "canary" / "evil.pl").write_text(self.filled(":- shell('TOUCH').\n"))
 
     def filled(self, text: str) -> str:
-        """A text with the places of this yard in it."""
+        """Return a text with the places of this yard in it."""
         for word, place in self.words.items():
             text = text.replace(word, place)
         return text
 
     def clear(self) -> None:
-        """Take everything away, folders included that may not be written."""
+        """Remove everything, folders included that may not be written."""
         for folder, _, _ in os.walk(self.root):
             os.chmod(folder, 0o700)
         shutil.rmtree(self.root)
@@ -76,26 +76,26 @@ class Yard:
 
 @dataclass(frozen=True)
 class Case:
-    """An input of a kind, by a title that is its own within the collection."""
+    """Input of a kind, with a title that is unique within the collection."""
 
     kind: str
     title: str
     make: Callable[[Yard], Path]
-    """Writes the input into a yard; gives its path."""
+    """Function that writes the input into a yard and returns its path."""
     answers: tuple[str, ...]
-    """Which answers are right."""
+    """Right answers."""
     says: str = ""
-    """A word of the refusal's message."""
+    """Word of the refusal's message."""
 
     def __str__(self) -> str:
-        """Its name in pytest."""
+        """Return the case's name in pytest."""
         return f"{self.kind}: {self.title}"
 
 
 def grammar(yard: Yard, **files: str | bytes) -> Path:
-    """A copy of ``family`` with more at the end of its files, ``rooms`` (.lp), ``sizes`` (.pl), or new ones.
+    """Return a copy of ``family`` with text added to ``rooms`` (.lp) or ``sizes`` (.pl), or with new files.
 
-    A text with a clause of its own for ``room_gap/1`` takes the place of the one that is there.
+    A text with its own clause for ``room_gap/1`` replaces the existing clause.
     """
     folder = yard.input / "mine"
     shutil.copytree(SHIPPED / "family", folder)
@@ -111,6 +111,6 @@ def grammar(yard: Yard, **files: str | bytes) -> Path:
 
 
 def titled(text: str) -> str:
-    """A text as a title: short and printable."""
+    """Return a text as a title: short and printable."""
     line = ascii(text)[1:-1].replace("\\n", " ").replace("\\'", "'").replace("\\\\", "\\")
     return line if len(line) <= 60 else f"{line[:57]}..."

@@ -1,4 +1,4 @@
-"""Checkpoints of other people: pickles, torn headers, numbers that are too large, files that are none."""
+"""Checkpoints of other people: pickles, torn headers, numbers that are too large, malformed files."""
 
 import gzip
 import io
@@ -26,52 +26,52 @@ FIRST = next(name for name in HEADER if name not in ("__metadata__", released.LE
 
 
 def packed(header: Any, data: bytes = WEIGHTS, length: int | None = None) -> bytes:
-    """A safetensors file of a header and what follows; its length may be another than it is said to be."""
+    """Return a safetensors file of a header and data; ``length`` may differ from the true length."""
     text = header if isinstance(header, bytes) else json.dumps(header).encode()
     return struct.pack("<Q", len(text) if length is None else length) + text + data
 
 
 def tensor(**changes: Any) -> bytes:
-    """The first tensor of the header with other entries."""
+    """Return a checkpoint whose first tensor has other entries in the header."""
     return packed(HEADER | {FIRST: HEADER[FIRST] | changes})
 
 
 def told(**changes: Any) -> bytes:
-    """The record beside the tensors with other entries; None takes one away."""
+    """Return a checkpoint whose record has other entries; None removes one."""
     record = {name: text for name, text in (HEADER["__metadata__"] | changes).items() if text is not None}
     return packed(HEADER | {"__metadata__": record})
 
 
 def asked(**changes: Any) -> bytes:
-    """The config with other values."""
+    """Return a checkpoint whose config has other values."""
     return told(config=json.dumps(json.loads(HEADER["__metadata__"]["config"]) | changes))
 
 
 def weights(*values: float) -> bytes:
-    """The first weights are other numbers."""
+    """Return a checkpoint whose first weights are these numbers."""
     first, begin = struct.pack(f"<{len(values)}f", *values), HEADER[FIRST]["data_offsets"][0]
     return packed(HEADER, WEIGHTS[:begin] + first + WEIGHTS[begin + len(first) :])
 
 
 class Shell:
-    """What runs a program when it is unpickled."""
+    """Object that runs a program when it is unpickled."""
 
     def __init__(self, words: str) -> None:
         """Keep the words."""
         self.words = words
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickled by a call."""
+        """Return the call that unpickles the object."""
         return os.system, (self.words,)
 
 
 def pickled(yard: Yard, protocol: int = 2) -> bytes:
-    """A pickle that runs a program."""
+    """Return a pickle that runs a program."""
     return pickle.dumps({"state_dict": Shell(yard.words["TOUCH"])}, protocol)
 
 
 def archived(pickle_: bytes, extra: bytes = b"") -> bytes:
-    """What ``torch.save`` would have written for this pickle."""
+    """Return the file that ``torch.save`` would write for this pickle."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as file:
         file.writestr("archive/data.pkl", pickle_)
@@ -176,7 +176,7 @@ READ: dict[str, Callable[[], bytes]] = {
     ),
     "more in the record": lambda: told(__class__="os.system", auto_map="evil.py"),
 }
-"""What is read, as text and numbers."""
+"""Files that are read, as text and numbers."""
 
 PICKLES: dict[str, Callable[[Yard], bytes]] = {
     "a pickle": pickled,
@@ -246,7 +246,7 @@ FILES: dict[str, Callable[[Yard], Path]] = {
 
 
 def loaded(path: Path) -> Answer:
-    """What a reader of a checkpoint answers; its network answers a look, once it is read."""
+    """Return the answer of a checkpoint's reader; a network that was read evaluates an observation."""
     import torch
 
     from agent.runs.checkpoint import load

@@ -1,4 +1,4 @@
-"""The table of the hostile inputs by kind, at the end of their tests."""
+"""Table of the hostile inputs by kind, at the end of their tests."""
 
 from collections import Counter
 
@@ -8,7 +8,7 @@ ANSWERS = ("refused", "limited", "accepted")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Print what became of the inputs of each kind."""
+    """Print the answers to the inputs of each kind."""
     reports = [each for name in ("passed", "failed") for each in terminalreporter.stats.get(name, [])]
     rows = [value for each in reports for name, value in each.user_properties if name == "hostile"]
     if not rows:

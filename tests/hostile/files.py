@@ -1,4 +1,4 @@
-"""Folders of rules: links, pipes and devices among their files, names of files, encodings."""
+"""Folders of rules with links, pipes and devices among their files, odd names of files, and encodings."""
 
 import os
 import shutil
@@ -158,7 +158,7 @@ FOLDERS = (
     "a:1:1: error",
     "x" * 200,
 )
-"""Names of folders, which SWI-Prolog and clingo are given."""
+"""Names of folders that SWI-Prolog and clingo get."""
 
 FILE_NAMES = (
     "it's.pl",

@@ -1,4 +1,4 @@
-"""Folders of runs of other people, with which ``train --resume`` goes on."""
+"""Run folders of other people that ``train --resume`` continues."""
 
 import gzip
 import io
@@ -20,7 +20,7 @@ FILES = ("agent.safetensors", "config.json", "metrics.jsonl", "state.pt.gz", "te
 
 
 def trained(folder: Path, resume: bool = False) -> Answer:
-    """A short run in a folder."""
+    """Train a short run in a folder."""
     from agent.algorithms.pqn.config import PQNConfig
     from agent.runs.runs import run
     from tests.sample_houses import random_house
@@ -33,7 +33,7 @@ def trained(folder: Path, resume: bool = False) -> Answer:
 
 
 def resumed(folder: Path) -> Answer:
-    """What ``--resume`` answers; ``info`` has an answer, too."""
+    """Return the answer to ``--resume``; ``info`` answers, too."""
     from vitruvius.info.recognise import recognised
 
     with suppress(VitruviusError):
@@ -42,7 +42,7 @@ def resumed(folder: Path) -> Answer:
 
 
 def state(yard: Yard) -> dict[str, Any]:
-    """What the run has kept."""
+    """Return the saved state of the run."""
     import torch
 
     content = gzip.decompress((yard.root.with_name("run") / "state.pt.gz").read_bytes())
@@ -50,7 +50,7 @@ def state(yard: Yard) -> dict[str, Any]:
 
 
 def saved(value: Any) -> bytes:
-    """As a run keeps it."""
+    """Return a value as a run saves it."""
     import torch
 
     content = io.BytesIO()
@@ -59,7 +59,7 @@ def saved(value: Any) -> bytes:
 
 
 def envs(**changes: Callable[[Any], Any]) -> Callable[[Yard], bytes]:
-    """The state with other arrays of the environments."""
+    """Return the state with changed arrays of the environments."""
 
     def content(yard: Yard) -> bytes:
         found = state(yard)
@@ -71,7 +71,7 @@ def envs(**changes: Callable[[Any], Any]) -> Callable[[Yard], bytes]:
 
 
 def placed(array: Any, number: int, columns: slice = slice(0, 3)) -> Any:
-    """Other whole numbers in some columns of the environments."""
+    """Return an array with another number in some columns of the environments."""
     array[:, columns] = number
     return array
 
@@ -122,7 +122,7 @@ STATES: dict[str, Callable[[Yard], bytes]] = {
     "bodies that are nowhere": envs(reals=lambda array: array * float("nan")),
     "bodies far away": envs(reals=lambda array: array * 0 + 3e38),
 }
-"""What lies in the place of ``state.pt.gz``."""
+"""Contents that replace ``state.pt.gz``."""
 
 METRICS: dict[str, Callable[[list[bytes]], bytes]] = {
     "empty": lambda _: b"",
@@ -136,7 +136,7 @@ METRICS: dict[str, Callable[[list[bytes]], bytes]] = {
     "a line of 50 MB": lambda lines: b"x" * 50_000_000,
     "good lines among bad ones": lambda lines: b"\xff\n\0\n" + b"".join(lines) + b"[]\n{" * 9,
 }
-"""What lies in the place of ``metrics.jsonl``, given the lines of the run."""
+"""Contents that replace ``metrics.jsonl``, from the lines of the run."""
 
 
 def _run(yard: Yard) -> Path:
@@ -194,7 +194,7 @@ INSTEAD: dict[str, Callable[[Path, Yard], None]] = {
     "a link to zeros": lambda path, yard: path.symlink_to("/dev/zero"),
     "a pipe": lambda path, yard: os.mkfifo(path),
 }
-"""What lies in the place of each of a run's files."""
+"""Objects that replace each of a run's files."""
 
 CASES = [
     *(

@@ -1,4 +1,4 @@
-"""House files that are damaged, huge, no files at all, or whose names are meant for what shows them."""
+"""House files that are damaged, huge or no files, or whose names are meant to harm a viewer."""
 
 import copy
 import gzip
@@ -21,10 +21,10 @@ from tests.logic.house.handmade import built, sketches
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 LINE = json.dumps(replace(HOUSE, format="vitruvius-1").to_dict())
 RECORD, PLAN = json.loads(LINE), json.loads(json.dumps(replace(HOUSE, format="vitruvius-2").to_dict()))
-"""A star, and the same house in the format of houses of any topology."""
+"""Records of a star, and of the same house in the format of houses of any topology."""
 
 DRAWN = {"svg", "g", "rect", "line", "path", "polyline", "polygon", "ellipse", "circle", "text", "title"}
-"""Elements of a plan: nothing that runs, loads or links."""
+"""Elements of a plan: none of them runs, loads or links anything."""
 
 NAMES = (
     "\x1b[2J\x1b]0;title\x07",
@@ -52,7 +52,7 @@ NAMES = (
     "__class__",
     "bed'); shell('TOUCH'), ('",
 )
-"""Names of rooms, pieces and grammars: for a terminal, for XML, for a shell, for Prolog."""
+"""Names of rooms, furniture and grammars with text for a terminal, XML, a shell or Prolog."""
 
 VALUES: dict[str, Any] = {
     "null": None,
@@ -98,7 +98,7 @@ PROVENANCE = {"grammar": "family", "grammar_hash": "", "request": {}, "seed": 0,
 
 
 def changed(path: str, value: Any, of: Any = RECORD) -> str:
-    """A record as JSON with another value at a dotted path."""
+    """Return a record as JSON with another value at a dotted path."""
     record: Any = copy.deepcopy(of) | {"provenance": copy.deepcopy(PROVENANCE)}
     *way, last = [int(step) if step.isdecimal() else step for step in path.split(".")]
     place = record
@@ -109,19 +109,19 @@ def changed(path: str, value: Any, of: Any = RECORD) -> str:
 
 
 def good(folder: Path) -> Path:
-    """A file of one house: the first that a process reads, which then starts what it needs."""
+    """Write a file of one house: the first that a process reads, as the process starts what it needs then."""
     path = folder / "good.jsonl"
     path.write_text(LINE)
     return path
 
 
 def piece(**changes: Any) -> dict[str, Any]:
-    """A piece of furniture."""
+    """Return a piece of furniture."""
     return {"x": 0.5, "y": -6.0, "width": 0.5, "height": 0.5, "type": "lamp", "children": []} | changes
 
 
 def nested(depth: int) -> dict[str, Any]:
-    """A piece in a piece in a piece."""
+    """Return a piece in a piece, ``depth`` times."""
     inner = piece()
     for _ in range(depth):
         inner = piece(children=[inner])
@@ -129,7 +129,7 @@ def nested(depth: int) -> dict[str, Any]:
 
 
 def rooms(number: int) -> str:
-    """A house of many rooms."""
+    """Return a house of many rooms."""
     room = json.dumps(RECORD["R0"])
     listed = ", ".join(f'"R{index}": {room}' for index in range(number))
     floor = json.dumps(RECORD["floor"])
@@ -194,7 +194,7 @@ TEXTS: dict[str, Callable[[], str | bytes]] = {
     "a room that is a line": lambda: changed("R0.height", 0),
     "a door that is a rectangle": lambda: changed("R0.door.height", 1.0),
 }
-"""What a file holds that is refused, or harmless."""
+"""Contents of files that are refused, or harmless."""
 
 SHAPES: dict[str, Callable[[], str | bytes]] = {
     "windows' line ends": lambda: f"{LINE}\r\n{LINE}\r\n",
@@ -213,11 +213,11 @@ SHAPES: dict[str, Callable[[], str | bytes]] = {
     "a room far away": lambda: changed("R0.x", 900.0),
     "a house of no room": lambda: rooms(0).replace(", }", "}"),
 }
-"""Houses that are read: what is wrong with them is for ``check`` to say."""
+"""Houses that are read; ``check`` reports their faults."""
 
 
 def furnished(rooms: int) -> str:
-    """A house of so many rooms side by side, each with as many pieces as a room may have."""
+    """Return a house of ``rooms`` rooms in a row, each with as many pieces as a room may have."""
     record = copy.deepcopy(PLAN)
     room = record["rooms"][0] | {"children": 256 * [piece()]}
     record |= {"topology": "", "doors": [], "windows": [], "hub": None}
@@ -226,7 +226,7 @@ def furnished(rooms: int) -> str:
 
 
 def bomb(size: int, letter: bytes = b"\0") -> bytes:
-    """A letter very often, as gzip: it takes a thousandth of the bytes."""
+    """Return a letter, repeated very often, as gzip: a thousandth of the bytes."""
     packer = zlib.compressobj(1, zlib.DEFLATED, 31)
     return b"".join([*(packer.compress(letter * (1 << 24)) for _ in range(size >> 24)), packer.flush()])
 
@@ -296,7 +296,7 @@ FILES: dict[str, Callable[[Yard], Path]] = {
 
 
 def shown(path: Path, out: Path) -> Answer:
-    """What ``check`` and ``draw`` answer, and ``info``; the plans are of harmless elements alone."""
+    """Return the answer of ``check``, ``draw`` and ``info``; the plans must consist of harmless elements."""
     checked = command("check", path)
     drawn = command("draw", path, "--out", out / "plans")
     if checked.answer != drawn.answer:

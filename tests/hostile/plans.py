@@ -1,4 +1,4 @@
-"""Plans, maps and briefs that are bombs, no files at all, or made for a reader to take long."""
+"""Plans, maps and briefs that are bombs or no files, or that take a reader long."""
 
 import gzip
 import io
@@ -27,7 +27,7 @@ MERGED = "a: &a {k: v}\n" + "".join(
 
 
 def crossing(corners: int) -> list[list[float]]:
-    """An outline each of whose sides crosses nearly all others."""
+    """Return an outline each of whose sides crosses nearly all others."""
     turn = 2 * math.pi * (corners // 2) / corners
     return [[10 + 9 * math.cos(k * turn), 10 + 9 * math.sin(k * turn)] for k in range(corners)]
 
@@ -117,7 +117,7 @@ CASES = [
 
 
 def read(path: Path) -> Answer:
-    """What the reader of the file's kind answers."""
+    """Return the answer of the reader of the file's kind."""
     from logic import load
     from logic.request.brief import read_brief
     from logic.request.given_plan import read_plan

@@ -108,7 +108,7 @@ _ = x{}.call(shell('TOUCH'))
 X = _{a: shell('TOUCH')}.a
 _ = [1].length()
 """
-"""Each is a goal of a length's body: none may be called, by whatever way."""
+"""Goals in a length's body: none may be called, in whatever way."""
 
 HEADS = r"""
 foo:bar(1)|system:shell('TOUCH')
@@ -145,7 +145,8 @@ lists:append(a, b)|lists:append([], X)
 sandbox:safe_primitive(system:shell(_))|shell('TOUCH')
 user:portray(X)|user:portray(shell('TOUCH'))
 """
-"""A clause that states a control construct or another module's predicate, and the goal that it legalises."""
+"""Clauses that define a control construct or another module's predicate, and the goal that each would
+permit."""
 
 HOOKS = r"""
 goal_expansion(true, shell('TOUCH'))
@@ -231,7 +232,7 @@ room_gap(G) => shell('TOUCH'), G = 0.6.
 a ?=> shell('TOUCH').
 :- :- shell('TOUCH').
 """
-"""Whole terms at the end of a file that are no clauses."""
+"""Terms at the end of a file that are not clauses."""
 
 FIRST_LINES = r"""
 #!/bin/sh\n:- shell('TOUCH').
@@ -244,7 +245,7 @@ FIRST_LINES = r"""
 %\r:- shell('TOUCH').
 % \u2028:- shell('TOUCH').
 """
-"""Before all else in a file: what a loader passes over, and a reader might not."""
+"""First lines of a file that a loader may skip and a reader may not."""
 
 PASSED_OVER = r"""
 :- dynamic(user:portray/1).
@@ -252,7 +253,7 @@ PASSED_OVER = r"""
 :- discontiguous(shell('TOUCH')).
 :- X.
 """
-"""Declarations of what is no grammar's."""
+"""Declarations of predicates that belong to no grammar."""
 
 NOTHING_DONE = r"""
 :- use_module(library(clpr)).
@@ -262,14 +263,14 @@ NOTHING_DONE = r"""
 room_gap(G) :- { G = 0.6 }. % shell('TOUCH')
 room_gap(G) :- half(H), G is 2*H.\nhalf(0.3).
 """
-"""What looks like the above and is data."""
+"""Text that looks like the above and is data."""
 
 
 ESCAPES = {r"\n": "\n", r"\r": "\r", r"\ufeff": "\ufeff", r"\u2028": "\u2028"}
 
 
 def _rows(text: str) -> list[str]:
-    """The rows of a table, with these escapes in them."""
+    """Return the rows of a table, with their escapes replaced."""
     rows = text.strip("\n").split("\n")
     for escape, letter in ESCAPES.items():
         rows = [row.replace(escape, letter) for row in rows]
@@ -277,7 +278,7 @@ def _rows(text: str) -> list[str]:
 
 
 def _first(text: str, yard: Yard) -> Path:
-    """The text before all else in sizes.pl."""
+    """Write a text at the start of sizes.pl."""
     folder = grammar(yard)
     path = folder / "sizes.pl"
     before = path.read_text()

@@ -1,4 +1,4 @@
-"""What reads the inputs: one process for many of them, which notes what Python does in it."""
+"""Readers of the inputs: one process for many of them, which records Python's audit events."""
 
 import importlib
 import os
@@ -17,10 +17,10 @@ from logic.errors import LimitReached, VitruviusError
 from tests.hostile.case import ACCEPTED, LIMITED, REFUSED
 
 SECONDS = 60.0
-"""Wall time for an answer: it takes a tenth of a second, but the machine may be busy."""
+"""Wall time for an answer, in seconds: it takes a tenth of a second, but the machine may be busy."""
 
 MEMORY = 4 << 30
-"""Bytes of address space: as a solver process has."""
+"""Address space in bytes, the same as for a solver process."""
 
 EVENTS = {
     *("os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.system", "subprocess.Popen", "pty.spawn"),
@@ -28,15 +28,15 @@ EVENTS = {
     *("pickle.find_class", "webbrowser.open", "urllib.Request"),
     *("os.remove", "os.rename", "os.rmdir", "os.chmod", "os.chown", "os.link", "os.symlink", "os.truncate"),
 }
-"""Of Python's audit events those that no reading of a file has."""
+"""Python's audit events that no reading of a file causes."""
 
 noted: list[str] = []
-"""The events of the input that is being read."""
+"""Events of the input that is being read."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """One of the three answers, in which words, with what was noted on the way; any other is a fault."""
+    """Answer of a reader, with its text and the recorded events; any fourth kind of answer is a fault."""
 
     answer: str
     text: str
@@ -44,7 +44,7 @@ class Answer:
 
 
 def answer_of(error: BaseException) -> Answer:
-    """Which answer an error is."""
+    """Return the answer that an error stands for."""
     if isinstance(error, LimitReached):
         return Answer(LIMITED, str(error))
     if isinstance(error, VitruviusError) and error.exit_code != VitruviusError.exit_code:
@@ -53,20 +53,20 @@ def answer_of(error: BaseException) -> Answer:
 
 
 class Reader:
-    """A process that reads one input after another. Where one ends it, the next has another process."""
+    """Process that reads one input after another. An input that ends the process gets the next a new one."""
 
     def __init__(self, *modules: str, memory: int = MEMORY) -> None:
-        """Start none yet; it imports these modules first, which may ask programs where they lie."""
+        """Start no process yet. It will import these modules first, which may start programs."""
         self._modules, self._memory, self._pool = modules, memory, None
 
     def ready(self) -> int:
-        """The number of a process that waits for an input."""
+        """Return the number of a process that waits for an input."""
         if self._pool is None:
             self._pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self._modules, self._memory))
         return self._pool.submit(os.getpid).result(60)
 
     def answer(self, read: Callable[..., Answer], *arguments: Path) -> Answer:
-        """What a function of this or another module answers."""
+        """Return the answer of a function of this or another module."""
         assert self._pool
         try:
             return self._pool.submit(_answered, read, arguments).result(SECONDS)
@@ -75,7 +75,7 @@ class Reader:
             return Answer(type(error).__name__, f"the process ended, or had no answer in {SECONDS:g} s")
 
     def is_alive(self) -> bool:
-        """Whether the last input did not end the process."""
+        """Return True if the last input did not end the process."""
         return self._pool is not None
 
     def end(self) -> None:
@@ -88,7 +88,7 @@ class Reader:
 
 
 def _begin(modules: tuple[str, ...], memory: int) -> None:
-    sys.dont_write_bytecode = True  # a part that an input is the first to need is no effect of the input
+    sys.dont_write_bytecode = True  # a module that an input is the first to need is no effect of the input
     for module in modules:
         importlib.import_module(module)
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
@@ -107,7 +107,7 @@ def _answered(read: Callable[..., Answer], arguments: tuple[Path, ...]) -> Answe
 
 
 def rules(folder: Path) -> Answer:
-    """What ``generate`` and ``lint`` do with a grammar, in this process: it is refused, or makes a house."""
+    """Return the answer of ``generate`` and ``lint`` for a grammar, in this process: an error or a house."""
     from logic.generation.builder import Builder
     from logic.grammar import find
     from logic.language.loaded import LoadedGrammar
@@ -122,9 +122,9 @@ def rules(folder: Path) -> Answer:
 
 
 def bomb(folder: Path) -> Answer:
-    """What ``generate`` answers, by a solver process, to a grammar that may take long.
+    """Return the answer of ``generate``, by a solver process, to a grammar that may take long.
 
-    It has a fourth of the seconds that such processes have, which is three times what ``family`` needs.
+    The process has a quarter of the usual seconds, which is three times what ``family`` needs.
     """
     from logic import generate
     from logic.workers import series, solver
@@ -139,7 +139,7 @@ def bomb(folder: Path) -> Answer:
 
 
 def command(*words: Any) -> Answer:
-    """What a command of ``vitruvius`` prints and exits with."""
+    """Return what a command of ``vitruvius`` prints, and its exit code as an answer."""
     import io
     from contextlib import redirect_stderr, redirect_stdout
 

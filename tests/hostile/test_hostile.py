@@ -1,6 +1,6 @@
-"""Each of the hostile inputs is refused, ends at a stated limit or is data, and none has an effect.
+"""Each hostile input is refused, ends at a stated limit or is data, and none has an effect.
 
-They are run by ``./run test -m hostile tests/hostile``, which prints a table by kind at its end.
+``./run test -m hostile tests/hostile`` runs them, and prints a table by kind at its end.
 """
 
 import os
@@ -20,12 +20,12 @@ from tests.hostile.watch import Ear, forget_peak, peak, watched
 pytestmark = pytest.mark.hostile
 
 MEMORY = 1 << 30
-"""Bytes that reading an input may take, beside what the program takes itself."""
+"""Largest memory, in bytes, that reading an input may take besides the program's own."""
 
 
 @dataclass(frozen=True)
 class Subject:
-    """Who reads some inputs, in a process that has imported these modules."""
+    """Reader of some inputs, in a process that has imported these modules."""
 
     read: Callable[..., Answer]
     cases: Sequence[Case]
@@ -34,7 +34,7 @@ class Subject:
 
     @property
     def process(self) -> tuple[tuple[str, ...], int]:
-        """What its process is: those who need the same share one."""
+        """Properties of its process: readers with the same properties share one."""
         return self.modules, self.address_space
 
 
@@ -52,7 +52,7 @@ CASES = {str(case): (case, subject) for subject in SUBJECTS for case in subject.
 
 @pytest.fixture(scope="module")
 def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Where everything lies: the yard of each case, the current folder, the home of the user."""
+    """Yield the folder of the yards of all cases, the current folder, and the user's home."""
     root = tmp_path_factory.mktemp("hostile")
     (root / "home").mkdir()
     (root / "here").mkdir()
@@ -65,7 +65,7 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def readers(root: Path) -> Iterator[dict[Any, Reader]]:
-    """The processes that read."""
+    """Yield the processes that read."""
     readers = {each.process: Reader(*each.modules, memory=each.address_space) for each in SUBJECTS}
     yield readers
     for reader in readers.values():
@@ -74,7 +74,7 @@ def readers(root: Path) -> Iterator[dict[Any, Reader]]:
 
 @pytest.fixture(scope="module")
 def ear() -> Ear:
-    """A server that must hear nothing."""
+    """Return a server that must get no connection."""
     return Ear()
 
 
@@ -106,7 +106,7 @@ def test_a_hostile_input_is_answered_and_has_no_effect(
             took = peak(process) - before if reader.is_alive() else 0
     finally:
         yard.clear()
-    if subject.read is subjects.bomb:  # its solver process is its own, and may wait for the next house
+    if subject.read is subjects.bomb:  # its own solver process may wait for the next house
         effects.found = [each for each in effects.found if "processes" not in each]
     effects.found += [event for event in answer.events if str(yard.out) not in event]
     record_property("hostile", (case.kind, answer.answer, len(effects.found)))

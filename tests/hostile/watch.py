@@ -1,4 +1,4 @@
-"""What an input does besides the answer: files, processes, connections, memory."""
+"""Effects of an input besides the answer: files, processes, connections, memory."""
 
 import os
 import socket
@@ -11,7 +11,7 @@ Files = dict[str, tuple[int, int, int]]
 
 
 def files(root: Path, but: Path) -> Files:
-    """Mode, size and time of all that lies beneath a folder, but for one folder."""
+    """Return mode, size and time of all files beneath a folder, except for one folder."""
     found = {}
     for folder, names, leaves in os.walk(root):
         for name in (*names, *leaves):
@@ -23,12 +23,12 @@ def files(root: Path, but: Path) -> Files:
 
 
 def processes() -> dict[int, tuple[int, str]]:
-    """The parent and the name of each process of this machine."""
+    """Return the parent and the name of each process of this machine."""
     found = {}
     for entry in os.listdir("/proc"):
         if entry.isdecimal():
             try:
-                with open(f"/proc/{entry}/stat") as file:  # of every process: a Path would take longer
+                with open(f"/proc/{entry}/stat") as file:  # for every process: a Path would take longer
                     head, _, tail = file.read().rpartition(")")
             except (FileNotFoundError, ProcessLookupError):
                 continue
@@ -37,7 +37,7 @@ def processes() -> dict[int, tuple[int, str]]:
 
 
 def descendants(ancestor: int) -> dict[int, str]:
-    """The names of all processes that a process has started, and these, by their numbers."""
+    """Return the names of all descendants of a process, by their numbers."""
     every, found = processes(), {ancestor: ""}
     while new := {p: name for p, (parent, name) in every.items() if parent in found and p not in found}:
         found |= new
@@ -46,12 +46,12 @@ def descendants(ancestor: int) -> dict[int, str]:
 
 
 def children_reaped(process: int) -> int:
-    """Page faults of the children that a process has waited for: 0 as long as it had none."""
+    """Return the page faults of the children that a process has waited for: 0 without such children."""
     return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[8])
 
 
 def sockets(process: int) -> int:
-    """How many sockets a process has open."""
+    """Return the number of sockets that a process has open."""
     folder, number = f"/proc/{process}/fd", 0
     for descriptor in os.listdir(folder):
         try:
@@ -62,7 +62,7 @@ def sockets(process: int) -> int:
 
 
 def peak(process: int) -> int:
-    """The most memory that a process has had at once since ``forget_peak``, bytes."""
+    """Return the largest memory that a process had since ``forget_peak``, bytes."""
     for line in Path(f"/proc/{process}/status").read_text().splitlines():
         if line.startswith("VmHWM"):
             return int(line.split()[1]) << 10
@@ -70,21 +70,21 @@ def peak(process: int) -> int:
 
 
 def forget_peak(process: int) -> None:
-    """Measure the peak from now on."""
+    """Restart the measurement of the peak."""
     Path(f"/proc/{process}/clear_refs").write_text("5")
 
 
 class Ear:
-    """A server of this machine to which nothing is to connect."""
+    """Server of this machine that should get no connection."""
 
     def __init__(self) -> None:
-        """Listen."""
+        """Listen on a free port."""
         self.server = socket.create_server(("127.0.0.1", 0))
         self.server.setblocking(False)
         self.port: int = self.server.getsockname()[1]
 
     def heard(self) -> int:
-        """How many have connected since the last time."""
+        """Return the number of connections since the last call."""
         number = 0
         while True:
             try:
@@ -96,19 +96,19 @@ class Ear:
 
 @dataclass
 class Effects:
-    """What an input has done, a line for each thing."""
+    """Effects of an input, one line each."""
 
     found: list[str] = field(default_factory=list)
 
     def add(self, what: str, number: int) -> None:
-        """Something, where there is any."""
+        """Add a line if ``number`` is not 0."""
         if number:
             self.found.append(f"{number} {what}")
 
 
 @contextmanager
 def watched(root: Path, out: Path, ear: Ear, process: int) -> Iterator[Effects]:
-    """What happens within a block to a folder but for ``out``, and what a process starts and opens."""
+    """Yield the effects of a block on a folder except ``out``, and what a process starts and opens."""
     effects = Effects()
     before = files(root, out), descendants(process), children_reaped(process), sockets(process)
     yield effects

@@ -1,4 +1,4 @@
-"""The command: every way to end, by its exit code and one line of text."""
+"""Ends of the command: each has its exit code and one line of text."""
 
 import contextlib
 import errno
@@ -44,13 +44,12 @@ made, generate.progress = generate.progress, progress
 signal.signal(signal.SIGINT, signal.default_int_handler)
 main()
 """
-"""The command, which says when it has made some houses. It heeds Ctrl-C: shells let what they start in the
-background ignore it, and tests may be started so.
-"""
+"""Program of the command, which prints a line after some houses. It restores Ctrl-C, as shells let background
+programs ignore it, and tests may run in the background."""
 
 
 def vitruvius(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """The command in this process, as if in one of its own."""
+    """Run the command in this process, as if in its own."""
     command, out, err = list(map(str, arguments)), io.StringIO(), io.StringIO()
     with (
         contextlib.chdir(cwd or Path.cwd()),
@@ -98,7 +97,7 @@ def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path
 
 
 def test_control_characters_in_names_are_escaped_on_the_terminal_and_in_pictures(tmp_path: Path) -> None:
-    """Else a file's names move the cursor, change colours, or make an SVG that is no XML."""
+    """Otherwise a file's names could move the cursor, change colours, or make an SVG that is no XML."""
     (house,) = load(ROOT / "tests" / "fixtures" / "example1.json")
     name = "a\x1b[31m\x07\x00\n\u202eb"
     room = msgspec.structs.replace(house.star.rooms[0], type=name, x=-9.0)
@@ -119,7 +118,7 @@ def test_control_characters_in_names_are_escaped_on_the_terminal_and_in_pictures
 def test_on_a_terminal_houses_still_go_to_the_standard_output(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Where that is a file and the progress bar has the terminal."""
+    """The standard output is a file, and the progress bar has the terminal."""
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     with pytest.raises(SystemExit, match="0"):
         main(["generate", "--rooms", "1"])
@@ -175,7 +174,7 @@ def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: in
 def test_a_place_that_cannot_be_written_to_is_refused_before_any_work(
     tmp_path: Path, words: str, place: str
 ) -> None:
-    """Of ``/proc`` even root can write nothing, though its permissions say so; below a file nobody can."""
+    """Even root can write nothing in ``/proc``, although its permissions say so; nobody can below a file."""
     houses = ROOT / "tests/fixtures/example1.json"
     (tmp_path / "file").touch()
     ended = vitruvius(*words.format(place.format(folder=tmp_path), houses=houses).split())
@@ -210,7 +209,7 @@ def test_a_device_that_takes_nothing_is_named_and_stays() -> None:
 
 
 def test_the_installed_command_imports_nothing_from_the_current_folder(tmp_path: Path) -> None:
-    """``python -m`` does, before any line of ours runs."""
+    """``python -m`` does import from it, before any line of ours runs."""
     for name in ("agent", "clingo", "json", "logic", "queue", "sim", "token", "types"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('from the current folder')\n")
     command = [Path(sys.executable).with_name("vitruvius"), "generate", "--rooms", "1"]
@@ -229,7 +228,7 @@ def test_a_missing_prolog_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
-    """Houses differ in their work: a bound between the least and the most ends the series on its way."""
+    """Houses differ in their work: a bound between the least and the most ends the series on the way."""
     file = tmp_path / "houses.jsonl"
     ended = vitruvius(
         "generate", "--rooms", 8, "--start", 10, "--count", 60, "--inferences", 53_000, "--out", file
@@ -241,7 +240,7 @@ def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
 
 
 def stopped(file: Path, sent: signal.Signals) -> tuple[int, str]:
-    """Exit code and stderr of a command that is sent a signal while it makes houses for the file."""
+    """Return exit code and stderr of a command that gets a signal while it makes houses for the file."""
     command = [sys.executable, "-c", GENERATE, "generate", "--rooms", "9", "--count", "100000"]
     process = subprocess.Popen(
         [*command, "--out", str(file)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -252,7 +251,7 @@ def stopped(file: Path, sent: signal.Signals) -> tuple[int, str]:
         process.send_signal(sent)
         _, said = process.communicate(timeout=PATIENCE)
     finally:
-        process.kill()  # nothing, if it has ended as it should
+        process.kill()  # no effect if it has ended as it should
     return process.returncode, said
 
 
@@ -327,7 +326,7 @@ main(sys.argv[2:])
 
 
 def on_the_base(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """A command where none of the extras is installed."""
+    """Return a command's result where none of the extras is installed."""
     absent = " ".join(module for modules in EXTRAS.values() for module in modules)
     command = [sys.executable, "-c", BASE_ALONE, absent, *map(str, arguments)]
     return finished(command)
@@ -373,7 +372,7 @@ def test_the_extras_are_those_of_the_distribution() -> None:
             {"pxr": "usd-core", "pygame": "pygame-ce"}.get(module, module.replace("_", "-"))
             for module in modules
         }
-        found -= {"cpuinfo"}  # of pytest-benchmark
+        found -= {"cpuinfo"}  # part of pytest-benchmark
         assert found == {name for name in listed if not name.startswith("vitruvius")}
 
 

@@ -1,4 +1,4 @@
-"""The command line as people, shells and programs meet it: help, completion, answers as JSON, progress."""
+"""Command line for people, shells and programs: help, completion, answers as JSON, progress."""
 
 import contextlib
 import io
@@ -39,7 +39,7 @@ WORDS = [*([name] for name in COMMANDS if name != "bench"), *(["bench", name] fo
 
 
 def classes() -> Iterator[tuple[list[str], Any]]:
-    """All commands, with their classes; train once for each preset."""
+    """Yield all commands, with their classes; train once for each preset."""
     for words in WORDS:
         kind = pkgutil.resolve_name((STUDIES if len(words) > 1 else COMMANDS)[words[-1]][0])
         if words == ["train"]:
@@ -99,7 +99,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def answered(
     validator: Any, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Answered:
-    """Runs a command with --json, holds what is true of each answer, and returns it."""
+    """Return a function that runs a command with --json, checks the answer's form, and returns it."""
 
     def run(words: str) -> dict[str, Any]:
         monkeypatch.chdir(folder)
@@ -197,7 +197,7 @@ COMPLETED = {
     "vitruvius train --preset pqn": "pqn pqn-free pqn-recurrent",
     "vitruvius convert houses.jsonl --to gl": "gltf",
 }
-"""A line up to the cursor, and the words that may stand there."""
+"""Lines up to the cursor, and the words that may follow."""
 
 BASH = """
 source /dev/stdin <<< "$SCRIPT"

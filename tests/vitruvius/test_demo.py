@@ -1,4 +1,4 @@
-"""The demo, small: its houses, its files, what its report says, its verdict."""
+"""The demo on a small scale: its houses, its files, its report, and its verdict."""
 
 import io
 import re
@@ -25,8 +25,9 @@ from vitruvius.demo import FILES, banks, demo, gain, sought
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A demo of 8 homes and 8 stars, 2,000 steps, small networks, short episodes: its folder, its exit code,
-    what a terminal shows.
+    """Return a small demo's folder, exit code and terminal output.
+
+    The demo has 8 homes and 8 stars, 2,000 steps, small networks and short episodes.
     """
     out = tmp_path_factory.mktemp("demo") / "runs"
     console = Console(width=80, file=io.StringIO())
@@ -48,7 +49,7 @@ def made(tmp_path_factory):
 def test_the_demo_writes_all_its_files_and_nothing_else(made):
     out, code, _ = made
     assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, *module.RUNS])
-    assert code == 1  # 2,000 steps teach nothing
+    assert code == 1  # 2,000 steps are too few
 
 
 def test_a_folder_that_holds_something_else_than_a_demo_is_refused_and_left_as_it_is(tmp_path):
@@ -94,7 +95,7 @@ def test_an_agent_has_one_name_in_its_folder_its_episode_its_figures_and_its_cur
     assert module.RUNS == (module.AGENT, module.FORESIGHT)
     page = (made[0] / "report.html").read_text()
     for name in module.RUNS:
-        assert page.count(f'<th scope="row">{name}</th>') >= 2  # measured, and learnt
+        assert page.count(f'<th scope="row">{name}</th>') >= 2  # evaluation and training
         assert f"<h3>{name}, " in page
     rows = {*re.findall(r'<th scope="row">([a-z]+)</th>', page)}
     assert not rows & {"agent", "training"}

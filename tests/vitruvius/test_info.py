@@ -1,4 +1,4 @@
-"""vitruvius info: each kind of thing is told by its content, and what is none gets one clear line."""
+"""vitruvius info: it recognises each kind of thing by its content, and prints one line for anything else."""
 
 import gzip
 import json
@@ -30,7 +30,7 @@ from vitruvius.info.recognise import recognised
 
 
 def told(path: Path | str) -> Any:
-    """The one thing that a path is."""
+    """Return the one thing that a path is."""
     [found] = recognised(str(path))
     return found
 

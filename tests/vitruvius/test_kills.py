@@ -1,4 +1,4 @@
-"""A command that is killed leaves whole files or none; what reads them back notices torn ones."""
+"""A killed command leaves whole files or none; readers notice torn files."""
 
 import subprocess
 import sys
@@ -16,8 +16,8 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_no_kill_tears_a_file(tmp_path: Path) -> None:
-    """Of each command two, at a random moment and as its first new file appears."""
-    # In a process of its own: it forks, and this one may have started Taichi.
+    """Two processes of each command are killed: at a random moment, and as the first new file appears."""
+    # A process of its own, as it forks and this one may have started Taichi.
     command = [sys.executable, "-P", "-m", "vitruvius.cli", "bench", "kills", "--kills", "2"]
     subprocess.run([*command, "--out", tmp_path / "kills"], cwd=ROOT, check=True, timeout=600)
     done = msgspec.json.decode(

@@ -1,4 +1,4 @@
-"""Every command that takes a file answers odd files at once: by an error of one line, or by taking them."""
+"""Every command that takes a file refuses odd files at once, with an error of one line, or takes them."""
 
 import contextlib
 import gzip
@@ -15,7 +15,7 @@ from tests.logic.workers import in_process
 from vitruvius.cli import main
 
 MAX_SECONDS = 20
-"""For one file, on a machine that is busy."""
+"""Time limit for one file, in seconds, on a busy machine."""
 
 CONTENTS = {
     "nothing": b"",
@@ -66,7 +66,7 @@ FILES = {
     "play --replay {}": ".jsonl",
     "train {} --out {out}": ".jsonl .json",
 }
-"""By command: endings of the file in the place of ``{}``."""
+"""Suffixes of the file in the place of ``{}``, by command."""
 
 IN_FOLDERS = {
     "report {}": "evaluation.json metrics.jsonl config.json it.jsonl it.jsonl.gz it.trace.json run.json",
@@ -75,7 +75,7 @@ IN_FOLDERS = {
     "regenerate {}": "set.json",
     "train {} --out {out}": "set.json",
 }
-"""By command: names of files in a folder in its place."""
+"""Names of files in a folder in the place of ``{}``, by command."""
 
 CASES = [
     *((words, f"odd{ending}", False) for words, endings in FILES.items() for ending in endings.split()),
@@ -84,7 +84,7 @@ CASES = [
 
 
 class Late(BaseException):
-    """A command took too long."""
+    """Error for a command that took too long."""
 
 
 @contextlib.contextmanager

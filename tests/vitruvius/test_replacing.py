@@ -1,4 +1,4 @@
-"""Claims about files that are in the way of what a command writes: nothing of others is lost in silence."""
+"""Claims about files in the place of a command's output: no other content is lost silently."""
 
 import os
 import pkgutil
@@ -79,10 +79,10 @@ IN_THE_WAY = {
     "export paper --out mine.onnx": "mine.onnx",
     **{f"bench {name} --out mine": f"mine/{name}.md" for name in FOLDERS},
 }
-"""Commands, and a file of somebody else in the place of what each writes."""
+"""Commands, each with a file of other content in the place of its output."""
 
 NO_REPLACE = {"train", "play", "demo", "playground"}
-"""Those that have no ``--replace``: they name another place."""
+"""Commands without ``--replace``: they ask for another place."""
 
 
 def run(words: str) -> int:
@@ -100,7 +100,7 @@ def test_what_is_in_the_way_is_named_and_stays(
     file = Path(IN_THE_WAY[words])
     file.parent.mkdir(exist_ok=True)
     file.write_bytes(FOREIGN)
-    # What takes seconds is not what is claimed.
+    # The work that takes seconds is no part of the claim.
     monkeypatch.setattr("agent.runs.export.export", lambda _, path: path.write_bytes(b"a network"))
     if words.startswith("report"):
         Path("houses").mkdir(exist_ok=True)
@@ -195,7 +195,7 @@ def test_a_study_goes_on_in_its_own_folder_and_is_told_to_write_to_another(tmp_p
     folder = tmp_path / "mine"
     for _ in range(2):
         with study_folder(folder, replace=False):
-            assert (folder / MARK).exists()  # so a study that is killed goes on too
+            assert (folder / MARK).exists()  # so that a killed study resumes, too
             (folder / "study.md").write_bytes(b"figures")
     (folder / MARK).unlink()
     with (

@@ -1,4 +1,4 @@
-"""Settings of a training run as TOML: what is printed trains the same, what is wrong is named by its line."""
+"""Settings of a training run as TOML: printed settings train the same, and errors name their line."""
 
 import json
 import re
@@ -22,7 +22,7 @@ WORDS = "--num-envs 8 --num-steps 16 --steps 1500 --learning-rate 0.003 --half-l
 
 
 def printed(words: str, capsys: pytest.CaptureFixture[str]) -> str:
-    """What --print-config prints."""
+    """Return what --print-config prints."""
     with pytest.raises(SystemExit, match=r"^0$"):
         main(["train", *words.split(), "--print-config"])
     return capsys.readouterr().out

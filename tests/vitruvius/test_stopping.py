@@ -1,4 +1,4 @@
-"""Signals end a command whatever it is doing, and once."""
+"""Signals end a command in any state, and once."""
 
 import fcntl
 import json
@@ -22,10 +22,10 @@ try:
 except BaseException:
     {then}
 """
-"""A module that is imported as a signal comes, as libraries are that try what they can import."""
+"""Module in whose import a signal comes, like libraries that try optional imports."""
 
 ENDS = {signal.SIGTERM: Terminated, signal.SIGHUP: Terminated, signal.SIGINT: KeyboardInterrupt}
-"""As docs/command-line.md has the exit codes."""
+"""Errors of the signals, with the exit codes of docs/command-line.md."""
 
 
 @pytest.mark.parametrize("then", ["pass", "raise ImportError('no such thing') from None"])
@@ -49,7 +49,7 @@ def test_a_signal_during_an_import_is_not_lost(
 
 
 def test_what_is_made_is_kept_while_it_is_written() -> None:
-    """Beside imports a signal is heeded once: what it ends is written in peace."""
+    """Outside imports a signal is heeded once, and the result is written completely."""
     written = []
 
     def work() -> None:
@@ -68,7 +68,7 @@ def test_what_is_made_is_kept_while_it_is_written() -> None:
 
 
 def test_a_lost_terminal_leaves_the_houses_that_were_made() -> None:
-    """Whole ones, also where they are taken slowly: a pipe holds some, and the command waits in the next."""
+    """The houses are whole, also with a slow reader: a pipe holds some, and the command waits."""
     words = ["generate", "--grammar", "home", "--rooms", "8", "--count", "1000"]  # more than Python buffers
     running = subprocess.Popen(
         [sys.executable, "-m", "vitruvius.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -105,5 +105,5 @@ def test_a_reader_that_takes_nothing_is_not_waited_for() -> None:
 
 
 def _waiting(pipe: int) -> int:
-    """How many bytes lie in a pipe."""
+    """Return the number of bytes in a pipe."""
     return int.from_bytes(fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)), sys.byteorder)

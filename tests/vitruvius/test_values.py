@@ -1,4 +1,4 @@
-"""Claims about values that any option may be given: nothing, and a dash for a standard stream."""
+"""Claims about values of any option: an empty value, and a dash for a standard stream."""
 
 import contextlib
 import json
@@ -31,13 +31,14 @@ READ = {
     ("regenerate", "file"),
     ("train", "held_out"),
 }
-"""What ``-`` gives to, as the standard input: content of one file. ``info`` has a name of its own for it."""
+"""Options for which ``-`` is the standard input, as the content of one file; ``info`` handles it
+separately."""
 
 WRITTEN = {("generate", "out"), ("convert", "out")}
 
 
 def options() -> Iterator[tuple[str, Option]]:
-    """All options and arguments of all commands that take a text or a path."""
+    """Yield all options and arguments of all commands that take a text or a path."""
     for name, (place, _) in COMMANDS.items():
         if name != "bench":
             yield from ((name, option) for option in options_of(pkgutil.resolve_name(place)))
@@ -49,7 +50,7 @@ OPTIONS = [(name, option) for name, option in options() if option.type in (str, 
 
 
 def refusal(name: str, option: Option, value: str) -> str:
-    """What is said of a value, in one line."""
+    """Return the message for a value, in one line."""
     words = [value] if option.positional else [f"{option.flag}={value}"]
     with pytest.raises(RequestError) as refused:
         require(f"vitruvius {name}", words, [option])
@@ -106,7 +107,7 @@ def test_what_is_refused_is_one_line_and_makes_nothing(
 
 @pytest.fixture
 def given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """The standard input, of this content."""
+    """Return a context manager that gives content on the standard input."""
     monkeypatch.chdir(tmp_path)
 
     @contextlib.contextmanager
@@ -120,7 +121,7 @@ def given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_what_comes_by_the_standard_input_is_read_as_the_file_is(given) -> None:
-    """Commands that learn, measure, record and play take houses by these two."""
+    """Commands that train, evaluate, record and play read houses through these two functions."""
     for read in (banks.named, house_list):
         with given(PLANS.read_bytes()):
             assert read("-") == load(PLANS)

@@ -1,4 +1,4 @@
-"""The commands about houses need only what makes houses."""
+"""Commands about houses import only what generation needs."""
 
 import os
 import sys
