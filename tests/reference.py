@@ -139,8 +139,7 @@ class Boxes:
         return np.concatenate([self.walls, self.pieces, self.doors])
 
     def clear(self, centre: np.ndarray, half: np.ndarray | float) -> np.ndarray:
-        """Return a mask (N,) bool of the squares round centres (N, 2) that are clear of everything by 1e-4
-        m."""
+        """Return a mask (N,) bool of squares round centres (N, 2) that are clear of all boxes by 1e-4 m."""
         reach, boxes = np.reshape(half, (-1, 1, 1)) + CLOSE, self.all
         low, high = centre[:, None] - reach, centre[:, None] + reach
         return ~np.all((low < boxes[:, 2:]) & (boxes[:, :2] < high), axis=2).any(axis=1)

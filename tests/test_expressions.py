@@ -81,7 +81,7 @@ def applied() -> dict[str, set[str]]:
 
 
 def text_of(node: ast.expr) -> Any:
-    """Return the text of an expression, a letter for what is put into it; None where it is made elsewhere."""
+    """Return the text of an expression, with a letter for each inserted value; None if not a literal."""
     if isinstance(node, ast.JoinedStr):
         return "".join(each.value if isinstance(each, ast.Constant) else "x" for each in node.values)  # pyright: ignore
     return node.value if isinstance(node, ast.Constant) else None

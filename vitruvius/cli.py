@@ -205,7 +205,7 @@ def _print_and_end(text: str) -> None:
 
 
 def _run(arguments: list[str]) -> int:
-    """Run the command. Raises ``MissingProgram`` where it lacks a module that an extra installs."""
+    """Run the command. Raises ``MissingProgram`` if it lacks a module that an extra installs."""
     from logic.errors import MissingProgram
 
     try:

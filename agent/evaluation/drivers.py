@@ -84,7 +84,7 @@ def pursue(seen: np.ndarray, config: Config) -> np.ndarray:
 
 
 def true_path(envs: HouseVectorEnv, seed: int) -> Policy:
-    """Return the policy of ``TruePath``. Raises ``HouseFileError`` for a house of too many corners."""
+    """Return the policy of ``TruePath``. Raises ``HouseFileError`` for a house with too many corners."""
     try:
         return Privileged(TruePath(envs).act)
     except ValueError as error:

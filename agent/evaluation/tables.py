@@ -62,7 +62,7 @@ DRIVE_NOTE = (
 
 
 MAX_COLUMNS = 10_000
-"""Width of a table in a pipe, in characters."""
+"""Largest width of a table in a pipe, in characters."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,9 @@ class Table:
     rows: list[tuple[str, ...]]
 
     def terminal(self, folded: bool = False) -> RichTable:
-        """Return the table for a terminal. If ``folded``, each interval is below its figure, and a long name
-        takes two lines.
+        """Return the table for a terminal.
+
+        If ``folded``, each interval is below its figure, and a long name takes two lines.
         """
         table = RichTable(
             title=Text(f"\n{self.title}"),

@@ -1,4 +1,4 @@
-"""The Q-network of a config: the built-in network, or a user-defined module."""
+"""Q-network of a config: the built-in network, or a user-defined module."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ def q_network(config: QLearningConfig) -> "QNetwork | OwnNetwork":
 
 
 class OwnNetwork(nn.Module):
-    """User-defined module as a Q-network, with the memory of past actions, bumps and sightings.
+    """User-defined module as a Q-network, with the memory of past actions, collisions and sightings.
 
     ``Class(rays, channels, remembered, actions)`` creates the module; the arguments are whole numbers. The
     module maps observations (B, R, C) and memories (B, M), both float32, to Q-values (B, A).

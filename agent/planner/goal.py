@@ -14,7 +14,7 @@ NEXT = 2
 
 @ti.data_oriented
 class Goal:
-    """The choice of a goal."""
+    """Choice of a goal, and of the paths to it."""
 
     def __init__(
         self,

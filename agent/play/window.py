@@ -22,7 +22,7 @@ HEAD, GAP, EDGE = 64, 12, 16
 """Pixels above the plans for words, between two plans, and left of words."""
 
 MIN_WIDTH = 320
-"""Width of the column of a plan, in pixels: a policy's name also fits above a narrower plan."""
+"""Least width of the column of a plan, in pixels: a policy's name also fits above a narrower plan."""
 
 LARGE, SMALL, LEAST = 40, 26, 12
 """Font sizes, in pixels: names and scores, instructions, and the smallest size for text in a narrow space."""

@@ -37,8 +37,10 @@ COLUMNS = {
 
 
 def lead(files: Sequence[Path]) -> str:
-    """Return one sentence on the best agent of the first evaluation with agents, and its warnings; else
-    ""."""
+    """Return one sentence on the best agent of the first evaluation with agents.
+
+    Its warnings follow. The result is empty if no evaluation has agents.
+    """
     for path in files:
         file = scores.load(path)
         for name, mode in file.targets.items():

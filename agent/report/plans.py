@@ -63,10 +63,9 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
 
 
 def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[float | None]]:
-    """Return the ratio to the yardstick's targets in each house, by policy and mode, over all runs and
-    episodes.
+    """Return the ratio to the yardstick's targets in each house, by policy and mode.
 
-    The ratio is None in a house in which the yardstick has no targets.
+    The ratio is over all runs and episodes, and None in a house in which the yardstick has no targets.
     """
     found, houses, named = {}, len(bank), looks_of(bank[0]).name
     for mode, scored in file.targets.items():

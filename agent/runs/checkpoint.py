@@ -19,7 +19,7 @@ from logic.house.files import write_whole
 from logic.spelling import printable
 
 MAX_LEARNT_HOUSES = 1 << 20
-"""Number of houses that a checkpoint names; a house file holds at most the same number."""
+"""Largest number of houses that a checkpoint names; a house file holds at most the same number."""
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ class Tags(HTMLParser):
 
 
 def marked(content: Any) -> Iterator[Any]:
-    """Yield a JSON value again and again, each time with the mark in place of another of its texts."""
+    """Yield a JSON value again and again, each time with the mark in place of a different text."""
     for text in sorted(set(texts(content))):
         yield replaced(content, text)
 

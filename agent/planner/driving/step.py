@@ -35,7 +35,7 @@ class DrivingTables(NamedTuple):
     """(R, 2) float32: directions of the rays, forward and left."""
 
     views: Ints
-    """See ``PlannerTables``."""
+    """Places on a view's rays: see ``PlannerTables``."""
 
 
 class Driven(NamedTuple):

@@ -52,7 +52,7 @@ class Occupancy:
         touching: bool = False,
         noisy: bool = False,
     ) -> None:
-        """Map for bodies that go ``step`` half cells a step: four if they are ``touching``.
+        """Make a map for bodies that go ``step`` half cells a step: four if they are ``touching``.
 
         ``noisy``: rays or wheels err.
         """

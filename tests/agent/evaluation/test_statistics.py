@@ -1,4 +1,4 @@
-"""The interquartile mean and its interval."""
+"""Interquartile mean and its interval."""
 
 import numpy as np
 import pytest
