@@ -86,8 +86,8 @@ def measure(
     the progress.
 
     Raises ``HouseFileError`` if a mode cannot be played in one of the houses, or if a house has too many
-    corners for the true path; ``RequestError`` for an agent whose kind of motion or whose drive limits differ
-    from the baselines'; the errors of ``Cluster.each``.
+    corners for the true path. Raises ``RequestError`` for an agent whose kind of motion or whose drive limits
+    differ from the baselines'. Raises the errors of ``Cluster.each``.
     """
     names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
     require_motion(agents, backend)

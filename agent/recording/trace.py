@@ -134,17 +134,26 @@ COLUMNS: dict[str, tuple[str, str]] = {
 class Trace(msgspec.Struct, frozen=True):
     """Trace of an episode.
 
-    Columns of states (N + 1, ...): ``east`` and ``south``, steps from ``origin``; ``heading``, eighths of a
-    turn counter-clockwise from east; ``distance`` (R), 65535ths of the range; ``hits`` (R / 8), a bit for
-    each ray that ends on the target; ``found``, the number of targets picked up, and so the index of the
-    present one in ``targets``.
+    Columns of states (N + 1, ...):
 
-    Columns of steps (N, ...): ``action``; ``blocked``, 1 if the action was blocked; ``allowed``, a bit for
-    each action that the avoidance layer allowed; ``wanted``, the preferred action before avoidance.
+    - ``east`` and ``south``: steps from ``origin``;
+    - ``heading``: eighths of a turn counter-clockwise from east;
+    - ``distance`` (R): 65535ths of the range;
+    - ``hits`` (R / 8): a bit for each ray that ends on the target;
+    - ``found``: number of targets picked up, and so the index of the present one in ``targets``.
 
-    Optional columns of steps: ``values`` (A), Q-values in units of ``value_unit``; ``advice``, the planner's
-    action; ``goal`` (2), the goal in hundredths of a metre east and south of the house's origin; and
-    ``goal_kind``: 0 none, 1 a viewpoint, 2 the believed place of the target.
+    Columns of steps (N, ...):
+
+    - ``action``, and ``blocked``: 1 if the action was blocked;
+    - ``allowed``: a bit for each action that the avoidance layer allowed;
+    - ``wanted``: the preferred action before avoidance.
+
+    Optional columns of steps:
+
+    - ``values`` (A): Q-values in units of ``value_unit``;
+    - ``advice``: the planner's action;
+    - ``goal`` (2): the goal in hundredths of a metre east and south of the house's origin;
+    - ``goal_kind``: 0 none, 1 a viewpoint, 2 the believed place of the target.
     """
 
     format: Literal["vitruvius-trace-1"]

@@ -25,8 +25,9 @@ class Explain:
     """House file: the command explains a part of a house in it."""
 
     why: str | None = None
-    """Part to explain: a room (R3) or a piece (R3.bed, R3.bed2 for the second); of a star a door (R3.door) or
-    main; of a plan a door (R1-R3), the entrance, a window (R3.window) or a whole unit (U1)."""
+    """Part to explain: a room (R3) or a piece (R3.bed, R3.bed2 for the second). In a star also a door
+    (R3.door) or main; in a plan also a door (R1-R3), the entrance, a window (R3.window) or a whole unit
+    (U1)."""
 
     house: int = 0
     """Index of the house in the file, counted from 0."""

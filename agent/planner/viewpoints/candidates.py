@@ -57,9 +57,12 @@ class Candidates:
     def collect(self, memory: ti.template(), state, base):
         """Compute the distances of all blocks from the body; list the candidates and viewpoints within reach.
 
-        Returns the nearest candidate, -1 for none, and its distance; the sum of the weights of candidates
-        that were not tried; the viewpoint with the greatest last gain for its cost, -1 for none; the number
-        of viewpoints; and the number of candidates.
+        Returns six numbers:
+
+        - the nearest candidate, -1 for none, and its distance;
+        - the sum of the weights of candidates that were not tried;
+        - the viewpoint with the greatest last gain for its cost, -1 for none;
+        - the number of viewpoints, and the number of candidates.
         """
         first, part, px, py = self.first(base), self.part(base), state.x, state.y
         nearest, within, total, likely, hoped, listed_count = -1, 0, 0, -1, 0.0, 0
