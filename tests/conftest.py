@@ -108,7 +108,7 @@ def browser() -> Iterator[Browser]:
 
 @contextmanager
 def opened_page(browser: Browser, **options: Any) -> Iterator[Page]:
-    """Yield a page that fails the test if it logs a warning or an error, throws, or requests another host."""
+    """Yield a page that fails the test if it logs a warning or an error, throws, or asks another host."""
     errors: list[str] = []
     context = browser.new_context(**options)
 

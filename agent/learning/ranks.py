@@ -78,10 +78,7 @@ def first(value: float) -> float:
 
 
 def gathered(value: Any) -> list[Any]:
-    """Return all ranks' values on the first rank, elsewhere an unspecified list.
-
-    Pickle must carry the values.
-    """
+    """Return all ranks' values on the first rank, an empty list elsewhere; pickle must carry the values."""
     if size() == 1:
         return [value]
     values: list[Any] | None = [None] * size() if rank() == 0 else None

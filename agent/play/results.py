@@ -48,7 +48,7 @@ class PlayedGame(msgspec.Struct, frozen=True, kw_only=True):
     view: Literal["plan", "seen"]
     """View of the player: the whole plan with the target, or what the robot's rays had reached."""
     seconds: Annotated[float, Meta(gt=0)]
-    """Time limit of the game."""
+    """Time limit of the game, in seconds."""
     actions: Annotated[str, Meta(pattern="^[LRF]*$", max_length=MAX_ACTIONS)]
     """Letter of each step: a turn left or right, or a step forward."""
     score: Annotated[int, Meta(ge=0)]

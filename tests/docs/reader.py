@@ -3,7 +3,7 @@
 - ``sh``: commands, one after the other, each of which must succeed.
 - ``text`` right after it: their output, where ``...`` stands for anything. Then they may fail.
 - A block whose first line is a comment with a path is saved there. Other ``python`` blocks run, sharing
-names.
+  names.
 """
 
 import io

@@ -53,7 +53,7 @@ def answer_of(error: BaseException) -> Answer:
 
 
 class Reader:
-    """Process that reads one input after another. An input that ends the process gets the next a new one."""
+    """Process that reads one input after another. After an input that ends it, a new process follows."""
 
     def __init__(self, *modules: str, memory: int = MEMORY) -> None:
         """Start no process yet. It will import these modules first, which may start programs."""

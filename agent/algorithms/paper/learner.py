@@ -3,9 +3,9 @@
 Deep Q-learning without a target network and without a discount, as in the original program's code:
 
 - an episode ends by a collision or after 1500 steps, both terminal. Then 500 steps are replayed: first all
-rewarded steps of the episode, then random ones;
-- the network is fitted to each of these steps alone, by 500 updates of Adam (epsilon 1e-7), whose rate is
-divided by 1 + 0.01 x the updates so far;
+  rewarded steps of the episode, then random ones;
+- each of these steps gives one update of Adam (epsilon 1e-7), 500 in all; Adam's rate is divided by
+  1 + 0.01 x the updates so far;
 - the executed action is stored, even if avoidance overruled another; a state's value ignores avoidance;
 - the first weights are Glorot's uniform ones, the first biases 0, as in Keras;
 - a random action goes forward when a middle ray sees the target;
