@@ -1,1 +1,1 @@
-"""What agents are measured beside: shortest paths, and search in a house that is known."""
+"""Baselines for agents: shortest paths, and search in a known house."""

@@ -1,12 +1,12 @@
-"""The oracle's search in kernels: breadth first, backwards from a target, kept between calls.
+"""Kernels of the oracle's search: breadth first, backwards from a target, and kept between calls.
 
-A search of an environment has a lattice with a border where no body can be, the distances found so far (in
-actions), and a queue of the poses that were found and not yet expanded.
+A search of an environment has a lattice with a border where no body can be. It also has the distances found
+so far, in actions, and a queue of the poses that were found and not yet expanded.
 
-A closed door costs a path that enters its doorway the steps that it must still be walked at. Nothing stands
-in a doorway, so a shortest path enters each once: what leaves it and comes back is no shorter than the path
-that stays. A pose that such a step leads from waits until the search has come as far. Where a door has been
-walked at since, the search begins again.
+A path that enters the doorway of a closed door must first push the door for its remaining steps. Nothing
+stands in a doorway, so a shortest path enters each doorway once: a path that leaves and comes back is no
+shorter than one that stays. The pose before such a step waits until the search has reached its distance. If a
+door was pushed since the search began, the search begins again.
 """
 
 from functools import cache
@@ -17,17 +17,17 @@ from sim.tasks.survey import DIAGONAL, STRAIGHT
 from sim.world.episodes import Episodes, WorldArrays, loaded, store
 
 FAR = 1 << 15
-"""More actions than any path takes."""
+"""Distance that is longer than any path, in actions."""
 
 UNKNOWN, NOWHERE = -1, -2
-"""In place of a distance: no search has come to this pose; the body cannot be there."""
+"""Placeholders for a distance: no search has reached this pose yet; the body cannot be there."""
 
 HEAD, TAIL, COLUMN, ROW, COLUMNS, ROWS, WAITING = range(7)
-"""Of a search: its queue's ends, the lattice's first place (i, j), its columns and rows with a border, and
-how many poses wait."""
+"""Indices of a search's notes: the ends of its queue, the lattice's first place (i, j), its columns and rows
+with the border, and the number of waiting poses."""
 
 DOORWAY = 1 << 10
-"""Bit of a place beside those of its survey: a step from there may meet a door."""
+"""Bit of a place, in addition to those of its survey: a step from there may meet a door."""
 
 Steps = ti.types.ndarray(ti.i16, 1)
 Notes = ti.types.ndarray(ti.types.vector(7, ti.i32), 1)
@@ -35,35 +35,38 @@ Goals = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
 
 class SearchArrays(NamedTuple):
-    """What searches keep."""
+    """Arrays that searches keep."""
 
     moves: Shorts
-    """Of each place: its survey, and ``DOORWAY``."""
+    """Survey of each place, and ``DOORWAY``."""
     distance: Steps
-    """Of each pose."""
+    """Distance of each pose."""
     queue: Ints
     notes: Notes
     goals: Goals
-    """The target of each, metres."""
+    """Target of each search, metres."""
     first: Ints
-    """The environment of the first."""
+    """Environment of the first search."""
     pushed: Bytes
-    """How far the doors were opened when a search began."""
+    """Number of pushes of each door when the search began."""
     waiting: Ints
-    """The poses that wait."""
+    """Waiting poses."""
     found_at: Ints
-    """The distance at which each of these is found."""
+    """Distance at which each waiting pose is found."""
 
 
 class Doorways(NamedTuple):
-    """The doors of a world, open or not."""
+    """Doors of a world, open or not."""
 
     doorways: Floats
 
 
 @cache
 def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
-    """What is compiled for a configuration. Arguments are named for the arrays of a world and of searches."""
+    """Return the kernels compiled for a configuration.
+
+    Arguments have the names of the world's and searches' arrays.
+    """
     search = PathSearch(episodes)
 
     @kernel
@@ -71,7 +74,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
         moves: Shorts, distance: Steps, notes: Notes, goals: Goals,
         s: ti.i32, i: ti.i32, j: ti.i32, survey: ti.types.ndarray(ti.u16, 2),
     ):  # fmt: skip
-        """Take in a survey, with a border where no body can be, and forget what the search found."""
+        """Store a survey, with a border where no body can be, and discard the results of the search."""
         columns, rows = survey.shape[0] + 2, survey.shape[1] + 2
         notes[s] = ti.Vector([0, 0, i - 1, j - 1, columns, rows, 0])
         goals[s] = ti.Vector([ti.math.nan, ti.math.nan])
@@ -100,7 +103,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @kernel
     def act(world: WorldArrays, searches: SearchArrays, answer: Longs):
-        """The first action of a shortest path; ``NOWHERE`` if there is none."""
+        """Write the first action of a shortest path, or ``NOWHERE`` without a path."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
             e = searches.first[0] + s
@@ -108,12 +111,12 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @kernel
     def follow(world: WorldArrays, searches: SearchArrays, answer: Longs):
-        """The same, and go there; ``UNKNOWN`` where the action before this one picked the target up."""
+        """Write and take the first action of a shortest path; ``UNKNOWN`` after the pick-up of the target."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
             e = searches.first[0] + s
             state, action = loaded(world, e), UNKNOWN
-            # What has been picked up is not marked otherwise, as nothing else is stepped meanwhile.
+            # A picked-up target is not marked otherwise, because nothing else is stepped meanwhile.
             if state.over != UNKNOWN:
                 action = search.choose(world, searches, s, e, state)
                 if action >= 0:
@@ -129,7 +132,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @kernel
     def play(world: WorldArrays, searches: SearchArrays, answer: Longs):
-        """Play episodes to their ends; how many targets were picked up."""
+        """Play episodes to their ends and write the number of picked-up targets."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
             e = searches.first[0] + s
@@ -146,20 +149,22 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
 @ti.data_oriented
 class PathSearch:
-    """One search, as functions of its arrays. A place is its number in the lattice with its border, by
-    columns; a pose is eight times that and its heading.
+    """Functions of one search on its arrays.
+
+    A place is its number in the lattice with its border, by columns. A pose is eight times its place's number
+    plus its heading.
     """
 
     def __init__(self, episodes: Episodes) -> None:
         self.episodes, self.headings = episodes, episodes.body.headings
         config = episodes.config
         self.step, self.closed_doors = config.step, config.closed_doors > 0
-        # Places to look at around a target for poses that pick it up: more than any body's reach.
+        # Distance around a target to search for poses that pick it up: more than any body's reach.
         self.near = int((config.target / 2 + max(config.body)) / config.step) + 1
 
     @ti.func
     def choose(self, world: ti.template(), searches: ti.template(), s, e, state):
-        """Search until a pose that an action leads to is known to lead to the target; say which action."""
+        """Search until the next pose of a shortest path is known, and return the action that leads to it."""
         opened = self.opened(world, searches, s, e)
         if not (searches.goals[s] == state.target).all() or opened:  # NaN, at first, equals nothing
             searches.goals[s] = state.target
@@ -171,15 +176,16 @@ class PathSearch:
         if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
             place = base + column * rows + row
             forward, cost = self.headings[heading], 0
-            # Forward first: of two shortest paths the straighter. A pose that cannot be is never found.
+            # Forward first: of two shortest paths the straighter. A pose where the body cannot be is never
+            # found.
             options = ti.Vector([8 * place + (heading + 1 & 7), 8 * place + (heading + 7 & 7), -1])
             if searches.moves[place] >> heading & 1:
                 options[2] = 8 * (place + forward[0] * rows + forward[1]) + heading
                 cost = self.door_cost(world, searches, e, state, note, 8 * base, 8 * place + heading)
             nearest, searching = FAR, True
             while searching:
-                # Poses are found in order of distance: the first of the next poses to be found is the best,
-                # but for a door before it.
+                # Poses are found in order of distance, so the first of the next poses to be found is the
+                # best, except if a door is in front of it.
                 for turn in ti.static(range(3)):
                     option = ti.static((2 + turn) % 3)
                     if options[option] >= 0:
@@ -195,19 +201,20 @@ class PathSearch:
                     searching = nearest > ti.cast(searches.distance[head], ti.i32) + 1
                 if searching:
                     note = self.expand(world, searches, e, state, 8 * base, note)
-            searches.notes[s] = note  # whole, as it is read: what Taichi caches in a loop is so the same
+            searches.notes[s] = note  # written as a whole, because Taichi's caching in loops needs that
         return action
 
     @ti.func
     def base(self, searches: ti.template(), s):
-        """The first place of a search's lattice."""
+        """Return the first place of a search's lattice."""
         return s * (searches.moves.shape[0] // searches.notes.shape[0])
 
     @ti.func
     def begin(self, searches: ti.template(), s, state):
-        """Begin a search: forget what was found and queue the poses that pick the target up.
+        """Begin a search: discard its results and queue the poses that pick up the target.
 
-        Where a body is larger on the diagonal, only poses where it can turn: it could not leave others.
+        If a body is larger at diagonal headings, only places where it can turn count, because it could not
+        leave others.
         """
         note, anyhow = searches.notes[s], ti.static(STRAIGHT | DIAGONAL)
         base, rows = self.base(searches, s), note[ROWS]
@@ -230,7 +237,7 @@ class PathSearch:
 
     @ti.func
     def opened(self, world: ti.template(), searches: ti.template(), s, e):
-        """Whether a door was walked at, or closed, since the search began, which takes note of it."""
+        """Return True if a door was pushed or closed since the search began, and record the new state."""
         opened = False
         if ti.static(self.closed_doors):
             count = self.episodes.doors.count(world)
@@ -242,7 +249,7 @@ class PathSearch:
 
     @ti.func
     def door_cost(self, world: ti.template(), searches: ti.template(), e, state, note, base, pose):
-        """How many steps must be walked at closed doors until forward leads on from a pose (i32)."""
+        """Return the number of steps (i32) that push closed doors before a step forward succeeds."""
         cost = 0
         if ti.static(self.closed_doors):
             place = (pose - base) >> 3
@@ -254,8 +261,10 @@ class PathSearch:
 
     @ti.func
     def admit(self, searches: ti.template(), base, note):
-        """Queue the poses that waited for the distance of the next pose, or where none is queued for the
-        least. All poses at that distance are so queued before the first of them is expanded.
+        """Queue the waiting poses with the distance of the next pose in the queue.
+
+        If the queue is empty, queue those with the smallest distance. So all poses at a distance are in the
+        queue before the first of them is expanded.
         """
         if ti.static(self.closed_doors):
             admitting = note[WAITING] > 0
@@ -289,7 +298,7 @@ class PathSearch:
 
     @ti.func
     def expand(self, world: ti.template(), searches: ti.template(), e, state, base, note):
-        """Take the next pose from the queue and find those that one action leads from to it."""
+        """Take the next pose from the queue and find the poses from which one action leads to it."""
         pose, tail = searches.queue[base + note[HEAD]], note[TAIL]
         place, heading = pose >> 3, pose & 7
         further = ti.cast(searches.distance[pose], ti.i32) + 1
@@ -311,7 +320,10 @@ class PathSearch:
 
     @ti.func
     def found(self, searches: ti.template(), base, tail, pose, further):
-        """Note a pose's distance and queue it, if the body can be there and it is new; the queue's end."""
+        """Record a pose's distance and queue it, if the body can be there and the pose is new.
+
+        Return the queue's end.
+        """
         if searches.distance[pose] == UNKNOWN:
             searches.distance[pose] = ti.cast(further, ti.i16)
             searches.queue[base + tail] = pose

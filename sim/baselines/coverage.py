@@ -1,7 +1,7 @@
-"""Coverage: the spots of a house where a target would have been seen, and the rooms that a body was in.
+"""Coverage: the spots of a house where a body would have seen a target, and the rooms that it was in.
 
-Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps
-between them count, and what is unseen is exactly where a target that has not been seen may still be.
+A spot is seen if a ray would end on a target there, as for an agent. So walls, furniture, the range of rays
+and the gaps between rays count. An unseen target can lie exactly in the unseen spots.
 """
 
 from functools import cache
@@ -20,59 +20,60 @@ from sim.world.episodes import HOUSE, Episodes, WorldArrays, loaded
 from sim.world.world import World
 
 FAR_OFF = 1e6
-"""Metres: a target there hides nothing."""
+"""Coordinate in metres of a placeholder target, which is so far away that it hides nothing."""
 
 WORD = 64
-"""Spots in a word of bits."""
+"""Number of spots in a word of bits."""
 
 PITCH = 0.29
-"""Metres between the spots of ``Coverage``, about: a whole number of steps."""
+"""Approximate distance between the spots of ``Coverage``, in metres; the actual distance is a whole number of
+steps."""
 
 
 @ti.func
 def bit(k):
-    """The bit of the k-th spot, in the word that it is in."""
+    """Return the bit of the k-th spot in its word."""
     return ti.u64(1) << ti.cast(k % ti.static(WORD), ti.u64)
 
 
 @ti.data_oriented
 class LineOfSight:
-    """A look's rays, and whether one would have met a target at a spot."""
+    """Rays of a look, and tests if one of them would have met a target at a spot."""
 
     def __init__(self, episodes: Episodes) -> None:
         """Look as the bodies of a configuration do, with all rays at once."""
         self.episodes, self.config = episodes, episodes.config
         self.backend = type(episodes.backend)(self.config, self.config.rays)
-        # By how much a bearing may be off what a ray's direction is counted as: whole turns.
+        # Possible differences between a bearing and the counted direction of a ray, in whole turns.
         self.turns, self.rays = (0,), self.rays_of(self.config)
         self.half = self.config.target / 2
         self.radius = self.half * 2**0.5
 
     def rays_of(self, config: Config) -> Any:
-        """The directions of rays."""
+        """Return the directions of rays."""
         return Rays(config, 1)
 
     @ti.func
     def over(self, cell, ray):
-        """How far a ray goes for each metre along x and along y."""
+        """Return the length of a ray for each metre along x and along y."""
         row = self.rays.first(cell[2], ray)
         return ti.Vector([self.rays.table[row], self.rays.table[row + ti.static(2 * self.rays.count)]])
 
     @ti.func
     def may_see(self, offset, cell):
-        """Whether a target at an offset from the eye may be seen: see ``Rays.may_see``."""
+        """Return True if a target at an offset from the eye may be visible: see ``Rays.may_see``."""
         return self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]])
 
     @ti.func
     def distances(self, world: ti.template(), house, origin, cell):
-        """How far each ray goes before anything but a target stops it, metres."""
+        """Return the length of each ray, in metres, if no target stops it."""
         nowhere = ti.Vector([ti.f32(FAR_OFF), ti.f32(FAR_OFF)])
         distance, _ = self.backend.see(world.numbers, world.indices, house, origin, cell, nowhere, 0)
         return distance
 
     @ti.func
     def window(self, distance: ti.template(), corner, origin, cell):
-        """Where the spots are that a look may show: the least and the greatest i, then j (ivec4)."""
+        """Return the range of the spots that a look may show, (ivec4): smallest and largest i, then j."""
         eye = self.backend.body.eye(origin, cell)
         low, high = eye - ti.static(max(self.config.body)), eye + ti.static(max(self.config.body))
         for r in range(ti.static(self.config.rays)):
@@ -87,17 +88,17 @@ class LineOfSight:
 
     @ti.func
     def spot(self, corner, i, j):
-        """Where a house's place lies, metres."""
+        """Return the coordinates of a house's place, in metres."""
         return corner + ti.Vector([i, j]) * ti.static(self.config.step)
 
     @ti.func
     def meets(self, distance: ti.template(), origin, cell, spot):
-        """Whether a target at a spot is under the body or before the end of one of the rays (i32)."""
+        """Return 1 (i32) if a target at a spot is under the body or crossed by a ray before its end."""
         met = self.episodes.overlaps(origin, cell, spot)
         offset = spot - self.backend.body.eye(origin, cell)
         if not met and self.may_see(offset, cell):
             away = offset.norm()
-            # Only rays whose bearing is about the spot's can meet a target there.
+            # Only rays with about the bearing of the spot can meet a target there.
             bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - self.backend.body.degrees(
                 cell
             )
@@ -116,7 +117,7 @@ class LineOfSight:
 
     @ti.func
     def crosses(self, offset, over, distance):
-        """Whether a ray enters a target at an offset before it ends (i32): ``over`` is its direction's."""
+        """Return 1 (i32) if a ray with direction ``over`` enters a target at an offset before it ends."""
         near, far = ti.f32(0.0), distance
         for axis in ti.static(range(2)):
             # The ray is in the square between its entry and its exit along both axes.
@@ -127,7 +128,7 @@ class LineOfSight:
 
 @ti.data_oriented
 class FreeLineOfSight(LineOfSight):
-    """The same for bodies with any heading: rays of any number, also all around."""
+    """Line of sight for bodies with any heading, and for any number of rays, also all around."""
 
     def __init__(self, episodes: Episodes) -> None:
         """Look as the bodies of a configuration do."""
@@ -135,12 +136,12 @@ class FreeLineOfSight(LineOfSight):
         self.turns = (-1, 0, 1)
 
     def rays_of(self, config: Config) -> Any:
-        """See ``LineOfSight``."""
+        """Return the directions of rays: see ``LineOfSight``."""
         return FreeRays(config, 1)
 
     @ti.func
     def over(self, cell, ray):
-        """See ``LineOfSight``."""
+        """Return the length of a ray for each metre along x and along y: see ``LineOfSight``."""
         cosine, sine = cosine_sine(self.backend.body.heading(cell))
         first, second = self.rays.table[ray], self.rays.table[ti.static(self.config.rays) + ray]
         way = ti.Vector([cosine * first - sine * second, -(sine * first + cosine * second)])
@@ -148,22 +149,22 @@ class FreeLineOfSight(LineOfSight):
 
     @ti.func
     def may_see(self, offset, cell):
-        """See ``LineOfSight``."""
+        """Return True if a target at an offset from the eye may be visible: see ``LineOfSight``."""
         cosine, sine = cosine_sine(self.backend.body.heading(cell))
         return self.rays.within(offset, ti.static(self.half), offset[0] * cosine - offset[1] * sine)
 
 
 class Coverage:
-    """How much of its house each of E environments has looked at, and which rooms it has been in.
+    """Fraction of its house that each of E environments has looked at, and the rooms it has been in.
 
-    Its spots are the places where this world's targets may lie, on a square grid of ``PITCH``. Only on the
+    The spots are the places where this world's targets may lie, on a square grid of ``PITCH``. Only for the
     CPU.
     """
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """Watch these environments; the bank must stay as it is. ``begin`` it at each reset.
+        """Watch these environments, whose bank must not change. Call ``begin`` at each reset.
 
-        ``spots``: for each house the centres (n, 2) float64 of the targets that are looked for, metres.
+        ``spots``: for each house the centres (n, 2) float64 of the possible targets, metres.
         """
         self.world: World = envs.unwrapped.world
         if self.world.config.closed_doors:
@@ -192,45 +193,46 @@ class Coverage:
         self._launch = Launch(kernel, self.world.arrays | self.arrays)
 
     def begin(self) -> None:
-        """Forget all, and look from where the bodies are."""
+        """Discard everything seen, and look from the bodies' current poses."""
         self.arrays["seen"].view()[:], self._been[:] = 0, False
         self.look()
 
     @property
     def seen(self) -> np.ndarray:
-        """Which spots of its house each environment has looked at, (E, W) uint64: bit k % 64 of word k // 64
-        is for the house's k-th spot. The same memory at each look.
+        """Spots that each environment has looked at, (E, W) uint64.
+
+        Bit k % 64 of word k // 64 is for the house's k-th spot. Each look changes the same memory.
         """
         seen = self.arrays["seen"].view().reshape(self.world.num_envs, -1)
         seen.flags.writeable = False
         return seen
 
     def forget(self, chosen: np.ndarray) -> None:
-        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms."""
+        """Discard the seen spots of the chosen (E,) bool environments, but not their rooms."""
         seen, counts = (self.arrays[name].view() for name in ("seen", "counts"))
         seen.reshape(self.world.num_envs, -1)[chosen], counts[chosen] = 0, 0
 
     def look(self) -> None:
-        """Look from where the bodies are now."""
+        """Look from the bodies' current poses."""
         self._launch()
         pose, _, house = self.world.describe()
         rooms = self._rooms[house]
         self._been |= (np.abs(pose[:, None, :2] - rooms[..., :2]) < rooms[..., 2:]).all(axis=-1)
 
     def counts(self) -> np.ndarray:
-        """How many of its house's spots each environment has looked at, (E,) int32."""
+        """Return the number of spots that each environment has looked at, (E,) int32."""
         return self.arrays["counts"].numpy()
 
     def totals(self) -> np.ndarray:
-        """How many spots each environment's house has, (E,) int64."""
+        """Return the number of spots of each environment's house, (E,) int64."""
         return self._total[self._houses]
 
     def share(self) -> np.ndarray:
-        """The share of its house's spots that each environment has looked at, (E,) float64."""
+        """Return the fraction of its house's spots that each environment has looked at, (E,) float64."""
         return self.counts() / self.totals()
 
     def rooms(self) -> np.ndarray:
-        """How many secondary rooms each environment's eye has been in, (E,) int64."""
+        """Return the number of secondary rooms that each environment's eye has been in, (E,) int64."""
         return self._been.sum(axis=1)
 
     @property
@@ -243,12 +245,12 @@ class Coverage:
 
 
 def origins_of(world: World) -> np.ndarray:
-    """Where each house's places are counted from, (2 H,) float32, metres."""
+    """Return the origin of each house's lattice, (2 H,) float32, metres."""
     return np.concatenate([lattice.origin for lattice in world.lattices]).astype(np.float32)
 
 
 def in_steps(length: float, world: World) -> int:
-    """A length in metres as a number of steps, at least one."""
+    """Return a length in metres as a number of steps, at least one."""
     return max(1, round(length / world.config.step))
 
 
@@ -258,7 +260,7 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
 
     @kernel
     def look(world: WorldArrays, spots: Floats, starts: Ints, origins: Floats, seen: Words, counts: Ints):
-        """Note what each environment sees from where it is, and how much it has seen."""
+        """Record the spots that each environment sees, and count the seen spots."""
         for e in range(world.reals.shape[0]):
             state, words = loaded(world, e), seen.shape[0] // world.reals.shape[0]
             reach = sight.distances(world, state.house, state.origin, state.cell)
@@ -269,7 +271,7 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
                 word = e * words + k // ti.static(WORD)
                 if not (seen[word] & bit(k)):
                     i, j = spots[2 * (first + k)], spots[2 * (first + k) + 1]
-                    # Nested: Taichi's ``and`` computes both sides.
+                    # Nested, because Taichi's ``and`` computes both sides.
                     if window[0] <= i <= window[1] and window[2] <= j <= window[3]:  # noqa: SIM102
                         if sight.meets(reach, state.origin, state.cell, sight.spot(corner, i, j)):
                             seen[word] |= bit(k)

@@ -1,9 +1,9 @@
-"""The fewest actions to a target, exactly: breadth-first search over (x, y, heading) on the true map.
+"""Fewest actions to a target, exactly: breadth-first search over (x, y, heading) on the true map.
 
-It knows the house, which no agent does: it bounds what an agent can reach, one target at a time. A search
-runs backwards from all poses that pick the target up, no further than it must, and goes on from where it
-stopped when it is asked about a pose further away. It moves as ``step`` does, bit for bit, on any backend.
-Where doors are closed it walks at them until they open: a path counts those steps too.
+The oracle knows the house, which no agent does, so it bounds an agent's results, one target at a time. A
+search runs backwards from all poses that pick up the target, no further than necessary. For a pose further
+away, it continues where it stopped. Moves are those of ``step``, bit for bit, on any backend. The oracle
+pushes closed doors until they open, and paths count those steps too.
 """
 
 from collections.abc import Sequence
@@ -22,32 +22,34 @@ from sim.world.episodes import HOUSE
 from sim.world.world import World
 
 AT_ONCE = 64
-"""Episodes that ``play`` plays at a time: it bounds the memory that searches take."""
+"""Number of episodes that ``play`` plays together; it bounds the memory of searches."""
 
 
 class Oracle:
-    """Shortest paths for the E environments of a ``HouseVectorEnv``, from wherever their bodies are.
+    """Shortest paths for the E environments of a ``HouseVectorEnv``, from the bodies' current poses.
 
-    It keeps a search for each environment that it is asked about: 50 bytes a place of the largest house's
-    lattice, some 2 MB.
+    The oracle keeps a search for each environment, which takes 50 bytes per place of the largest house's
+    lattice, about 2 MB.
     """
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """Ask about these environments; each house is surveyed when one of them is first found in it."""
+        """Take the environments. A house is surveyed when the first environment needs it."""
         self.world: World = envs.unwrapped.world
         self.world.config.require_lattice("an oracle")
         self._searches: _Searches | None = None
 
     def act(self) -> np.ndarray:
-        """The first action (E,) int64 of a shortest path from each environment's pose to its target.
+        """Return the first action (E,) int64 of a shortest path from each environment's pose to its target.
 
-        Where no path leads there, 0. After an episode's end the action means nothing: ``step`` ignores it.
+        The action is 0 if no path leads there. After an episode's end the action means nothing, because
+        ``step`` ignores it.
         """
         return np.maximum(self._all().ask("act"), 0)
 
     def paths(self) -> list[np.ndarray | None]:
-        """Each environment's shortest path from its pose to its target: actions (n,) int64, of which the last
-        picks it up, or ``None`` where no path leads there. Nothing is stepped.
+        """Return each environment's shortest path to its target, as actions (n,) int64.
+
+        The last action picks up the target. The path is ``None`` if no path leads there. Nothing is stepped.
         """
         searches, state, plans = self._all(), self.world.state, []
         while not plans or (plans[-1] >= 0).any():
@@ -58,10 +60,10 @@ class Oracle:
         return [None if none else actions[actions >= 0] for none, actions in zip(lost, plan, strict=True)]
 
     def play(self) -> np.ndarray:
-        """Play the episodes that run to their ends, and count the targets (E,) int32 that they pick up.
+        """Play the current episodes to their ends. Return the number of picked-up targets (E,) int32.
 
-        Nothing is seen meanwhile: reset the environments before you step them again. Raises ``ValueError``
-        where the task's terms see the distance to the target, which may end an episode.
+        No observation is computed: reset the environments before you step them again. Raises ``ValueError``
+        if the task's terms read the distance to the target, which may end an episode.
         """
         if self.world.kernels.episodes.terms.sees_distance:
             raise ValueError("the oracle plays no task whose terms see the distance: step it by act()")
@@ -71,7 +73,7 @@ class Oracle:
         return np.concatenate(found)[:count].astype(np.int32)
 
     def close(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._searches = None
 
     def _all(self) -> "_Searches":
@@ -83,12 +85,12 @@ class Oracle:
 def shortest_path(
     house: House, pose: Sequence[float], target: Sequence[float], **arguments: Any
 ) -> np.ndarray | None:
-    """The fewest actions (n,) int64 from a pose (x, y, heading: metres, radians) to picking up a target at
-    (x, y), or ``None`` where no path leads there. ``len`` of it is their number.
+    """Return the fewest actions (n,) int64 from a pose (x, y, heading) to the pick-up of a target at (x, y).
 
-    ``arguments``: ``preset`` and ``backend``, as for ``HouseVectorEnv``. To ask about many poses or targets
-    in a house give them to the environments of one, and ask ``Oracle(envs).paths()``: that packs the house
-    once. Raises ``ValueError`` where the body cannot be.
+    Lengths are metres, headings radians. The result is ``None`` if no path leads there; ``len`` gives the
+    number of actions. ``arguments``: ``preset`` and ``backend``, as for ``HouseVectorEnv``. For many poses or
+    targets in one house, use ``Oracle(envs).paths()``, which packs the house only once. Raises ``ValueError``
+    if the body cannot be at the pose.
     """
     envs = HouseVectorEnv([house], targets=_Anywhere(), **arguments)
     envs.reset(seed=0, options={"house": [0], "pose": [pose], "target": [target]})
@@ -97,24 +99,24 @@ def shortest_path(
 
 @dataclass(frozen=True)
 class _Anywhere:
-    """Targets lie in all of a house that can be reached."""
+    """Task with targets in all of a house that can be reached."""
 
     ends_on_pick_up: ClassVar[bool] = False
 
     def spaces(self, house: House) -> list[Box]:
-        """See ``Task``."""
+        """Return the bounds of the house: see ``Task``."""
         west, north, east, south = np.array([room.box for room in house.rooms]).T
         return [(west.min(), north.min(), east.max(), south.max())]
 
 
 class _Searches:
-    """Searches for some environments of a world, those from a first one on."""
+    """Searches for consecutive environments of a world."""
 
     def __init__(self, world: World, count: int) -> None:
-        """Make room for ``count`` searches over the world's bank."""
+        """Allocate ``count`` searches over the world's bank."""
         self.world, self.bank, self.count = world, world.bank, count
         self.kernels = kernels(start(), world.kernels.episodes)
-        # A lattice through another origin may have one place more along each axis, and each has a border.
+        # A lattice through another origin may have one more place along each axis, and each has a border.
         columns, rows = np.array([lattice.shape for lattice in world.lattices]).max(axis=0) + 3
         places = count * int(columns * rows)
         if 8 * places >= 1 << 31:
@@ -136,8 +138,10 @@ class _Searches:
         self.launches: dict[str, Launch] = {}
 
     def about(self, first: int) -> "_Searches":
-        """Take on the environments from a first one on: survey the houses of those whose house or lattice is
-        another one than before. Their searches lapse.
+        """Assign the searches to the environments from ``first`` on.
+
+        If an environment has another house or lattice than before, its house is surveyed and its search
+        begins again.
         """
         world, state = self.world, self.world.state
         house, origin = (
@@ -164,7 +168,10 @@ class _Searches:
         return self
 
     def ask(self, name: str) -> np.ndarray:
-        """Run a kernel, ``act``, ``follow`` or ``play``; its answer for each search, (count,) int64."""
+        """Run a kernel, ``act``, ``follow`` or ``play``.
+
+        Return its answer for each search, (count,) int64.
+        """
         if name not in self.launches:
             self.launches[name] = Launch(self.kernels[name], self.world.arrays | self.arrays)
         self.launches[name]()

@@ -1,7 +1,7 @@
-"""The exact posterior over a target's places: what is left of them after what a body has seen.
+"""Exact posterior over a target's places, given the observations of a body.
 
-A spot is left until a ray ends on it that would have met a target there. Looks are judged by samples of the
-spots, each with a weight.
+A spot remains possible until a ray passes it that would have met a target there. The information gain of a
+look is estimated with samples of the spots, each with a weight.
 """
 
 import numpy as np
@@ -15,23 +15,25 @@ from sim.world.world import World
 
 Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)
 SPOT, SPOTS, SAMPLE, SAMPLED, VIEW = range(5)
-"""Of a house: its first spot and their number, its samples, its first view. Three more are a planner's."""
+"""Indices of a house's row: its first spot, number of spots, first sample, number of samples, first view. A
+planner adds three more."""
 
 EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
-"""Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
+"""Indices of an environment's notes: episode and number of its target, 1 if the target has been seen; and the
+plan."""
 
 Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
 Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
 AT_ONCE = 32
-"""Environments that plan at a time: it bounds the memory of what they look up."""
+"""Number of environments that plan together; it bounds the memory of their tables."""
 
 
 def posterior_arrays(world: World, prior: Uniform, views: np.ndarray, more: np.ndarray) -> dict[str, Array]:
-    """The arrays of a posterior for a world: houses with so many ``views`` (H,), and numbers (H, 3) of each
-    that are the planner's own. Nothing is believed yet: see ``Posterior.watched``.
+    """Return the arrays of a posterior for a world.
 
-    Raises ``ValueError`` for more houses than there is memory for.
+    ``views`` (H,) has the number of views of each house, and ``more`` (H, 3) three numbers for the planner.
+    The posterior is empty until ``Posterior.watched`` fills it. Raises ``ValueError`` for too many houses.
     """
     spots, samples, count = prior.spots, prior.samples, world.num_envs
     sizes = np.array([[len(places) for places in each] for each in (spots, samples)])
@@ -56,31 +58,31 @@ def posterior_arrays(world: World, prior: Uniform, views: np.ndarray, more: np.n
 
 
 def starts(counts: np.ndarray) -> np.ndarray:
-    """Where each part begins when parts of these lengths stand one behind the other."""
+    """Return the index at which each part begins if parts of these lengths are concatenated."""
     return np.cumsum([0, *counts])[:-1]
 
 
 @ti.data_oriented
 class Posterior:
-    """What one environment's searcher believes, as functions of its arrays: see ``SearcherArrays``."""
+    """Posterior of one environment's searcher, as functions of its arrays: see ``SearcherArrays``."""
 
     def __init__(self, sight: LineOfSight) -> None:
-        """Look as bodies do that see so."""
+        """Take the line of sight of the bodies."""
         self.sight, self.episodes = sight, sight.episodes
 
     @ti.func
     def first_left(self, search: ti.template(), e):
-        """Where an environment's words of ``left`` begin."""
+        """Return the index of an environment's first word in ``left``."""
         return e * (search.left.shape[0] // search.notes.shape[0])
 
     @ti.func
     def corner(self, search: ti.template(), house):
-        """The origin of a house's lattice, metres."""
+        """Return the origin of a house's lattice, metres."""
         return ti.Vector([search.origins[2 * house], search.origins[2 * house + 1]])
 
     @ti.func
     def house_of(self, search: ti.template(), view):
-        """The house that a view is of."""
+        """Return the house of a view."""
         house, end = 0, search.rows.shape[0] - 1
         while house < end and search.rows[house + 1][VIEW] <= view:
             house += 1
@@ -88,7 +90,10 @@ class Posterior:
 
     @ti.func
     def restart(self, search: ti.template(), e, state, near):
-        """A new target: it may be anywhere but too near to the last one, where none is sampled."""
+        """Begin with a new target, which may be anywhere except close to the last one.
+
+        The world samples no target there.
+        """
         row, first, some = search.rows[state.house], self.first_left(search, e), 0
         corner = self.corner(search, state.house)
         self.fill(search, row, first)
@@ -104,7 +109,7 @@ class Posterior:
 
     @ti.func
     def fill(self, search: ti.template(), row, first):
-        """The target may be anywhere; ``first``: see ``first_left``."""
+        """Mark all spots as possible; ``first``: see ``first_left``."""
         for word in range(first, first + search.left.shape[0] // search.notes.shape[0]):
             search.left[word] = 0
         for k in range(row[SPOTS]):
@@ -112,7 +117,7 @@ class Posterior:
 
     @ti.func
     def watched(self, world: ti.template(), search: ti.template(), e):
-        """Look from where the body is, after a pick-up for another target; an environment's notes."""
+        """Look from the body's pose, for a new target after a pick-up. Return the environment's notes."""
         state, note = loaded(world, e), search.notes[e]
         if note[EPISODE] != state.episode or note[FOUND] != state.found:
             near = ti.Vector([ti.math.nan, ti.math.nan])
@@ -129,7 +134,7 @@ class Posterior:
 
     @ti.func
     def look(self, world: ti.template(), search: ti.template(), e, state):
-        """Whether a ray meets the target; if not, strike out the spots where one would have."""
+        """Return 1 if a ray meets the target; otherwise exclude the spots where a ray would have met it."""
         distance, kinds = self.sight.backend.see(
             world.numbers, world.indices, state.house, state.origin, state.cell, state.target, 0
         )
@@ -143,7 +148,7 @@ class Posterior:
             for word in range((row[SPOTS] + ti.static(WORD - 1)) // ti.static(WORD)):
                 first = row[SPOT] + word * ti.static(WORD)
                 end = ti.min(first + ti.static(WORD), row[SPOT] + row[SPOTS])
-                # Spots are in the order of their i: most words are outside the window as a whole.
+                # Spots are in the order of their i: most words are completely outside the window.
                 if search.left[left + word] != 0 and search.spots[2 * first] <= window[1]:  # noqa: SIM102
                     if search.spots[2 * (end - 1)] >= window[0]:
                         for k in range(first, end):
@@ -157,7 +162,7 @@ class Posterior:
 
     @ti.func
     def sample(self, search: ti.template(), row, e, slot, words):
-        """Note which samples are left; what they weigh together."""
+        """Record the samples that remain possible, and return their total weight."""
         left, total = self.first_left(search, e), ti.f32(0.0)
         for word in range(words):
             search.sampled[slot * words + word] = 0
@@ -170,7 +175,7 @@ class Posterior:
 
     @ti.func
     def weighed(self, search: ti.template(), row, e, slot, words, view):
-        """The weight of the samples that are left and that a view shows."""
+        """Return the weight of the samples that remain possible and that a view shows."""
         gain = ti.f32(0.0)
         for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
             both = search.shown[view * words + word] & search.sampled[slot * words + word]
@@ -179,7 +184,7 @@ class Posterior:
 
     @ti.func
     def turned(self, world: ti.template(), search: ti.template(), base, weight, state, cell):
-        """The weight of the samples that are left and that a look from a cell would show."""
+        """Return the weight of the samples that remain possible and that a look from a cell would show."""
         row, corner = search.rows[state.house], self.corner(search, state.house)
         distance = self.sight.distances(world, state.house, state.origin, cell)
         window, gain = self.sight.window(distance, corner, state.origin, cell), ti.f32(0.0)
@@ -194,14 +199,14 @@ class Posterior:
 
     @ti.func
     def show(self, world: ti.template(), search: ti.template(), house, origin, cell, view, words):
-        """Note which samples a view of a house shows, from an origin and a cell."""
+        """Record the samples that a view of a house shows, from an origin and a cell."""
         row, corner = search.rows[house], self.corner(search, house)
         distance = self.sight.distances(world, house, origin, cell)
         window = self.sight.window(distance, corner, origin, cell)
         for k in range(row[SAMPLED]):
             at = 2 * (row[SPOT] + search.samples[row[SAMPLE] + k])
             i, j = search.spots[at], search.spots[at + 1]
-            # Nested: Taichi's ``and`` computes both sides.
+            # Nested, because Taichi's ``and`` computes both sides.
             if window[0] <= i <= window[1] and window[2] <= j <= window[3]:  # noqa: SIM102
                 if self.sight.meets(distance, origin, cell, self.sight.spot(corner, i, j)):
                     search.shown[view * words + k // ti.static(WORD)] |= bit(k)

@@ -1,7 +1,7 @@
-"""What a searcher believes of a target before it looks: where it may lie, and how likely.
+"""Priors of a searcher: the places where a target may lie, and their probabilities.
 
-A prior gives each word of 64 samples of a house's spots a weight. The samples of a region fill a word, so
-one weight a region says how likely it is, and what was learnt changes few numbers.
+A prior assigns a weight to each word of 64 samples of a house's spots. The samples of a region fill a word,
+so one weight gives the probability of a region, and an update changes few numbers.
 """
 
 from typing import Literal
@@ -15,33 +15,36 @@ from sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES
 from sim.world.world import World
 
 DRAWS = 8192
-"""Assignments of a house's shares to its regions by which finds are judged."""
+"""Number of random assignments of a house's shares to its regions, which approximate the posterior."""
 
 PriorName = Literal["task", "floor", "finds"]
 
 
 class Uniform:
-    """All places of the task alike: right for tasks whose targets are drawn so."""
+    """Uniform prior over all places of the task, which is exact for tasks with uniformly drawn targets."""
 
     def __init__(self, world: World, tables: list[Survey], pitch: int) -> None:
         """Sample places on a grid of ``pitch`` steps."""
         self.spots = [here.targets for here in world.places]
-        """For each house (m, 2) float32: where a target may lie, in steps, from the westernmost on."""
+        """For each house (m, 2) float32: possible places of a target, in steps, from west to east."""
         self.samples = [here.spread(pitch) for here in world.places]
-        """For each house (n,) int: the spots by which looks are judged."""
+        """For each house (n,) int: the spots that serve as samples."""
 
     def begin(self) -> None:
-        """Forget what was learnt."""
+        """Discard what the prior learnt."""
 
     def weigh(self, weights: np.ndarray) -> None:
-        """Write the weights (E * W,) float32 of each environment's words; they are 1 at first."""
+        """Write the weights (E * W,) float32 of each environment's words, which are 1 at first."""
 
 
 class Floor(Uniform):
-    """All free floor of a house alike, as if it did not know the task."""
+    """Uniform prior over all free floor of a house, without knowledge of the task."""
 
     def __init__(self, world: World, tables: list[Survey], pitch: int) -> None:
-        """Raise ``ValueError`` where targets lie at given places, which need not be free floor."""
+        """Take all free floor as spots.
+
+        Raises ``ValueError`` for targets at given places, which need not be free floor.
+        """
         super().__init__(world, tables, pitch)
         if any(here.given for here in world.places):
             raise ValueError("prior floor: this task's targets lie at given places")
@@ -56,10 +59,10 @@ class Floor(Uniform):
 
 
 class Weighted(Uniform):
-    """The regions of a ``WeightedTask`` with their shares."""
+    """Prior with the regions of a ``WeightedTask`` and their shares."""
 
     def __init__(self, world: World, tables: list[Survey], pitch: int) -> None:
-        """Take a word of samples of each region: evenly from its places in their order, some twice if few."""
+        """Take a word of samples of each region, evenly spread over its places; small regions repeat some."""
         super().__init__(world, tables, pitch)
         self.world, self.regions = world, [here.regions for here in world.places]
         if not all(self.regions):
@@ -68,7 +71,7 @@ class Weighted(Uniform):
         self.shares = [np.array([region.share for region in regions]) for regions in self.regions]
 
     def begin(self) -> None:
-        """Forget what was learnt."""
+        """Discard what the prior learnt."""
         self.noted = np.full((self.world.num_envs, 2), -1)
 
     def weigh(self, weights: np.ndarray) -> None:
@@ -83,14 +86,18 @@ class Weighted(Uniform):
         self.noted = now.copy()
 
     def believed(self, e: int, house: int, *, again: bool) -> np.ndarray:
-        """How likely each region is for an environment's next target; ``again``: it has found one more."""
+        """Return the probability of each region for an environment's next target.
+
+        ``again``: True if the environment has found another target in the same episode.
+        """
         return self.shares[house]
 
 
 class Finds(Weighted):
-    """The regions and their shares, but not which region has which: the posterior of that, from the finds.
+    """Prior that knows the regions and the shares, but not which region has which share.
 
-    It is by importance: random assignments of shares to regions, each as likely as it makes the finds.
+    Found targets give the posterior over the assignments, by importance sampling: each of many random
+    assignments of shares to regions is weighted with the likelihood of the found targets.
     """
 
     def __init__(self, world: World, tables: list[Survey], pitch: int) -> None:
@@ -101,7 +108,7 @@ class Finds(Weighted):
         self.last = np.zeros((world.num_envs, 2), np.float32)
 
     def believed(self, e: int, house: int, *, again: bool) -> np.ndarray:
-        """The posterior mean of each region's share."""
+        """Return the posterior mean of each region's share."""
         if again:
             step, corner = self.world.config.step, origins_of(self.world).reshape(-1, 2)[house]
             found = np.abs(self.spots[house] * step + corner - self.last[e]).max(axis=1).argmin()
@@ -115,21 +122,24 @@ class Finds(Weighted):
 
 
 def _word(region: Region) -> np.ndarray:
-    """A word of samples (64,) of a region."""
+    """Return a word of samples (64,) of a region."""
     return region.targets[np.arange(WORD) * len(region.targets) // WORD]
 
 
 def _assigned(shares: np.ndarray) -> np.ndarray:
-    """Random assignments of shares to regions, (``DRAWS``, C) float32: the same for as many regions."""
+    """Return random assignments of shares to regions, (``DRAWS``, C) float32.
+
+    The random orders are the same for all houses with the same number of regions.
+    """
     order = np.random.default_rng(0).random((DRAWS, len(shares))).argsort(axis=1)
     return shares[order].astype(np.float32)
 
 
 def task_prior(world: World, tables: list[Survey], pitch: int) -> Uniform:
-    """Where the task puts targets, and how often."""
+    """Return the prior that equals the task's distribution of targets."""
     weighted = all(here.regions for here in world.places)
     return (Weighted if weighted else Uniform)(world, tables, pitch)
 
 
 PRIORS = {"task": task_prior, "floor": Floor, "finds": Finds}
-"""By name, what makes a searcher's prior of a world, what bodies can do in its houses, and a pitch."""
+"""Functions that create a searcher's prior from a world, the surveys of its houses, and a pitch, by name."""

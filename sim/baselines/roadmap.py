@@ -22,28 +22,28 @@ from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.world import World
 
 MOST_CORNERS = 4096
-"""Of a house's graph: it takes 4 bytes for each pair."""
+"""Largest number of corners of a house's graph, which takes 4 bytes for each pair."""
 
 FAR = 1e9
-"""Metres, of a path that is not there."""
+"""Length in metres that stands for "no path"."""
 
 
 class Roads(NamedTuple):
-    """A bank's graphs as kernels read them."""
+    """Graphs of a bank, in arrays for kernels."""
 
     numbers: Floats
     indices: Ints
     corners: Floats
     """(x, y) of each corner, house by house."""
     firsts: Ints
-    """(H + 1) the first corner of each house, then (H) where its distances begin."""
+    """(H + 1) index of the first corner of each house, then (H) index of its first length."""
     lengths: Floats
-    """Metres of the shortest path between each two corners of a house, ``FAR`` where there is none."""
+    """Length of the shortest path between each two corners of a house, in metres; ``FAR`` without a path."""
 
 
 @ti.func
 def crosses(solid, p, q, wide, cut: ti.template()):
-    """Whether a segment from p to q goes through a solid that is widened (i32); along it is not through."""
+    """Return 1 (i32) if a segment from p to q goes through a widened solid, and not along its side."""
     a = into(solid, p - ti.Vector([solid[0], solid[1]]))
     way = into(solid, q - p)
     near, far = ti.f32(0.0), ti.f32(1.0)
@@ -58,7 +58,7 @@ def crosses(solid, p, q, wide, cut: ti.template()):
 
 @ti.func
 def clipped(near, far, at, way, half):
-    """The part of a segment, by two shares of it, that is within ``half`` of 0."""
+    """Return the part of a segment within ``half`` of 0, as two fractions of the segment."""
     low, high = near, far
     if ti.abs(way) > 1e-9:
         one, other = (-half - at) / way, (half - at) / way
@@ -70,7 +70,7 @@ def clipped(near, far, at, way, half):
 
 @ti.func
 def sees(roads: ti.template(), house, p, q, wide, cut: ti.template()):
-    """Whether no widened solid of a house is between p and q (i32)."""
+    """Return 1 (i32) if no widened solid of a house is between p and q."""
     header = house * HEADER
     at, left, free = roads.indices[header + FIRST_SOLID], roads.indices[header + SOLIDS], 1
     low, high = ti.min(p, q), ti.max(p, q)
@@ -88,7 +88,7 @@ def sees(roads: ti.template(), house, p, q, wide, cut: ti.template()):
 
 @ti.func
 def graph(roads: ti.template(), house):
-    """A house's first corner, how many it has, and where their lengths begin."""
+    """Return the index of a house's first corner, the number of corners, and the index of its lengths."""
     houses = ti.cast((roads.firsts.shape[0] - 1) // 2, ti.i32)
     first = roads.firsts[house]
     return first, roads.firsts[house + 1] - first, roads.firsts[houses + 1 + house]
@@ -96,12 +96,12 @@ def graph(roads: ti.template(), house):
 
 @ti.func
 def point(values: ti.template(), k):
-    """The k-th (x, y)."""
+    """Return the k-th (x, y)."""
     return ti.Vector([values[2 * k], values[2 * k + 1]])
 
 
 class Roadmap:
-    """The graphs of a world's bank, which must stay as it is."""
+    """Visibility graphs of a world's bank, which must not change."""
 
     def __init__(self, world: World, wide: float) -> None:
         """Build the graphs, with all solids widened by ``wide`` metres.
@@ -124,8 +124,8 @@ class Roadmap:
         firsts = np.concatenate([np.cumsum([0, *counts]), squares[:-1]])
         self.most = int(counts.max())
         self.inside = wide - 2 * SKIN
-        """Metres that solids are widened by where it is asked what is between: what is straight along one
-        passes it, however it is rounded."""
+        """Width in metres that is added to solids when visibility is tested. A path straight along a solid
+        then passes it, however it is rounded."""
         self.arrays = {
             "numbers": world.bank.numbers,
             "indices": world.bank.indices,
@@ -142,7 +142,7 @@ class Roadmap:
 
 
 def solids_of(world: World) -> list[np.ndarray]:
-    """The solids of each house of a bank, (n, 6) float64: see ``sim.backends.free.layout``."""
+    """Return the solids of each house of a bank, (n, 6) float64: see ``sim.backends.free.layout``."""
     numbers, indices = world.bank.numbers.numpy(), world.bank.indices.numpy()
     found = []
     for house in range(len(world.bank.geometries)):
@@ -175,7 +175,7 @@ def corners_of(solids: np.ndarray, shape: Geometry, wide: float) -> np.ndarray:
 
 @cache
 def _kernels(program: Any, wide: float) -> tuple[Any, Any]:
-    """Kernels that look from each corner to each other one of its house, and that join what they see."""
+    """Return a kernel that finds the visible pairs of corners, and one that finds shortest paths."""
 
     @kernel
     def look(roads: Roads, houses: Ints):

@@ -1,10 +1,10 @@
-"""A searcher that knows the house but not where its target is: about the best that memory and search can do.
+"""A searcher that knows the house but not its target's place: about the best result of memory and search.
 
-It keeps the exact posterior over the target's places. It is its prior (``priors``) over those that are
-left: not near the last target, and nowhere that it has looked since. For most tasks that is uniform. It goes,
-by a shortest path, to where a look would show most of that for each step that it costs, plans again every
-few steps, and once a ray has met the target it goes and picks it up. The difference between an agent and the
-searcher can be learnt; the difference between the searcher and the oracle cannot.
+It keeps the exact posterior over the target's places. The posterior is the prior (``priors``), restricted to
+the places that remain possible: not near the last target, and not seen since. For most tasks it is uniform.
+The searcher takes a shortest path to the viewpoint with the most information gain per step. It plans again
+every few steps, and picks up the target once a ray has met it. An agent can learn to close the gap to the
+searcher; the gap between the searcher and the oracle cannot be closed by learning.
 """
 
 from functools import cache
@@ -23,24 +23,24 @@ from sim.world.episodes import Episodes, WorldArrays, loaded
 from sim.world.world import World
 
 VIEWS, SAMPLES = 0.57, 0.29
-"""Metres between the places that it may go to for a look, and between those places of the target by which it
-judges a look, about: whole numbers of steps. The posterior itself is of all places."""
+"""Approximate distances, in metres, between the viewpoints, and between the samples of the target's places;
+the actual distances are whole numbers of steps. The samples serve to compare viewpoints, while the posterior
+covers all places."""
 
 
 class Searcher:
     """Actions for the E environments of a ``HouseVectorEnv``, whose episodes begin at sampled starts.
 
-    Only on the CPU; the bank must stay as it is. It takes 0.3 MB and 30 ms a house to prepare.
+    Only for the CPU; the bank must not change. Preparing a house takes 0.3 MB and 30 ms.
     """
 
     def __init__(self, envs: HouseVectorEnv, prior: PriorName = "task", pitch: int | None = None) -> None:
-        """Survey the houses, and find what a look from each viewpoint would show; viewpoints are ``pitch``
-        steps apart, ``VIEWS`` by default.
+        """Survey the houses, and find what a look from each viewpoint would show.
 
-        ``prior`` is what it believes: ``task``, where the task puts targets and how often; ``floor``, all
-        free floor of the house alike, as if it did not know the task; ``finds``, the task's regions, which of
-        them is likely from where it has found targets. Raises ``ValueError`` for a prior that the task does
-        not allow.
+        ``pitch``: steps between viewpoints, by default about ``VIEWS`` metres. ``prior``: ``task`` for the
+        task's distribution of targets; ``floor`` for all free floor, without knowledge of the task; ``finds``
+        for the task's regions, with probabilities that it learns from the found targets. Raises
+        ``ValueError`` for a prior that the task does not allow.
         """
         self.world: World = envs.unwrapped.world
         self.world.config.require_lattice("a searcher")
@@ -67,12 +67,15 @@ class Searcher:
         self.begin()
 
     def begin(self) -> None:
-        """Forget all: for a reset that goes back to an episode that it knows."""
+        """Discard the posteriors, for a reset that repeats an earlier episode."""
         self.arrays["notes"].fill(np.full((self.world.num_envs, 5), -1, np.int32))
         self.prior.begin()
 
     def act(self) -> np.ndarray:
-        """The next action (E,) int64 of each environment, from where it is. Ask once before each step."""
+        """Return the next action (E,) int64 of each environment, from its pose.
+
+        Call ``act`` once before each step.
+        """
         self.prior.weigh(self.arrays["weights"].view())
         self._act()
         return self.arrays["answer"].numpy()
@@ -84,7 +87,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
 
     @kernel
     def prepare(world: WorldArrays, search: SearcherArrays):
-        """Look from every view of every house at its samples."""
+        """Find the samples that each view of each house shows."""
         words = search.sampled.shape[0] // ti.min(ti.static(AT_ONCE), search.notes.shape[0])
         for view in range(search.shown.shape[0] // (8 * words)):
             house = planner.house_of(search, 8 * view)
@@ -100,7 +103,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
 
     @kernel
     def act(world: WorldArrays, search: SearcherArrays, answer: Longs):
-        """Look, strike out what is seen, plan again where a plan is at its end, and say the next action."""
+        """Look, exclude what is seen, plan again at the end of a plan, and write the next action."""
         count = world.reals.shape[0]
         lanes = ti.min(ti.static(AT_ONCE), count)
         ti.loop_config(block_dim=1)

@@ -1,4 +1,4 @@
-"""Steering of bodies that drive: by a rule from the heading error to (v, w)."""
+"""Steering of bodies that drive: a rule that turns the heading error into (v, w)."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ from sim.drive import Drive
 
 
 def steered(drive: Drive, off: np.ndarray, room: np.ndarray | float = np.inf) -> np.ndarray:
-    """(v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands, for bodies whose headings are
-    ``off`` (E,) by some radians (the heading error), and that are to stand after ``room`` (E,) metres.
+    """Return (v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands.
 
-    They turn as fast as they can still stop turning, and drive the faster the less they are off.
+    ``off`` (E,): heading errors in radians. ``room`` (E,): distance after which bodies must stand, in metres.
+    Bodies turn as fast as they can still stop turning, and drive faster with a smaller error.
     """
     off = np.angle(np.exp(1j * off))
     stops = np.sqrt(2 * min(drive.turn_acceleration, 1e9) * np.abs(off))

@@ -1,9 +1,9 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
-"""A body that drives along the shortest path to its target, by rule: it knows house and target.
+"""Baseline that drives along the shortest path to its target by a rule; it knows the house and the target.
 
-It pursues the next corner of its path, a ``Roadmap``'s, or the target: it turns to where that lies as fast as
-it can still stop turning, and drives the faster the less it is off. It looks no further than to the target
-that it has, and no path of its is the fastest that there is.
+The body pursues the next corner of its path, from a ``Roadmap``, or the target. It turns towards the point as
+fast as it can still stop turning, and drives faster with a smaller error. It does not plan beyond its current
+target, and its paths are not the fastest possible.
 """
 
 from functools import cache
@@ -19,32 +19,32 @@ from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.world import World
 
 AIR = 0.04
-"""Metres between the body and what it passes."""
+"""Distance between the body and the obstacles that it passes, in metres."""
 
 
 class FollowerArrays(NamedTuple):
-    """Where bodies are, where they go, and what they pursue."""
+    """Poses and targets of bodies, and the points that they pursue."""
 
     house: Ints
     pose: Floats
-    """(x, y, heading) of each."""
+    """(x, y, heading) of each body."""
     target: Floats
-    """(x, y) of where each goes."""
+    """(x, y) of each body's target."""
     known: Floats
-    """(house, x, y) of the target that ``left`` is of."""
+    """(house, x, y) of the target to which ``left`` refers."""
     left: Floats
-    """Metres from each corner of the house to the target."""
+    """Distance in metres from each corner of the house to the target."""
     aim: Floats
-    """(x, y) of what each pursues."""
+    """(x, y) of the point that each body pursues."""
 
 
 class TruePath:
-    """The E bodies of a ``HouseVectorEnv``, told what to do by one who knows the way."""
+    """Commands that drive the E bodies of a ``HouseVectorEnv`` along the shortest paths."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """Drive these; the bank must stay as it is.
+        """Take environments whose bank must not change.
 
-        Raises ``ValueError`` where bodies do not drive, and as ``Roadmap``.
+        Raises ``ValueError`` if bodies do not drive, and for the reasons of ``Roadmap``.
         """
         self.world: World = envs.unwrapped.world
         config, count = self.world.config, self.world.num_envs
@@ -64,7 +64,7 @@ class TruePath:
         self._pursue = Launch(_kernel(start(), radius, config.target / 2), roads.arrays | self.arrays)
 
     def act(self) -> np.ndarray:
-        """What to do next: (v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands."""
+        """Return the next speeds (v, w) (E, 2) float32, or the numbers (E,) int64 of the nearest commands."""
         pose, target, house = self.world.describe()
         for name, values in (("house", house), ("pose", pose), ("target", target)):
             self.arrays[name].fill(values.ravel())
@@ -75,16 +75,16 @@ class TruePath:
 
 @cache
 def _kernel(program: Any, radius: float, half: float) -> Any:
-    body = radius - 4 * SKIN  # what a body touches is not in its way
+    body = radius - 4 * SKIN  # an obstacle that a body touches is not in its way
 
     @ti.func
     def nearest(place, target):
-        """The point of a target that is nearest to a place."""
+        """Return the point of a target that is nearest to a place."""
         return ti.max(target - ti.static(half), ti.min(target + ti.static(half), place))
 
     @ti.func
     def edge(place, target):
-        """The nearest place to one at which a disc just picks a target up."""
+        """Return the nearest place where a disc just picks up a target."""
         point = nearest(place, target)
         away = place - point
         return point + away * ti.min(1.0, ti.static(body) / ti.max(1e-6, away.norm()))

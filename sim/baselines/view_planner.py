@@ -1,7 +1,7 @@
-"""How the searcher goes on: it looks, and plans the path to the viewpoint that gains most for what it costs.
+"""Planning of the searcher: it looks, and plans the path to the viewpoint with the best gain for its cost.
 
-The information gain of a viewpoint is the weight of the places of the target that are left and that a look
-from there would show. Its cost is the length of a shortest path there, and a few steps more.
+The information gain of a viewpoint is the weight of the target's places that remain possible and that a look
+from there would show. The cost is the length of a shortest path to it, and a few more steps.
 """
 
 from typing import NamedTuple
@@ -11,58 +11,63 @@ from sim.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior,
 from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 
 REPLAN = 48
-"""Steps until it plans again: what it saw on its path may have made another one better."""
+"""Number of steps until the searcher plans again: observations on its path may have made another viewpoint
+better."""
 
 VIEWPOINT_COST = 4.0
 """Steps added to a path's length when viewpoints are compared."""
 
 PLACE, COLUMNS, LINES = range(VIEW + 1, VIEW + 4)
-"""Of a house: its lattice's first place, columns and rows."""
+"""Indices of a house's row: its lattice's first place, columns and rows."""
 
 
 class SearcherArrays(NamedTuple):
-    """What searchers know of the houses, and keep. Those that plan at once have a slot each."""
+    """Arrays of searchers: knowledge of the houses, and the state of each search.
+
+    Searchers that plan together have a slot each.
+    """
 
     spots: Floats
-    """Of each house (m, 2): where a target may lie, in steps."""
+    """For each house (m, 2): possible places of a target, in steps."""
     samples: Ints
-    """Of each house: the spots by which looks are judged."""
+    """For each house: the spots that serve as samples."""
     rows: Rows
     origins: Floats
-    """Of each house's lattice, metres."""
+    """Origin of each house's lattice, metres."""
     moves: Shorts
-    """Of each place: its survey."""
+    """Survey of each place."""
     shown: Words
-    """Of each view: the samples that it shows."""
+    """For each view: the samples that it shows."""
     left: Words
-    """Of each environment: the spots where its target may still be."""
+    """For each environment: the spots where its target may still be."""
     sampled: Words
-    """Of each slot: the samples that are left."""
+    """For each slot: the samples that remain possible."""
     weights: Floats
-    """Of each environment and word of samples: how likely each is."""
+    """For each environment and word of samples: their weight."""
     distance: Shorts
-    """Of each slot and pose: actions to it and one, 0 where it was not found."""
+    """For each slot and pose: number of actions to the pose, plus one; 0 if it was not found."""
     queue: Ints
     notes: Notes
     last: Points
-    """Of each environment: its target, metres."""
+    """Target of each environment, metres."""
     plan: Bytes
-    """Of each environment: its next actions."""
+    """Next actions of each environment."""
 
 
 @ti.data_oriented
 class ViewPlanner(Posterior):
-    """What one environment's searcher does, as functions of the arrays."""
+    """Actions of one environment's searcher, as functions of the arrays."""
 
     def __init__(self, sight: LineOfSight, pitch: int) -> None:
-        """Plan for bodies that see so; viewpoints are ``pitch`` steps apart."""
+        """Plan for bodies with this line of sight; viewpoints are ``pitch`` steps apart."""
         super().__init__(sight)
         self.pitch, self.headings = pitch, sight.episodes.body.headings
 
     @ti.func
     def plan(self, world: ti.template(), search: ti.template(), e, slot, slots, state, known):
-        """Search for paths from here to all poses, nearest first, until no pose further away can be better;
-        note the first actions of the path to the best. How many.
+        """Search for paths to all poses, nearest first, until no pose further away can be better.
+
+        Write the first actions of the path to the best pose, and return their number.
         """
         row, left, words = (
             search.rows[state.house],
@@ -106,22 +111,22 @@ class ViewPlanner(Posterior):
 
     @ti.func
     def shown(self, search: ti.template(), row, e, slot, words, cell):
-        """The weight of the samples that are left and that a view shows."""
+        """Return the weight of the samples that remain possible and that a view shows."""
         across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
         view = cell[0] // ti.static(self.pitch) * across + cell[1] // ti.static(self.pitch)
         return self.weighed(search, row, e, slot, words, row[VIEW] + 8 * view + cell[2])
 
     @ti.func
     def source(self, search: ti.template(), row, base, state):
-        """Begin a search for paths where the body is; the queue's end."""
+        """Begin a search for paths at the body's pose. Return the queue's end."""
         pose = 8 * (state.cell[0] * row[LINES] + state.cell[1]) + state.cell[2]
-        # A distance is noted as one more than it is: 0 is unknown.
+        # Distances are stored plus one: 0 is unknown.
         search.distance[base + pose], search.queue[base] = ti.u16(1), pose
         return 1
 
     @ti.func
     def spread(self, search: ti.template(), row, base, tail, pose):
-        """Note the poses that one action leads to; the queue's end."""
+        """Record the poses that one action leads to. Return the queue's end."""
         place, heading = pose >> 3, pose & 7
         away = ti.cast(search.distance[base + pose], ti.i32)
         moves_here = ti.cast(search.moves[row[PLACE] + place], ti.i32)
@@ -137,7 +142,7 @@ class ViewPlanner(Posterior):
 
     @ti.func
     def found(self, search: ti.template(), base, tail, pose, away):
-        """Note a pose that is new; the queue's end."""
+        """Record a pose that is new. Return the queue's end."""
         if search.distance[base + pose] == 0:
             search.distance[base + pose] = ti.cast(away + 1, ti.u16)
             search.queue[base + tail] = pose
@@ -146,7 +151,7 @@ class ViewPlanner(Posterior):
 
     @ti.func
     def nearest(self, search: ti.template(), row, left, base):
-        """The nearest pose on a spot that is left, where no view shows one; -1 where none is left."""
+        """Return the nearest pose on a spot that remains possible, or -1, for a target that no view shows."""
         goal, nearest, some = -1, 1 << 15, 0
         for k in range(row[SPOTS]):
             if search.left[left + k // ti.static(WORD)] & bit(k):
@@ -159,13 +164,13 @@ class ViewPlanner(Posterior):
                     if 0 < away < nearest:
                         goal, nearest = 8 * place + heading, away
         if not some:
-            # A target that rounding hid: look for it again.
+            # Rounding hid the target: look for it again.
             self.fill(search, row, left)
         return goal
 
     @ti.func
     def trace(self, search: ti.template(), row, e, base, goal):
-        """Go back from a goal to here and write the first actions of the path; how many."""
+        """Trace the path back from a goal and write its first actions. Return their number."""
         pose = goal
         away = ti.cast(search.distance[base + pose], ti.i32) - 1
         length = ti.min(away, ti.static(REPLAN))

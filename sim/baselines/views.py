@@ -1,9 +1,8 @@
-"""What every view of a grid about a body is worth to a searcher: the label of those that learn to choose
-views.
+"""Values of all views of a grid around a body: labels for agents that learn to choose views.
 
-A view is worth the probability that it shows the target, by the exact posterior over the target's places,
-divided by the steps of a shortest path to it, and a few more. So it is the searcher's own measure, of every
-view in place of the best one.
+The value of a view is the probability that it shows the target, by the exact posterior, divided by its cost.
+The cost is the length of a shortest path to the view, in steps, and a few more. So it is the searcher's own
+criterion, for every view instead of only the best one.
 """
 
 from functools import cache
@@ -21,11 +20,11 @@ from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.episodes import Episodes, WorldArrays, loaded
 
 FRAME = 3
-"""Numbers of a frame: see ``ViewValues.read``."""
+"""Number of integers of a frame: see ``ViewValues.read``."""
 
 
 class ViewValues(Searcher):
-    """The values of views in E environments. ``watch`` before each step."""
+    """Values of views in E environments. Call ``watch`` before each step."""
 
     def __init__(self, envs: HouseVectorEnv, side: int, pitch: int) -> None:
         """Value grids of ``side`` by ``side`` places, ``pitch`` steps apart."""
@@ -42,12 +41,12 @@ class ViewValues(Searcher):
         self._value = Launch(value, self.world.arrays | self.arrays)
 
     def read(self, environments: np.ndarray, frames: np.ndarray) -> np.ndarray:
-        """What the views from places of a grid are worth (n, 8, S, S) float32, targets a step, in these
-        environments (n,) int; 0 where the body cannot stand or come to.
+        """Return the values of views (n, 8, S, S) float32, in targets per step, for environments (n,) int.
 
-        ``frames`` (n, 3) int: the lattice's place i, j at the grid's north-west, a multiple of the pitch, and
-        by how many quarters the grid is turned counter-clockwise, as are the eight headings. The place in the
-        middle of the grid, S / 2 from its corner, is the body's own, wherever that stands.
+        The value is 0 if the body cannot stand at the place or cannot reach it. ``frames`` (n, 3) int: the
+        lattice's place i, j at the grid's north-west, a multiple of the pitch, and the number of quarter
+        turns, counter-clockwise, of the grid and the eight headings. The place in the middle of the grid, S /
+        2 from its corner, is the body's own place, whatever its coordinates.
         """
         asked = self.arrays["asked"].view()
         asked[:] = -1
@@ -57,8 +56,9 @@ class ViewValues(Searcher):
         return self._read("worth", len(environments))
 
     def costs(self, count: int) -> np.ndarray:
-        """What the views that were read last cost (count, 8, S, S) float32, steps; 0 where the body cannot
-        stand or come to.
+        """Return the costs of the views of the last ``read``, (count, 8, S, S) float32, in steps.
+
+        The cost is 0 if the body cannot stand at the place or cannot reach it.
         """
         return self._read("costs", count)
 
@@ -74,13 +74,13 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
 
     @kernel
     def watch(world: WorldArrays, search: SearcherArrays):
-        """Look, and strike out what is seen."""
+        """Look, and exclude what is seen."""
         for e in range(world.reals.shape[0]):
             search.notes[e] = planner.watched(world, search, e)
 
     @ti.func
     def along(quarter):
-        """Steps of the lattice, i and j, to the grid's east (2,) and south (2,)."""
+        """Return the steps of the lattice, i and j, to the grid's east (2,) and south (2,)."""
         way = ti.Vector([0, 0, 0, 0])
         for q in ti.static(range(4)):
             if quarter == q:
@@ -90,7 +90,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
 
     @ti.func
     def place(row, frame_i, frame_j, way, k):
-        """The lattice's place, i and j, of the grid's k-th; whether the lattice has it."""
+        """Return the lattice's place, i and j, of the grid's k-th place, and True if the lattice has it."""
         east, south = pitch * (k % ti.static(side)), pitch * (k // ti.static(side))
         i, j = frame_i + east * way[0] + south * way[2], frame_j + east * way[1] + south * way[3]
         return i, j, (i >= 0) & (i < row[COLUMNS]) & (j >= 0) & (j < row[LINES])
@@ -99,7 +99,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
     def value(
         world: WorldArrays, search: SearcherArrays, asked: Ints, frames: Ints, worth: Floats, costs: Floats
     ):
-        """Search for paths to all poses, and value what is asked."""
+        """Search for paths to all poses, and write the values that are asked for."""
         count = asked.shape[0]
         lanes = ti.min(ti.static(AT_ONCE), count)
         words = search.sampled.shape[0] // lanes
