@@ -1,1 +1,1 @@
-"""Gymnasium's interface: many environments at once, or a single one."""
+"""Interface of Gymnasium: many environments at once, or a single one."""

@@ -1,4 +1,4 @@
-"""An environment's arguments, read and checked: its houses, its backend and its configuration."""
+"""Arguments of environments, read and checked: houses, backend and configuration."""
 
 import pkgutil
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,27 +22,28 @@ from sim.tasks.tasks import PAPER, AnyTask, Targets, task
 from sim.tasks.terms import terms_of
 
 Preset = str | Config | dict[str, Any]
-"""A preset's name, a configuration, or a dictionary of the fields that differ from the preset ``default``."""
+"""Name of a preset, a configuration, or a dictionary of the fields that differ from the preset
+``default``."""
 
 Houses = str | Path | Sequence[House] | dict[str, Any] | HouseRotation
 
 BANK = Path(__file__).with_name("houses.jsonl.gz")
-"""32 houses to begin with, by ``vitruvius generate --rooms 4 --count 32 --out`` this file."""
+"""File of 32 default houses, made by ``vitruvius generate --rooms 4 --count 32 --out`` this file."""
 
 CELL_HOUSES = "cell-houses"
 """Name of 32 more houses in cells of 0.3 m, for the backend ``grid``, generated with ``--cell 0.3``."""
 
 PAPER_HOUSE = "paper-house"
-"""The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
+"""Name of the house of the paper's figures: 2019-2-15, in whole pixels."""
 
 DEVICES = {"cpu": "cpu", "cuda": "cuda", "cuda:0": "cuda"}
-"""By torch's names, ours: Taichi has one GPU, the first that it can see."""
+"""Our names of devices by torch's names. Taichi has one GPU, the first that it can see."""
 
 MOST_ENVIRONMENTS = 1 << 24
-"""Beyond, Taichi's arrays have more elements than it counts."""
+"""Largest number of environments. With more, Taichi's arrays have more elements than it can count."""
 
 METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}
-"""Of one environment; Gymnasium shows it in a window where ``human`` is asked for."""
+"""Metadata of one environment. For ``human``, Gymnasium shows the environment in a window."""
 
 METADATA_OF_MANY: dict[str, Any] = METADATA | {"render_modes": ["human", "rgb_array"]}
 
@@ -54,7 +55,7 @@ BACKENDS = {
 
 
 class Arguments(NamedTuple):
-    """What environments are made of, read and checked without Taichi."""
+    """Arguments of environments, read and checked without Taichi."""
 
     config: Config
     backend: type[Backend]
@@ -74,12 +75,12 @@ def read_arguments(
     device: str,
     metadata: dict[str, Any] = METADATA,
 ) -> Arguments:
-    """Read the arguments of ``HouseVectorEnv``. ``ValueError`` says which is wrong.
+    """Read the arguments of ``HouseVectorEnv``. Raises ``ValueError`` that names the wrong argument.
 
-    ``config`` is the backend's for these houses. Whether they have places for the targets is seen when they
-    are packed.
+    ``config`` is the backend's configuration for these houses. Packing checks later if the houses have places
+    for the targets.
     """
-    device = DEVICES.get(str(device), str(device))  # torch's too: torch.device("cuda:0")
+    device = DEVICES.get(str(device), str(device))  # torch's names, too: torch.device("cuda:0")
     require("device", device, DEVICES)
     allow(*class_names(targets), *class_names(backend))
     wanted = task(targets)
@@ -170,7 +171,7 @@ def configuration(preset: Preset, max_episode_steps: int | None) -> Config:
 
 
 def whole(name: str, value: Any, most: int) -> int:
-    """A number of something, from 1 to ``most``. Raises ``ValueError`` for what is none."""
+    """Return a number from 1 to ``most``. Raises ``ValueError`` for any other value."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise ValueError(f"{name} must be a whole number, not {value!r}")
     if not 1 <= value <= most:
@@ -179,6 +180,6 @@ def whole(name: str, value: Any, most: int) -> int:
 
 
 def require(name: str, value: Any, known: Any) -> None:
-    """Raise ``ValueError`` unless the value is one of those known."""
-    if value not in list(known):  # by equality: what is asked for may have no hash
+    """Raise ``ValueError`` unless the value is one of the known values."""
+    if value not in list(known):  # compared by equality, because the value may have no hash
         raise ValueError(unknown(name, value, known))

@@ -1,4 +1,4 @@
-"""Environments that are kept for later: their state as arrays, and pickled."""
+"""Environments that are kept for later: their state as arrays, and pickling."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,7 +15,8 @@ from sim.world.world import GUIDE
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 
 KEPT = (*SPACES, "_np_random", "_np_random_seed", "_spec")
-"""What a pickled environment has beside its arguments and its state: spaces sample at random, too."""
+"""Attributes that a pickled environment keeps in addition to its arguments and its state. Spaces are among
+them, because they sample at random."""
 
 
 MARGIN_M = 1.0
@@ -86,7 +87,7 @@ def remade(
     state: dict[str, np.ndarray] | None,
     closed: bool,
 ) -> Any:
-    """The environments that were pickled."""
+    """Return an environment from its pickled parts."""
     envs = kind(**arguments)
     envs.__dict__.update(kept)
     if state is not None:

@@ -1,4 +1,4 @@
-"""What an agent may know: the spaces of observations, and what kernels write as these spaces have it."""
+"""Spaces of observations, and the conversion of kernel outputs to these spaces."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -28,7 +28,7 @@ def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]
 
 
 def _commands(drive: Drive) -> spaces.Space[Any]:
-    """What a body that drives can be told: one of its commands, or any numbers within its limits."""
+    """Return the action space of a body that drives: its commands, or all numbers within its limits."""
     if drive.commands:
         return spaces.Discrete(len(drive.commands))
     low, high = np.array(drive.low, np.float32), np.array(drive.high, np.float32)
@@ -38,11 +38,11 @@ def _commands(drive: Drive) -> spaces.Space[Any]:
 ENDS = "low", "high"
 
 BOUNDS = {"bump": (0, 1), "last_action": (0, 1), "geodesic": (-1, np.inf)}
-"""Of the numbers of a part; of all others there are none."""
+"""Bounds of the numbers of a part; other parts have none."""
 
 
 def _box(config: Config, name: str) -> spaces.Box:
-    """The space of one part."""
+    """Return the space of one part."""
     if name != RAYS:
         low, high = BOUNDS.get(name, (-np.inf, np.inf))
         return spaces.Box(low, high, (config.numbers_of(name),), np.float32)
@@ -55,8 +55,9 @@ def _box(config: Config, name: str) -> spaces.Box:
 
 
 def observed(config: Config, rays: Any, extras: Any) -> Any:
-    """An observation of its space, but for ``flat``, from rays (E, R, C) and the other parts' numbers
-    (E, n), arrays or tensors: no copies.
+    """Return an observation in its space, except for ``flat``, without copies.
+
+    ``rays`` (E, R, C) and ``extras`` (E, n), the numbers of the other parts, are arrays or tensors.
     """
     if config.observe == (RAYS,):
         return rays
@@ -71,14 +72,14 @@ def observed(config: Config, rays: Any, extras: Any) -> Any:
 
 
 def only(observation: Any) -> Any:
-    """The observation of the only environment."""
+    """Return the observation of the only environment."""
     if isinstance(observation, Mapping):
         return {name: part[0] for name, part in observation.items()}
     return observation[0]
 
 
 def require_observed(config: Config, backend: type) -> None:
-    """Raise ``ValueError`` for what a backend lacks, by its ``lacks``, of what is observed."""
+    """Raise ``ValueError`` for a part of observations that a backend lacks, by its attribute ``lacks``."""
     lacks = (*getattr(backend, "lacks", ()), *(() if config.drives else ("speed",)))
     if MEMORY in config.observe and not config.memory:
         raise ValueError(

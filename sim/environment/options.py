@@ -1,4 +1,4 @@
-"""The options of a reset, read and checked before anything is changed."""
+"""Options of a reset, read and checked before anything is changed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from sim.world.kernels import KEEP, SAMPLE
 from sim.world.world import World
 
 SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
-"""Of an environment's options."""
+"""Shapes of an environment's options."""
 
 
 FARTHEST_M = 1e6
@@ -25,18 +25,22 @@ TARGET_MARGIN_M = 100.0
 
 @dataclass(frozen=True)
 class ResetOptions:
-    """What a reset is asked for, by environment."""
+    """Options of a reset, for each environment."""
 
     mask: np.ndarray
-    """(E,) bool: which environments begin an episode."""
+    """(E,) bool: True for the environments that begin an episode."""
     wholes: np.ndarray
     """(E, 4) int32: house, or ``SAMPLE``, or ``KEEP`` outside the mask; then the cell of the start."""
     reals: np.ndarray
-    """(E, 4) float32: origin of that cell and centre of the target, metres; NaN where they are sampled."""
+    """(E, 4) float32: origin of that cell and centre of the target, metres; NaN for values that are
+    sampled."""
 
 
 def for_one(options: Any) -> dict[str, Any]:
-    """Options of an environment as those of a vector of one. Raises ``ValueError`` for wrong shapes."""
+    """Return the options of one environment as those of a vector of one.
+
+    Raises ``ValueError`` for wrong shapes.
+    """
     batched = {}
     for option, value in require_mapping(options).items():
         if value is not None:
@@ -48,7 +52,7 @@ def for_one(options: Any) -> dict[str, Any]:
 
 
 def require_mapping(options: Any) -> Mapping[str, Any]:
-    """Options, none or a dictionary. Raises ``ValueError`` for anything else."""
+    """Return the options as a mapping, empty for ``None``. Raises ``ValueError`` for anything else."""
     if options is None:
         return {}
     if not isinstance(options, Mapping):
@@ -57,9 +61,10 @@ def require_mapping(options: Any) -> Mapping[str, Any]:
 
 
 def read_options(options: Mapping[str, Any], world: World, first: bool) -> ResetOptions:
-    """Read the options of a world's reset, its ``first`` one or not.
+    """Read the options of a world's reset; ``first`` is True for its first reset.
 
-    Raises ``ValueError`` for options that are unknown or wrong, ``ResetNeeded`` for a first one of some only.
+    Raises ``ValueError`` for unknown or invalid options, and ``ResetNeeded`` for a first reset of only some
+    environments.
     """
     for option in options:
         if option not in SHAPES:
@@ -91,9 +96,10 @@ def read_options(options: Mapping[str, Any], world: World, first: bool) -> Reset
 
 
 def read_seeds(seed: Any, count: int) -> list[int | None]:
-    """Seeds of environments: ``seed + i`` of a number, or those of a sequence, ``None`` for no new one.
+    """Return the seeds of environments: ``seed + i`` for a number, or those of a sequence.
 
-    Raises ``ValueError`` for another number of them and, as Gymnasium does, ``Error`` for what is no seed.
+    A seed in a sequence may be ``None``, for no new seed. Raises ``ValueError`` for a wrong number of seeds
+    and, as Gymnasium does, ``Error`` for an invalid seed.
     """
     if isinstance(seed, np.ndarray):
         seed = seed.tolist()
@@ -112,7 +118,7 @@ def _seed(one: Any) -> int:
 
 
 def house_numbers(value: Any, world: World) -> np.ndarray:
-    """Numbers (E,) int of houses in a world's bank; ``ValueError`` for others."""
+    """Return numbers (E,) int of houses in a world's bank. Raises ``ValueError`` for anything else."""
     given = _array("house", value)
     if given.shape != (world.num_envs,) or not np.issubdtype(given.dtype, np.integer):
         raise ValueError(f"option house: {world.num_envs} integers, found {given.dtype} {given.shape}")

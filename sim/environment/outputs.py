@@ -1,4 +1,4 @@
-"""What the step of a world returns: copies for ``step``, tensors in the same memory for ``step_torch``."""
+"""Results of a world's step: copies for ``step``, tensors in the same memory for ``step_torch``."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from sim.world.world import World
 
 
 class Outputs:
-    """The arrays that a world's kernels write, in the shapes that an environment returns."""
+    """Arrays that a world's kernels write, in the shapes that an environment returns."""
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -21,11 +21,17 @@ class Outputs:
         self.extra_shape = world.num_envs, world.config.extra_numbers
 
     def rays(self, name: str = "observation") -> np.ndarray:
-        """What rays see, (E, R, C) float32: a copy. ``name``: ``final`` for where episodes ended."""
+        """Return a copy of the rays, (E, R, C) float32.
+
+        With the name ``final``, those of episodes that ended.
+        """
         return self.world.arrays[name].numpy().view(np.float32).reshape(self.shape)
 
     def observation(self, final: bool = False, chosen: np.ndarray | None = None) -> Any:
-        """Observations, copies; 0 but for the ``chosen`` (E,) bool. ``final``: those that ended episodes."""
+        """Return copies of the observations, with 0 for all but the ``chosen`` (E,) bool environments.
+
+        ``final``: return the last observations of episodes that ended.
+        """
         config = self.world.config
         rays, extras = self.rays("final" if final else "observation"), None
         if config.extras:
@@ -40,7 +46,7 @@ class Outputs:
         return np.concatenate(self._rows(seen), axis=1) if config.flat else seen
 
     def _rows(self, seen: Any) -> list[Any]:
-        """The parts of what is observed, (E, n) each."""
+        """Return the parts of an observation, (E, n) each."""
         parts = seen.values() if isinstance(seen, dict) else [seen]
         return [part.reshape(self.world.num_envs, -1) for part in parts]
 
@@ -54,7 +60,7 @@ class Outputs:
     def info(
         self, flags: np.ndarray | None = None, last: bool = False, stepped: bool = False
     ) -> dict[str, np.ndarray]:
-        """The info of the environments: copies. ``last``, ``stepped``: see ``World.describe``."""
+        """Return a copy of the environments' info. ``last``, ``stepped``: see ``World.describe``."""
         pose, target, house = self.world.describe(last, stepped)
         flags = self.flags() if flags is None else flags
         blocked = flags[FINAL_BLOCKED if last else BLOCKED].copy()
@@ -84,7 +90,7 @@ class Outputs:
         return final | {"final_info": last | masks, "_final_info": ended.copy()}
 
     def tensors(self, device: str) -> tuple[Any, tuple[Any, ...]]:
-        """The actions to be written, and what ``step_torch`` returns, in the world's own memory."""
+        """Return the tensor for actions, and the results of ``step_torch``, in the world's own memory."""
         arrays, count = self.world.arrays, self.world.num_envs
         flags = arrays["flags"].tensor(np.bool_, (arrays["flags"].shape[0] // count, count))
         wholes = arrays["wholes"].tensor(np.int32, arrays["wholes"].shape)
@@ -102,7 +108,10 @@ class Outputs:
         return action.view() if device == "cpu" else action.tensor(np.int64, (count,)), outputs
 
     def _tensor(self, rays: str, extras: str) -> Any:
-        """An observation as tensors in the world's own memory; a flat one in its own: see ``join``."""
+        """Return an observation as tensors in the world's memory.
+
+        A flat observation has its own memory: see ``join``.
+        """
         arrays, config = self.world.arrays, self.world.config
         numbers = arrays[extras].tensor(np.float32, self.extra_shape) if config.extras else None
         seen = observed(config, arrays[rays].tensor(np.float32, self.shape), numbers)
@@ -114,7 +123,7 @@ class Outputs:
         return self._joins[-1][0]
 
     def join(self) -> None:
-        """Bring flat tensors up to date."""
+        """Update the flat tensors."""
         import torch
 
         for whole, parts in self._joins:

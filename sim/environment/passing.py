@@ -1,4 +1,4 @@
-"""Environments in houses that rotate: those of the next period are packed by a thread while they step."""
+"""Environments with rotating houses: a thread packs the next period's houses while the environments step."""
 
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from weakref import WeakSet
@@ -15,16 +15,16 @@ _going_on = WeakSet["Passing"]()
 
 
 def close_all() -> None:
-    """Wait for all that is being packed in this process: nothing may be, when its compiler ends."""
+    """Wait until this process packs no more houses, which must not happen when its compiler ends."""
     for each in list(_going_on):
         each.close()
 
 
 class Passing:
-    """In which period of its rotation a world is."""
+    """Current period of a world's rotation."""
 
     def __init__(self, world: World, rotation: HouseRotation) -> None:
-        """The world has the houses of the first one."""
+        """Begin with the first period, whose houses the world already has."""
         self.world, self.rotation = world, rotation
         self.pool = ThreadPoolExecutor(1, "rotation")
         self.number = self.steps = 0
@@ -32,12 +32,15 @@ class Passing:
         _going_on.add(self)
 
     def _begin(self, number: int) -> None:
-        """Pack the houses of a period, and no others any more."""
+        """Pack the houses of a period, and stop packing any others."""
         self._asked: int | None = number
         self._next: Future[PackedHouses] = self.pool.submit(self._packed, number)
 
     def _packed(self, number: int) -> PackedHouses:
-        """Raises ``CancelledError`` between two houses once others are asked for, or none."""
+        """Return the packed houses of a period.
+
+        Raises ``CancelledError`` between two houses if another period, or none, is needed by then.
+        """
         houses = []
         for house in self.rotation.period(number):
             if self._asked != number:
@@ -50,10 +53,12 @@ class Passing:
             raise HouseFileError(f"from house {first} of {len(self.rotation.houses)} on, {error}") from None
 
     def go_to(self, steps: int) -> bool:
-        """Be where so many steps lead since the first period began; whether the houses are others now.
+        """Go to the period of a number of steps since the first period began.
 
-        Raises ``HouseFileError`` where the body or a target has no place in a house of the period, and what
-        reading or making one raises.
+        Return True if the houses have changed.
+
+        Raises ``HouseFileError`` if the body or a target has no place in a house of the period, and any error
+        of reading or generating a house.
         """
         number = max(0, steps - 1) // self.rotation.steps
         changes = number != self.number
@@ -68,11 +73,11 @@ class Passing:
 
     @property
     def state(self) -> np.ndarray:
-        """The steps, and what the rotation is of: (3,) int64."""
+        """Number of steps, and the rotation's size and steps: (3,) int64."""
         return np.array([self.steps, self.rotation.size, self.rotation.steps])
 
     def go_on_from(self, state: np.ndarray) -> bool:
-        """Be where ``state`` was; see ``go_to``.
+        """Go to the period of ``state``; see ``go_to``.
 
         Raises ``RequestError``, a ``ValueError``, for the state of another rotation.
         """
@@ -84,7 +89,7 @@ class Passing:
         return self.go_to(steps)
 
     def close(self) -> None:
-        """Wait for what is being packed, and pack no more."""
+        """Wait until the current packing ends, and pack no more."""
         self._asked = None
         self.pool.shutdown(cancel_futures=True)
 

@@ -1,4 +1,4 @@
-"""Environments as pictures: returned, or shown in a window."""
+"""Pictures of environments: returned, or shown in a window."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 
 class Pictures:
-    """What the cameras of some environments show, one for each."""
+    """Cameras of environments, one for each, and their pictures."""
 
     def __init__(self, envs: Any, window: ScreenWindow | None) -> None:
-        """Of a ``HouseVectorEnv``, in a window if there is one."""
+        """Take the pictures of a ``HouseVectorEnv``, and show them in ``window`` if there is one."""
         self.envs, self.window = envs, window
         self._cameras: list[Camera] | None = None
 
     def forget(self) -> None:
-        """The houses are other ones."""
+        """Discard the cameras, because the houses have changed."""
         self._cameras = None
 
     def taken(self) -> list[np.ndarray]:
-        """A picture of each environment, (height, width, 3) uint8, all as large as the largest house's."""
+        """Return a picture of each environment, (height, width, 3) uint8, as large as the largest house's."""
         if self._cameras is None:
             from sim.film import Camera, largest
 
@@ -35,7 +35,7 @@ class Pictures:
         return [np.asarray(camera.shoot()) for camera in self._cameras]
 
     def show(self) -> None:
-        """Show them, where there is a window."""
+        """Show the pictures if there is a window."""
         if self.window:
             self.window.show(self.taken())
 
@@ -46,7 +46,7 @@ class Pictures:
 
 
 def scene_of(outputs: Outputs, index: int) -> "Scene":
-    """What there is to see of an environment."""
+    """Return the scene of an environment for a picture."""
     from sim.film import Scene
 
     world, info, seen = outputs.world, outputs.info(), outputs.rays()[index]

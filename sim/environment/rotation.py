@@ -1,4 +1,4 @@
-"""Houses in rotation: of more than can be held, or packed at once, some at a time."""
+"""Rotation of houses: parts of a set that is too large to keep or pack at once, one after the other."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,27 +11,28 @@ from logic import House
 
 @dataclass(frozen=True)
 class HouseRotation:
-    """Some houses for some steps, then the next ones in their order, and after the last the first again.
+    """Sequence of periods, each with some houses for some steps; after the last house comes the first one.
 
-    In place of the houses of ``HouseVectorEnv``, in its mode ``NEXT_STEP``: those of two periods are held, of
-    which a thread packs the next one's. In the last step of a period all episodes are truncated that have not
-    ended, and the next step begins new ones in the next houses: where ``steps`` is a multiple of an
-    episode's, some steps are cut at most; an episode that begins in that very step ends without any. Which
-    period it is, is a function of the steps since a ``reset`` with a seed, so all that happens is one of the
-    seed still.
+    A rotation replaces the houses of ``HouseVectorEnv``, in its mode ``NEXT_STEP``. Memory holds the houses
+    of two periods; a thread packs those of the next one. In the last step of a period, all episodes that have
+    not ended are truncated, and the next step begins new ones in the next houses. If ``steps`` is a multiple
+    of an episode's length, few steps are lost; an episode that begins in the last step ends without any step.
+    The period is a function of the steps since a ``reset`` with a seed, so everything that happens remains a
+    function of the seed.
     """
 
     houses: Sequence[House]
-    """As a ``logic.HouseSet`` or ``logic.HouseStream``, which read or make them as they are asked for."""
+    """Houses, such as a ``logic.HouseSet`` or ``logic.HouseStream``, which read or generate houses on
+    demand."""
 
     size: int = 128
-    """Houses of a period."""
+    """Number of houses of a period."""
 
     steps: int = 3000
-    """Of every environment in a period."""
+    """Number of steps of every environment in a period."""
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for no houses, and for numbers that are none."""
+        """Raise ``ValueError`` without houses, and for invalid numbers."""
         for name in ("size", "steps"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
@@ -40,13 +41,13 @@ class HouseRotation:
             raise ValueError("no house to simulate: the rotation is of none")
 
     def period(self, number: int) -> Iterator[House]:
-        """The houses of a period, from 0 on."""
+        """Return the houses of a period, counted from 0."""
         count = len(self.houses)
         first = number * self.size
         return (self.houses[(first + k) % count] for k in range(min(self.size, count)))
 
 
 def require_next_step(houses: Any, mode: AutoresetMode) -> None:
-    """Raise ``ValueError`` for houses in rotation where episodes begin otherwise than they need."""
+    """Raise ``ValueError`` for houses in rotation unless the mode is ``NEXT_STEP``."""
     if isinstance(houses, HouseRotation) and mode is not AutoresetMode.NEXT_STEP:
         raise ValueError("houses in rotation need autoreset_mode='NextStep'")

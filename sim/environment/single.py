@@ -1,4 +1,4 @@
-"""One house at a time: a Gymnasium ``Env``."""
+"""A single environment: a Gymnasium ``Env``."""
 
 from functools import cached_property
 from typing import Any
@@ -18,10 +18,10 @@ from sim.tasks.tasks import Targets
 
 
 class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleVariableOverride]
-    """One environment: ``HouseVectorEnv`` with ``num_envs=1``, and its arguments.
+    """A single environment: ``HouseVectorEnv`` with ``num_envs=1``, and its arguments.
 
-    Taichi starts at the first reset. So one may be made, for its spaces, in a process that is then forked, as
-    Gymnasium's ``AsyncVectorEnv`` does.
+    Taichi starts at the first reset. So a process may create an environment, to read its spaces, and then
+    fork, as Gymnasium's ``AsyncVectorEnv`` does.
     """
 
     metadata = METADATA
@@ -40,8 +40,9 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
         device: str = "cpu",
         by_ray: bool | None = None,
     ) -> None:
-        """See ``HouseVectorEnv``. ``ValueError`` says what is wrong with an argument; of houses without a
-        place for a target the first reset does.
+        """Check the arguments: see ``HouseVectorEnv``. Raises ``ValueError`` that names the wrong argument.
+
+        Houses without a place for a target are an error of the first reset.
         """
         if render_mode == "human":
             raise ValueError(
@@ -69,17 +70,20 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
 
     @cached_property
     def envs(self) -> HouseVectorEnv:
-        """The vector environment of one, made when it is first asked for."""
+        """The vector environment of one, created when it is first needed."""
         return HouseVectorEnv(num_envs=1, render_mode=self.render_mode, **self._arguments)
 
     def lengthen(self, steps: int) -> None:
-        """See ``KeepsSpec``."""
+        """Truncate episodes after ``steps``: see ``KeepsSpec``."""
         self._arguments["max_episode_steps"] = self.episode_steps = steps
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin a new episode; ``options`` as for ``HouseVectorEnv``: a house, a (3,) pose, a (2,) target."""
+        """Begin a new episode.
+
+        ``options`` are those of ``HouseVectorEnv``, for one environment: a house, a (3,) pose, a (2,) target.
+        """
         self._require_open()
         batched = for_one(options)
         if seed is not None:
@@ -90,7 +94,7 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
         return only(observation), _only(info)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One action; after an episode's end, ``ResetNeeded``."""
+        """Take one action. Raises ``ResetNeeded`` after an episode's end."""
         self._require_open()
         if self._over:
             raise ResetNeeded("the episode has ended: call reset()")
@@ -103,13 +107,13 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
         return only(observation), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)
 
     def render(self) -> np.ndarray | None:
-        """A picture, (height, width, 3) uint8, where ``render_mode`` is ``rgb_array``."""
+        """Return a picture, (height, width, 3) uint8, if ``render_mode`` is ``rgb_array``."""
         self._require_open()
         frames = self.envs.render()
         return None if frames is None else frames[0]
 
     def close(self) -> None:
-        """End: to step or reset after it is an error."""
+        """Close the environment; it cannot be stepped or reset afterwards."""
         self._closed = True
         if "envs" in self.__dict__:
             self.envs.close()
@@ -120,5 +124,5 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
 
 
 def _only(info: dict[str, Any]) -> dict[str, Any]:
-    """The info of the only environment: Python's own numbers, and arrays."""
+    """Return the info of the only environment, as Python's own numbers and arrays."""
     return {key: value[0].item() if value.ndim == 1 else value[0] for key, value in info.items()}

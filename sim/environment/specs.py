@@ -38,7 +38,7 @@ class KeepsSpec:
         self._spec = spec
 
     def lengthen(self, steps: int) -> None:
-        """Truncate episodes after ``steps``, more than in the arguments, or refuse to."""
+        """Truncate episodes after ``steps``, which is more than in the arguments, or raise an error."""
 
 
 def _limit_of(frame: Any) -> int:

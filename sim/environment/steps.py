@@ -1,4 +1,4 @@
-"""The actions of a step, read and checked before anything is changed."""
+"""Actions of a step, read and checked before anything is changed."""
 
 from typing import Any
 
@@ -14,26 +14,26 @@ MASK = (1 << FIELD) - 1
 """Bits of one of three speeds."""
 
 SHIFTS = 1 << FIELD * np.arange(3)
-"""Where each lies in 64."""
+"""Position of each of the three speeds in 64 bits."""
 
 
 def orders(space: spaces.Space[Any], drive: Drive) -> "Choices | Commands":
-    """How the actions of a space are read."""
+    """Return the reader for the actions of a space."""
     return Choices(space) if isinstance(space, spaces.Discrete) else Commands(drive)
 
 
 class Choices:
-    """Actions that are numbers."""
+    """Reader of actions that are numbers."""
 
     def __init__(self, space: spaces.Discrete) -> None:
-        """Of so many."""
+        """Take the space, which has the number of actions."""
         self.last = int(space.n) - 1
         self.words = (
             f"one integer, 0, 1 or {self.last}" if self.last == 2 else f"one integer, 0 to {self.last}"
         )
 
     def read(self, actions: Any) -> np.ndarray:
-        """Actions as an array. Raises ``ValueError`` for what is not of integers."""
+        """Return actions as an array. Raises ``ValueError`` for anything but integers."""
         actions = np.asarray(actions)
         if actions.dtype.kind not in "iu":
             few = "0, 1 or 2" if self.last == 2 else f"0 to {self.last}"
@@ -41,8 +41,10 @@ class Choices:
         return actions
 
     def read_tensor(self, actions: Any, device: str) -> Any:
-        """Actions (E,) int64 on a device; ``ValueError`` for others. On the CPU by NumPy: torch's threads
-        would stay awake, and in the way of those that step.
+        """Return actions (E,) int64 on a device. Raises ``ValueError`` for any other tensor.
+
+        On the CPU the result is a NumPy array, because torch's threads would stay awake and disturb those
+        that step.
         """
         import torch
 
@@ -52,7 +54,7 @@ class Choices:
         return actions.numpy() if device == "cpu" else actions
 
     def require(self, actions: Any, count: int) -> None:
-        """Raise ``ValueError`` where this is not an action for each of ``count`` environments."""
+        """Raise ``ValueError`` unless there is a valid action for each of ``count`` environments."""
         if actions.shape != (count,):
             raise ValueError(
                 f"actions have shape {tuple(actions.shape)}: one for each of {count} environments"
@@ -62,22 +64,22 @@ class Choices:
             raise ValueError(f"actions go from 0 to {self.last}, found {least} to {greatest}")
 
     def packed(self, actions: Any) -> Any:
-        """Actions as kernels read them: 64 bits each."""
+        """Return actions for kernels: 64 bits each."""
         return actions
 
 
 class Commands:
-    """Actions that are speeds, (v, w), or (vx, vy, w)."""
+    """Reader of actions that are speeds, (v, w), or (vx, vy, w)."""
 
     def __init__(self, drive: Drive) -> None:
-        """Within its limits."""
+        """Take the limits of the speeds."""
         self.drive, self.size = drive, len(drive.low)
         self.words = f"{('two', 'three')[self.size - 2]} numbers, {drive.names}"
         self.low, self.high = (np.array(ends, np.float32) for ends in (drive.low, drive.high))
-        self._tensors: Any = None  # both, where step_torch's actions are
+        self._tensors: Any = None  # limits as tensors, on the device of step_torch's actions
 
     def read(self, actions: Any) -> np.ndarray:
-        """Actions as an array of float32. Raises ``ValueError`` for what are no numbers."""
+        """Return actions as a float32 array. Raises ``ValueError`` for anything but numbers."""
         actions = np.asarray(actions)
         if actions.dtype.kind not in "iuf":
             names = self.drive.names
@@ -85,7 +87,7 @@ class Commands:
         return np.ascontiguousarray(actions, np.float32)
 
     def read_tensor(self, actions: Any, device: str) -> Any:
-        """Actions (E, n) float32 on a device; ``ValueError`` for others."""
+        """Return actions (E, n) float32 on a device. Raises ``ValueError`` for any other tensor."""
         import torch
 
         tensor = isinstance(actions, torch.Tensor)
@@ -95,8 +97,9 @@ class Commands:
         return actions.numpy() if device == "cpu" else actions
 
     def require(self, actions: Any, count: int) -> None:
-        """Raise ``ValueError`` where this has not as many numbers for each of ``count`` environments, or NaN,
-        or, unless they are clipped, a number beyond its limit.
+        """Raise ``ValueError`` unless there are valid numbers for each of ``count`` environments.
+
+        NaN is invalid, and so are numbers beyond their limits, unless actions are clipped.
         """
         if actions.shape != (count, self.size):
             found, names = tuple(actions.shape), self.drive.names
@@ -112,14 +115,14 @@ class Commands:
             raise ValueError(f"action {e} is ({given}): {limits}, w up to {self.high[-1]:g} rad/s either way")
 
     def _strange(self, actions: Any) -> Any:
-        """Which numbers (E, n) cannot be taken, found where they are."""
+        """Return a mask (E, n) of the invalid numbers, on the device of the actions."""
         if self.drive.clips:
             return ~(actions <= np.inf)  # NaN
         low, high = self._limits(actions)
         return ~((actions >= low) & (actions <= high))
 
     def _limits(self, actions: Any) -> Any:
-        """The limits, where actions are."""
+        """Return the limits, on the device of the actions."""
         if isinstance(actions, np.ndarray):
             return self.low, self.high
         if self._tensors is None:
@@ -127,7 +130,8 @@ class Commands:
         return self._tensors
 
     def packed(self, actions: Any) -> Any:
-        """Actions as kernels read them, in 64 bits: those of two numbers, or three as parts of the greatest.
+        """Return actions for kernels, in 64 bits: two numbers, or three as parts of the largest.
+
         Kernels clip them.
         """
         if isinstance(actions, np.ndarray):
@@ -148,7 +152,7 @@ class Commands:
 
 
 def require_going_on(flags: np.ndarray) -> None:
-    """Raise ``ResetNeeded`` where an episode has ended, by the outputs' flags (F, E) bool."""
+    """Raise ``ResetNeeded`` if an episode has ended, by the outputs' flags (F, E) bool."""
     over = flags[TERMINATED] | flags[TRUNCATED]
     if over.any():
         raise ResetNeeded(
@@ -158,9 +162,9 @@ def require_going_on(flags: np.ndarray) -> None:
 
 
 def _range(actions: Any) -> tuple[int, int]:
-    """The least and the greatest of an array or a tensor, from a GPU in one answer."""
+    """Return the smallest and the largest value of an array or a tensor, with one transfer from a GPU."""
     if isinstance(actions, np.ndarray):
-        if actions.size == 1:  # sooner than to reduce it twice
+        if actions.size == 1:  # faster than two reductions
             return (one := actions.item()), one
         return int(actions.min()), int(actions.max())
     import torch

@@ -1,4 +1,4 @@
-"""Many houses at once: a Gymnasium ``VectorEnv``."""
+"""Many environments at once: a Gymnasium ``VectorEnv``."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -52,11 +52,11 @@ MODES = {
 
 
 MOST_TARGETS = 1 << 16
-"""Of an episode, that ``targets`` says at once."""
+"""Largest number of targets that ``targets`` returns for an episode."""
 
 
 class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
-    """Bodies with 40 rays look for targets in furnished houses, all stepped by one kernel.
+    """Vector environment: bodies with 40 rays search furnished houses for targets; one kernel steps them all.
 
     ## Description
     Each environment samples a house of the bank at the start of each episode. A body walks in the house and
@@ -65,35 +65,35 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
 
     ## Action Space
     ``Discrete(3)``: 0 turns left by 45 degrees, 1 turns right, 2 goes one step (0.0717 m) forward along
-    an axis, or as far along both on a diagonal. A step into something is blocked: it is not made.
-    In the backend ``free`` a ``Box`` (2,) of speeds forward and to the left, m/s and rad/s, or (3,) where
-    bodies drive sideways, or where ``Config.drive`` has commands, ``Discrete``.
+    an axis, or as far along both axes on a diagonal. A step into an obstacle is blocked: the body stays.
+    In the backend ``free``, a ``Box`` (2,) of the forward speed and the turn rate to the left, m/s and rad/s.
+    If bodies drive sideways, a ``Box`` (3,); if ``Config.drive`` has commands, ``Discrete``.
 
     ## Observation Space
     ``Box(0, 1, (40, 2), float32)``, a row for each ray from left to right:
 
     | column | means | unit |
     |---|---|---|
-    | distance | to the nearest wall, piece or target; 1 if there is none within the range | 7.89 m |
-    | is target | 1 where that is the target | |
+    | distance | to the nearest wall, furniture or target; 1 if none is within the range | 7.89 m |
+    | is target | 1 if the ray ends on the target | |
 
-    ``Config.kinds`` puts columns before the distance: whether the ray ends on a piece of each of these kinds.
-    Ray i looks 58.5 - 3 i degrees counter-clockwise from the heading. The ``paper`` preset looks at 60 - 3 i
-    and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
-    ``Config.observe`` names more that an agent may know, and then the space is a ``Dict`` of the parts, in
-    that order; or with ``Config.flat`` a ``Box`` (n,) of all their numbers:
+    ``Config.kinds`` adds columns before the distance, one for each kind: 1 if the ray ends on such furniture.
+    Ray i points 58.5 - 3 i degrees counter-clockwise from the heading; in the ``paper`` preset, 60 - 3 i
+    degrees. That preset's first column is the ray's absolute angle, in units of 359 degrees.
+    ``Config.observe`` can add other parts. The space is then a ``Dict`` of the parts, in the order of
+    ``observe``, or with ``Config.flat`` a ``Box`` (n,) of all their numbers:
 
     | part | space | unit |
     |---|---|---|
-    | rays | the above | |
-    | bump | (1,): 1 where the last move was blocked | |
+    | rays | the ``Box`` above | |
+    | bump | (1,): 1 if the last move was blocked | |
     | last_action | (3,): 1 for the last action; none in an episode's first observation | |
     | odometry | (4,): forward and left of the start, cosine and sine of the turn, with ``drift`` | m |
     | goal | (2,): forward and left to the target | m |
-    | geodesic | (1,): the fewest actions to the target; -1 where no path leads there | actions |
-    | speed | (2,): forward, and the turn to the left; backend ``free`` alone | m/s, rad/s |
-    | | or (3,), where bodies drive sideways: forward, to the left, and the turn | |
-    | memory | (n,): what the task's terms keep | theirs |
+    | geodesic | (1,): fewest actions to the target; -1 without a path | actions |
+    | speed | (2,): forward, and turn rate to the left; only in the backend ``free`` | m/s, rad/s |
+    | | or (3,) if bodies drive sideways: forward, to the left, and turn rate | |
+    | memory | (n,): values that the task's terms keep | theirs |
 
     ## Rewards
     1 for each target that the body overlaps after the action; else 0. The simulator samples the next target
@@ -130,16 +130,17 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
     ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
-    ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
-    types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
-    [1.0, 2.0, 0.0]}``, or another task, ``habit``, ``{"task": "object", "piece": "bed"}``, ``{"task":
-    "reach", "room": "hall"}``, ``visit``, ``battery``, or ``module:Class`` of your own: ``sim.tasks.tasks``.
-    The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
+    ``targets``: the task, by the places of its targets: ``main`` room (or hub), ``secondary`` rooms, ``all``,
+    rooms of some types, ``{"rooms": ["bedroom"]}``, or given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]],
+    "start": [1.0, 2.0, 0.0]}``. Other tasks are ``habit``, ``{"task": "object", "piece": "bed"}``,
+    ``{"task": "reach", "room": "hall"}``, ``visit``, ``battery``, or your own ``module:Class``: see
+    ``sim.tasks.tasks``.
+    The paper's tasks are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
     ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``sim.Config``, or a dictionary of
     its fields, ``{"rays": 20, "observe": ["rays", "goal"]}``.
-    ``max_episode_steps``: in place of the preset's; the spec has the number.
-    ``seed``: of the first reset, if that is given none.
+    ``max_episode_steps``: replaces the preset's length of episodes; the ``spec`` states it.
+    ``seed``: seed of the first reset, unless ``reset`` gets one.
     ``render_mode``: ``rgb_array``, or ``human``, which shows each step in a window (pygame).
     """
 
@@ -159,7 +160,10 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         device: str = "cpu",
         by_ray: bool | None = None,
     ) -> None:
-        """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
+        """Pack the houses and compile the kernels.
+
+        Raises ``ValueError`` that names the wrong argument or house.
+        """
         num_envs = whole("num_envs", num_envs, MOST_ENVIRONMENTS)
         if seed is not None:
             read_seeds(seed, num_envs)
@@ -216,24 +220,23 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
 
     @property
     def rotation(self) -> HouseRotation | None:
-        """What its houses are in, if they rotate."""
+        """Rotation of the houses, or ``None``."""
         return self._passing.rotation if self._passing else None
 
     @property
     def geometries(self) -> list[Geometry]:
-        """The boxes of each house of the bank, metres."""
+        """Boxes of each house of the bank, metres."""
         return self.world.bank.geometries
 
     @property
     def backend(self) -> Backend:
-        """What moves bodies and casts rays."""
+        """Backend that moves bodies and casts rays."""
         return self.world.backend
 
     def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
-        """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
-        Nothing is compiled for it.
+        """Replace the bank, and the task if ``targets`` names one; then call ``reset``. Nothing is compiled.
 
-        Raises ``ValueError``, and changes nothing, where a house or a target cannot be used.
+        Raises ``ValueError``, and changes nothing, if a house or a target cannot be used.
         """
         self._require_open()
         require_next_step(houses, self.autoreset_mode)
@@ -244,7 +247,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self._pictures.forget()
 
     def _pass(self, houses: Houses) -> None:
-        """Rotate these houses, if they are to."""
+        """Start rotating the houses if ``houses`` is a ``HouseRotation``."""
         if self._passing:
             self._passing.close()
         self._passing = Passing(self.world, houses) if isinstance(houses, HouseRotation) else None
@@ -288,8 +291,9 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         return self._outputs.observation(), self._outputs.info(flags)
 
     def _take_seeds(self, seeds: Sequence[int | None], mask: np.ndarray) -> None:
-        """Give environments of a mask (E,) bool their seeds; those without one go on with what they have, or
-        begin with a random one.
+        """Set the seeds of the environments in a mask (E,) bool.
+
+        Environments without a new seed keep their seed, or begin with a random one.
         """
         if seeds[0] is not None:
             super().reset(seed=seeds[0])
@@ -319,13 +323,13 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self.world.guide(asked.wholes, asked.reals)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One action (E,) for each environment; fresh arrays come back.
+        """Step each environment with one action (E,). The returned arrays are new.
 
-        What follows an episode's end is the ``autoreset_mode``'s: by default the step after it ignores its
-        action and begins the next episode, with reward 0 and no flags. In ``SAME_STEP`` the info has
+        ``autoreset_mode`` defines what follows an episode's end. By default, the step after the end ignores
+        its action and begins the next episode, with reward 0 and no flags. In ``SAME_STEP`` the info has
         ``final_obs`` (E, R, C) and ``final_info``, valid where ``_final_obs`` is True. In ``DISABLED`` it is
-        an error to step an environment that has ended.
-        Raises ``ValueError``, before anything is changed, for actions of another shape, kind or range.
+        an error to step an environment whose episode has ended. Raises ``ValueError``, before any change, for
+        actions of another shape, type or range.
         """
         actions = self._orders.read(actions)
         self._check(actions)
@@ -361,37 +365,39 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         return outputs
 
     def launch(self, actions: np.ndarray) -> None:
-        """Run the step's kernel alone on actions, (E,) int64 or (E, 2) float32: for measurements, on the CPU.
+        """Run only the step's kernel, on actions (E,) int64 or (E, 2) float32: for measurements on the CPU.
 
-        Nothing is checked or returned; its outputs are in the memory that ``step_torch`` returns.
+        Nothing is checked or returned. The outputs are in the memory that ``step_torch`` returns.
         """
         self.world.arrays["action"].view()[:] = self._orders.packed(actions)
         self._run_step()
 
     def info(self) -> dict[str, np.ndarray]:
-        """The info of the environments as they are now: copies, as ``step`` returns them."""
+        """Return copies of the environments' current info, in the form that ``step`` returns."""
         return self._outputs.info()
 
     def tables(self) -> dict[str, np.ndarray]:
-        """What kernels read of the bank, copies: ``numbers`` (n,) float32 and ``indices`` (m,) int32, laid
-        out as the backend's ``pack.py`` says, and ``places`` (p,) int32, as ``sim.world.world`` says.
+        """Return copies of the bank's arrays for kernels.
+
+        They are ``numbers`` (n,) float32 and ``indices`` (m,) int32, which the backend's ``pack.py``
+        explains, and ``places`` (p,) int32, which ``sim.world.world`` explains.
         """
         return {name: self.world.arrays[name].numpy() for name in TABLES}
 
     def targets(self, count: int) -> np.ndarray:
-        """Each environment's target and those that follow it in this episode, (E, count, 2), metres.
+        """Return each environment's target and the next ones of its episode, (E, count, 2), metres.
 
-        After a reset: what an episode brings in order, whatever the agent does.
+        After a reset, these are the episode's targets in order, whatever the agent does.
         """
         self._require_ready("targets")
         return self.world.targets(whole("count", count, MOST_TARGETS))
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that the next steps depend on, but for the houses: copies, to be given back another time.
+        """Copies of everything that the next steps depend on, except the houses.
 
-        With them every environment goes on bit for bit, in this or another environment of the same
-        arguments.
+        Setting the state continues every environment bit for bit, in this or another environment with the
+        same arguments.
         """
         passed = {"passed": self._passing.state} if self._passing else {}
         return (
@@ -417,10 +423,10 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self._ready = True
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """A picture of each environment, (height, width, 3) uint8, all as large as the largest house's.
+        """Return a picture of each environment, (height, width, 3) uint8, in the size of the largest house's.
 
-        ``None`` where ``render_mode`` is, and where it is ``human``: then ``reset`` and ``step`` show the
-        pictures in a window. ``sim.film.mosaic`` makes one picture of them.
+        The result is ``None`` if ``render_mode`` is ``None``, and if it is ``human``: then ``reset`` and
+        ``step`` show the pictures in a window. ``sim.film.mosaic`` joins the pictures.
         """
         self._require_open()
         if self.render_mode is None:
@@ -432,13 +438,13 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         return tuple(self._pictures.taken())
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Close the window, if there is one, and pack no more houses."""
+        """Close the window, if there is one, and stop packing houses."""
         if self._passing:
             self._passing.close()
         self._pictures.close()
 
     def scene(self, index: int) -> "Scene":
-        """What there is to see of one environment, for ``sim.film``."""
+        """Return the scene of one environment, for ``sim.film``."""
         return scene_of(self._outputs, index)
 
     @contextmanager
@@ -462,14 +468,17 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
             raise ResetNeeded(f"call reset() before {call}()")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the arguments and the state: what is read goes on bit for bit, its random numbers too."""
+        """Pickle the arguments and the state.
+
+        The loaded environment continues bit for bit, with its random numbers.
+        """
         arguments = self._arguments | {"houses": self.rotation or self.houses, "targets": self.world.task}
         state = self.state if self._ready else None
         kept = {name: self.__dict__[name] for name in KEPT if name in self.__dict__}
         return remade, (type(self), arguments, kept, state, self.closed)
 
     def _check(self, actions: Any) -> None:
-        """Raise an error if these actions, an array or a tensor, cannot be done now."""
+        """Raise an error if these actions, an array or a tensor, are not possible now."""
         self._require_ready("step")
         self._orders.require(actions, self.num_envs)
         if self.autoreset_mode is AutoresetMode.DISABLED:

@@ -1,4 +1,4 @@
-"""A window on the screen for ``render_mode="human"``: the environments side by side, drawn by pygame."""
+"""Window for ``render_mode="human"`` that shows the environments side by side, drawn by pygame."""
 
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -10,16 +10,19 @@ from sim.film import mosaic
 
 
 class ScreenWindow:
-    """It opens with the first picture and ends with ``close``. Closed by its user, it stays away."""
+    """Window that opens with the first picture and closes with ``close``.
+
+    If the user closes it, it stays closed.
+    """
 
     def __init__(self, fps: float) -> None:
-        """At most so many pictures a second. Raises ``DependencyNotInstalled`` without pygame."""
+        """Show at most ``fps`` pictures per second. Raises ``DependencyNotInstalled`` without pygame."""
         if find_spec("pygame") is None:
             raise DependencyNotInstalled("render_mode='human' needs pygame: pip install vitruvius[play]")
         self._fps, self._shown, self._ended = fps, False, False
 
     def show(self, frames: Sequence[np.ndarray]) -> None:
-        """Show pictures (height, width, 3) uint8 of one size, made smaller where the display is."""
+        """Show pictures (height, width, 3) uint8 of one size, reduced if the display is smaller."""
         import pygame
 
         if self._ended:
@@ -40,7 +43,7 @@ class ScreenWindow:
         self._clock.tick(self._fps)
 
     def close(self) -> None:
-        """End it."""
+        """Close the window."""
         import pygame
 
         self._ended = True
