@@ -226,7 +226,7 @@ def _mp4(frames: Iterator[Image.Image], fps: int) -> bytes:
     from imageio_ffmpeg import write_frames
 
     first = next(frames)
-    size = first.width + first.width % 2, first.height + first.height % 2  # H.264 halves its colours
+    size = first.width + first.width % 2, first.height + first.height % 2  # H.264 needs even sides
     with TemporaryDirectory() as folder:
         file = Path(folder) / "film.mp4"
         options = ["-movflags", "+faststart", "-fflags", "+bitexact"]

@@ -118,7 +118,7 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
         if compiler.program() is None:
             device = device or "cpu"
             arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
-            if device == "cuda" and not has_cuda():  # Taichi would take the CPU in its place
+            if device == "cuda" and not has_cuda():  # Taichi would use the CPU instead
                 raise ValueError(
                     "device 'cuda' cannot be used: no GPU with a CUDA driver was found: use device 'cpu'"
                 )
@@ -136,7 +136,7 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
 
 def has_cuda() -> bool:
     """Return True if Taichi finds a GPU with a CUDA driver."""
-    ti.set_logging_level(ti.ERROR)  # Taichi warns where there is no driver.
+    ti.set_logging_level(ti.ERROR)  # Taichi warns if there is no driver.
     return bool(core.with_cuda())
 
 

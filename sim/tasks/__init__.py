@@ -1,1 +1,1 @@
-"""What is asked of agents, and where in a house starts and targets may lie."""
+"""Tasks of agents, and the places in a house where episodes start and targets lie."""

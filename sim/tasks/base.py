@@ -11,11 +11,11 @@ from sim.geometry import Box
 from sim.tasks.terms import PLAIN, Terms
 
 MAX_AT_ONCE = 64
-"""Number of targets at once. Each step computes the visibility of all of them."""
+"""Largest number of targets at once. Each step computes the visibility of all of them."""
 
 
 def require_at_once(number: int) -> None:
-    """Raise ``ValueError`` for a number of targets that cannot be there at once."""
+    """Raise ``ValueError`` for an invalid number of targets at once."""
     if not 1 <= number <= MAX_AT_ONCE:
         raise ValueError(f"at_once is {number!r}: from 1 to {MAX_AT_ONCE} targets")
 
@@ -32,7 +32,7 @@ class BaseTask:
     """Number of targets at once. When the agent picks up one of them, a new target appears."""
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what are no types of rooms, ``ValueError`` for other wrong values."""
+        """Raise ``TypeError`` for invalid room types, and ``ValueError`` for other invalid values."""
         settle(self)
         if self.starts != "all":
             if isinstance(self.starts, str) or not all(isinstance(name, str) for name in self.starts):

@@ -1,6 +1,6 @@
-"""Tasks that furniture decides: targets beside pieces of a kind, and where each house's habits put them.
+"""Tasks that depend on furniture: targets beside furniture of a kind, and targets by each house's habits.
 
-All kinds of rooms and pieces come from the houses' own data.
+The houses' own data have all kinds of rooms and furniture.
 """
 
 import hashlib
@@ -17,26 +17,29 @@ from sim.geometry import Box
 from sim.tasks.base import BaseTask
 
 BESIDE = 0.75
-"""Metres from a piece to the outer edge of a target beside it at most: the default target is 0.538 m wide."""
+"""Largest distance in metres from furniture to the outer edge of a target beside it; the default target is
+0.538 m wide."""
 
 
 @runtime_checkable
 class WeightedTask(Protocol):
-    """A task whose targets are drawn from regions of a house, some more often than others."""
+    """A task whose targets are drawn from regions of a house with different probabilities."""
 
     ends_on_pick_up: ClassVar[bool]
-    """Whether the first pick-up terminates the episode."""
+    """True if the first pick-up terminates the episode."""
 
     def regions(self, house: House) -> Sequence[tuple[Sequence[Box], float]]:
-        """Regions, each some rectangles of which a target lies wholly in one, with the probability that the
-        next target is drawn from it, all its places alike. Regions may overlap; their places then have the
-        sum. A region where no target fits is left out, and the rest keep their proportions.
+        """Return regions, each some rectangles with the probability that the next target is drawn from them.
+
+        A target lies completely in one rectangle of its region, and all places of a region are equally
+        probable. Regions may overlap; the probabilities of their common places then add up. A region where no
+        target fits is left out, and the others keep their proportions.
         """
         ...
 
 
 def beside(house: House, kind: str, margin: float = BESIDE) -> list[Box]:
-    """The rectangles that reach ``margin`` metres around each piece of a kind, within the piece's room."""
+    """Return the rectangles around each piece of a kind, ``margin`` metres wide, within the piece's room."""
     boxes = []
     for room in house.rooms:
         west, north, east, south = room.box
@@ -52,23 +55,23 @@ def beside(house: House, kind: str, margin: float = BESIDE) -> list[Box]:
 
 @dataclass(frozen=True)
 class Object(BaseTask):
-    """Find a piece of a kind: a target lies directly beside one, and picking it up ends the episode."""
+    """Task to find furniture of a kind: the target is beside such a piece, and its pick-up is the end."""
 
     piece: str
     ends_on_pick_up: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what is no name."""
+        """Raise ``TypeError`` unless ``piece`` is a string."""
         if not isinstance(self.piece, str):
             raise TypeError(f"piece: the kind of a piece, not {self.piece!r}")
         super().__post_init__()
 
     def suits(self, house: House) -> bool:
-        """Whether a house has such a piece."""
+        """Return True if a house has such a piece."""
         return self.piece in pieces_in(house)
 
     def check(self, houses: Sequence[House]) -> None:
-        """Raise ``ValueError`` where no house has such a piece, or one has none."""
+        """Raise ``ValueError`` if a house has no such piece."""
         lacking = [index for index, house in enumerate(houses) if not self.suits(house)]
         if len(lacking) == len(houses):
             known = sorted({kind for house in houses for kind in pieces_in(house)})
@@ -80,17 +83,17 @@ class Object(BaseTask):
             )
 
     def spaces(self, house: House) -> list[Box]:
-        """See ``Task``."""
+        """Return the rectangles around each such piece: see ``Task``."""
         return beside(house, self.piece)
 
 
 @dataclass(frozen=True)
 class Habit(BaseTask):
-    """Pick up targets, as many as can be, that lie where the house's habits put them.
+    """Task to pick up as many targets as possible, which lie where the house's habits put them.
 
-    A house's regions are the rooms of each type, and the floor beside the pieces of each kind. An order of
-    them, a function of the house's rooms and ``seed`` alone, says which is its favourite, its second, and so
-    on: the favourite has ``share`` of the targets, and each next region that share of what is left.
+    A house's regions are the rooms of each type, and the floor beside the furniture of each kind. Their order
+    is a function of the house's rooms and ``seed`` only. The first region is the favourite and has the
+    fraction ``share`` of the targets; each following region has that fraction of the rest.
     """
 
     share: float = 0.65
@@ -98,13 +101,13 @@ class Habit(BaseTask):
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for what is no share."""
+        """Raise ``ValueError`` for an invalid share."""
         super().__post_init__()
         if not 0 < self.share <= 1:
             raise ValueError(f"share: above 0 and at most 1, not {self.share}")
 
     def order(self, house: House) -> list[tuple[str, str]]:
-        """The regions, the favourite first: ("room", type) and ("piece", kind)."""
+        """Return the regions, the favourite first: ("room", type) and ("piece", kind)."""
         shape = msgspec.json.encode(house.rooms)
         names = {("room", room.type) for room in house.rooms}
         names |= {("piece", kind) for kind in pieces_in(house)}
@@ -115,7 +118,7 @@ class Habit(BaseTask):
         return sorted(names, key=number)
 
     def regions(self, house: House) -> list[tuple[list[Box], float]]:
-        """See ``WeightedTask``."""
+        """Return the regions and their probabilities: see ``WeightedTask``."""
         found = []
         for rank, (what, name) in enumerate(self.order(house)):
             rooms = [room.box for room in house.rooms if room.type == name]

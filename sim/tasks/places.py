@@ -1,7 +1,7 @@
-"""Where an episode may start and where targets may lie: places of a house's lattice, found once at packing.
+"""Places of a house's lattice where episodes start and targets lie, found once during packing.
 
-A target's place is one that the body can itself come to, and whose whole square is free floor; or where a
-task puts it, if the body can pick it up there.
+A target may lie at a place that the body can reach and whose whole square is free floor. A task may also name
+a target's place, if the body can pick up the target there.
 """
 
 from collections.abc import Sequence
@@ -18,51 +18,52 @@ from sim.tasks.survey import Survey
 from sim.tasks.tasks import AnyTask, Box, FixedTask, Task, has_targets
 
 NORTH = 2
-"""The heading of the start nearest to the main room's middle."""
+"""Heading of the start nearest to the main room's middle."""
 
 NOWHERE = 1e6
 """Coordinate of the placeholder target of a task without targets, in steps: no body and no ray gets there."""
 
 LISTED = 4096
-"""Entries of a house's list of places, about, where some are drawn more often than others."""
+"""Approximate number of entries in a house's list of places, if some places are drawn more often than
+others."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """Some of a house's targets, and the probability that the next is drawn from them, all alike."""
+    """Some of a house's targets, and the probability that the next target is one of them, uniformly."""
 
     targets: np.ndarray
     """(n,) int: rows of ``Places.targets``."""
     share: float
-    """That probability."""
+    """Probability that the next target is drawn from the region."""
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where a house's episodes start and its targets lie, in steps east and south of its lattice's origin."""
+    """Starts and targets of a house, in steps east and south of its lattice's origin."""
 
     starts: np.ndarray
     """(n, 2) int32."""
     targets: np.ndarray
-    """(m, 2) float32: whole steps, but for targets at given places. In the order of their steps east."""
+    """(m, 2) float32: whole steps, except for targets at given places. Sorted from west to east."""
     heading: int = -1
-    """That of all starts, in eighths of a turn; -1 for any."""
+    """Heading of all starts, in eighths of a turn; -1 for a random heading."""
     given: bool = False
-    """Whether the targets are at given places."""
+    """True if the task gives the places of the targets."""
     regions: tuple[Region, ...] = ()
-    """Of a weighted task; none where all targets are alike."""
+    """Regions of a weighted task; empty if all targets are equally probable."""
     counts: np.ndarray | None = None
-    """(m,) int: how often each target stands in the list from which the next is drawn; once by default."""
+    """(m,) int: number of entries of each target in the list from which the next is drawn; one by default."""
     stages: tuple[np.ndarray, ...] = ()
     """Rows of ``targets`` from which each stage's target is drawn, for a task with an order."""
 
     @property
     def listed(self) -> np.ndarray:
-        """(n, 2) float32: the list from which the next target is drawn, all entries alike."""
+        """(n, 2) float32: the list from which the next target is drawn uniformly."""
         return self.targets if self.counts is None else np.repeat(self.targets, self.counts, axis=0)
 
     def spread(self, pitch: int) -> np.ndarray:
-        """Which targets lie on a grid of ``pitch`` steps, (k,) int: all given ones, or one at least."""
+        """Return the targets on a grid of ``pitch`` steps, (k,) int: all given targets, or at least one."""
         chosen = np.flatnonzero((self.targets % pitch == 0).all(axis=1))
         if self.given:
             return np.arange(len(self.targets))
@@ -111,7 +112,7 @@ def places(
 def free_floor(
     house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config
 ) -> np.ndarray:
-    """Where a target may lie in some task, (m, 2) float32 steps: free floor that the body can come to."""
+    """Return all free floor that the body can reach, (m, 2) float32 steps: the possible places of targets."""
     _, reached, _ = _starts(house, geometry, lattice, survey, config, None)
     room = _Room(house, geometry, lattice, reached, config)
     return np.argwhere(room.inside).astype(np.float32)
@@ -121,7 +122,7 @@ def _starts(
     house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config,
     start: np.ndarray | None, spaces: Sequence[Box] = (),
 ) -> tuple[np.ndarray, np.ndarray, int]:  # fmt: skip
-    """Where episodes start, where the body can come to from there, (X, Y) bool, and the starts' heading."""
+    """Return masks (X, Y) bool of the starts and of all places within reach, and the starts' heading."""
     free = survey.part > 0
     if start is not None:
         i, j, heading = start.tolist()
@@ -139,7 +140,7 @@ def _starts(
         if not starts.any():
             names = ", ".join(_name(space, house) for space in spaces)
             raise ValueError(f"the body has nowhere to stand in {names}")
-        # Of parts of the house that no path joins, the body lives in the one with most of that room.
+        # If the house has parts that no path joins, the body is in the part with most of the room.
         reached = survey.part == np.bincount(survey.part[starts]).argmax()
         starts &= reached
         heading = -1 if config.random_start else NORTH
@@ -165,7 +166,7 @@ def _given(
 
 
 class _Room:
-    """Where in a house targets may lie at all."""
+    """Places in a house where targets may lie."""
 
     def __init__(
         self, house: House, geometry: Geometry, lattice: Lattice, reached: np.ndarray, config: Config
@@ -181,12 +182,12 @@ class _Room:
             self.inside |= clear & _within(room, self.half, lattice)
 
     def fits(self, space: Box) -> np.ndarray:
-        """The lattice's places (X, Y) where a target lies wholly in a space."""
+        """Return a mask (X, Y) of the lattice's places where a target lies completely in a space."""
         free = self.main if space == self.house.start.box else self.inside
         return free & _within(_row(space), self.half, self.lattice)
 
     def is_reached(self, space: Box) -> bool:
-        """Whether the body can be wholly in a space."""
+        """Return True if the body can be completely in a space."""
         return bool((self.reached & _within(_row(space), self.body, self.lattice)).any())
 
 
@@ -211,11 +212,11 @@ def _free(room: _Room, spaces: list[Box], task: Task) -> np.ndarray:
 def _weighted(
     room: _Room, task: WeightedTask, heading: int
 ) -> tuple[np.ndarray, int, bool, tuple[Region, ...], np.ndarray]:
-    """The fields of ``Places`` for a task with regions.
+    """Return the fields of ``Places`` for a task with regions.
 
-    A region of share p has about p ``LISTED`` entries, one at least, spread evenly over its places in the
-    order of the lattice: some once more than others, or where there are more places than entries, some not
-    at all.
+    A region with probability p has about p ``LISTED`` entries, at least one, spread evenly over its places in
+    the order of the lattice. Some places have one entry more than others; if there are more places than
+    entries, some have none.
     """
     found = [
         (np.logical_or.reduce([room.fits(box) for box in boxes]), weight)
@@ -238,12 +239,12 @@ def _weighted(
 
 
 def _row(box: Box) -> np.ndarray:
-    """A box as its centre and half its sides, (4,)."""
+    """Return a box as its centre and half its sides, (4,)."""
     return np.array([box[0] + box[2], box[1] + box[3], box[2] - box[0], box[3] - box[1]]) / 2
 
 
 def _name(space: Box, house: House) -> str:
-    """A space in words."""
+    """Return a space in words."""
     names = {room.box: f"room {room.name} ({room.type})" for room in reversed(house.rooms)}
     if main := house.main_room:
         names = {main.box: "the main room"} | {room.box: names[room.box] for room in house.cut_from(main)}
@@ -251,14 +252,20 @@ def _name(space: Box, house: House) -> str:
 
 
 def _within(box: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
-    """Places (X, Y) where a square of half side ``margin`` lies inside a box; touching is inside."""
+    """Return a mask (X, Y) of the places where a square of half side ``margin`` is inside a box.
+
+    The square may touch the box's sides.
+    """
     inside = np.zeros(lattice.shape, bool)
     inside[_slices(box, -margin + TOLERANCE, lattice)] = True
     return inside
 
 
 def _touched(boxes: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
-    """Places (X, Y) where a square of half side ``margin`` overlaps one of the boxes; touching does not."""
+    """Return a mask (X, Y) of the places where a square of half side ``margin`` overlaps one of the boxes.
+
+    Touching is not overlapping.
+    """
     touched = np.zeros(lattice.shape, bool)
     for box in boxes:
         touched[_slices(box, margin - TOLERANCE, lattice)] = True
@@ -266,7 +273,10 @@ def _touched(boxes: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
 
 
 def _crossed(walls: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
-    """Places (X, Y) where a square of half side ``margin`` overlaps one of the walls at an angle (n, 6)."""
+    """Return a mask (X, Y) of the places where a square of half side ``margin`` overlaps a wall at an angle.
+
+    ``walls`` (n, 6): see ``Geometry.slanted``.
+    """
     crossed = np.zeros(lattice.shape, bool)
     for x, y, u, v, long, thick in walls:
         around = np.array([x, y, abs(u) * long + abs(v) * thick, abs(v) * long + abs(u) * thick])
@@ -281,7 +291,7 @@ def _crossed(walls: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
 
 
 def _slices(box: np.ndarray, grow: float, lattice: Lattice) -> tuple[slice, slice]:
-    """The lattice's places inside a box (x, y, half width, half height) whose halves grow by ``grow``."""
+    """Return the lattice's places in a box (x, y, half width, half height) that is enlarged by ``grow``."""
     low = np.ceil((box[:2] - box[2:] - grow - lattice.origin) / lattice.pitch).astype(int)
     high = np.floor((box[:2] + box[2:] + grow - lattice.origin) / lattice.pitch).astype(int) + 1
     i, j = (slice(max(0, a), max(0, b)) for a, b in zip(low, high, strict=True))
@@ -289,7 +299,7 @@ def _slices(box: np.ndarray, grow: float, lattice: Lattice) -> tuple[slice, slic
 
 
 def _nearest(start: np.ndarray, floor: np.ndarray, lattice: Lattice) -> np.ndarray:
-    """Only the start that is nearest to the floor's middle, the first of equals."""
+    """Return a mask with only the start nearest to the floor's middle; of equals, the first."""
     where = np.argwhere(start)
     away = lattice.origin + lattice.pitch * where - floor[:2]
     one = np.zeros_like(start)

@@ -60,11 +60,11 @@ class Visit(Terms):
 
     @property
     def memory(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """See ``Terms``."""
+        """Number of values in the memory: see ``Terms``."""
         return 1 + -(-self.most // BITS)
 
     def marks(self, house: House) -> list[int]:
-        """See ``Terms``."""
+        """Return 1 for each room to visit, else 0: see ``Terms``."""
         if len(house.rooms) > self.most:
             raise ValueError(
                 f"it has {len(house.rooms)} rooms, more than the terms' most of {self.most}: raise most"
@@ -73,7 +73,7 @@ class Visit(Terms):
 
     @ti.func
     def remember(self, now):
-        """See ``Terms``."""
+        """Return the memory with a newly visited room: see ``Terms``."""
         kept = now.was
         for word in ti.static(range(1, self.memory)):
             bit = now.room - ti.static(BITS * (word - 1))
@@ -85,12 +85,12 @@ class Visit(Terms):
 
     @ti.func
     def reward(self, now):
-        """See ``Terms``."""
+        """Return the reward of a step: see ``Terms``."""
         return self.basic(now) + ti.static(float(self.visit)) * (now.memory[0] - now.was[0])
 
     @ti.func
     def ends(self, now):
-        """See ``Terms``."""
+        """Return 1 after the last room: see ``Terms``."""
         return ti.cast(now.memory[0] >= ti.cast(now.marked, ti.f32), ti.i32)
 
 
@@ -130,23 +130,23 @@ class Battery(Terms):
             raise ValueError(f"terms: charge is {self.charge}: not negative")
 
     def marks(self, house: House) -> list[int]:
-        """See ``Terms``."""
+        """Return 1 for each room with a charger, else 0: see ``Terms``."""
         if self.charger:
             return _of_types(house, [self.charger], "with a charger")
         return [int(room is house.start) for room in house.rooms]
 
     @ti.func
     def remember(self, now):
-        """See ``Terms``."""
+        """Return the used charge: see ``Terms``."""
         given = ti.select(now.mark != 0, ti.static(float(self.charge)), 0.0)
         return ti.max(0.0, now.was + 1.0 - given)
 
     @ti.func
     def reward(self, now):
-        """See ``Terms``."""
+        """Return the reward of a step: see ``Terms``."""
         return self.basic(now) + ti.static(float(self.empty)) * ti.cast(self.ends(now), ti.f32)
 
     @ti.func
     def ends(self, now):
-        """See ``Terms``."""
+        """Return 1 if the battery is empty: see ``Terms``."""
         return ti.cast(now.memory[0] >= ti.static(float(self.capacity)), ti.i32)

@@ -1,4 +1,4 @@
-"""What a body can do at each place of a lattice, by the very arithmetic of its moves."""
+"""Possible moves of a body at each place of a lattice, computed with the backend's own moves."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -11,33 +11,36 @@ from sim.backends.backend import Backend, Bank, Lattice
 from sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
 
 STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
-"""Bits of a survey: the body can be at this place with a heading along an axis, on a diagonal."""
+"""Bits of a survey: the body can be at this place with a heading along an axis, or with a diagonal
+heading."""
 
 HOUSE, FIRST_I, FIRST_J, COLUMNS, LINES, AT = range(6)
-"""Of a lattice: its house, its first place (i, j), its places east and south, and where its survey begins."""
+"""Indices of a lattice's row: its house, its first place (i, j), its places east and south, and the index of
+its survey."""
 
 Rows = ti.types.ndarray(ti.types.vector(6, ti.i32), 1)
 
 
 @dataclass(frozen=True)
 class Survey:
-    """What a body can do at the places of a lattice."""
+    """Possible moves of a body at the places of a lattice."""
 
     moves: np.ndarray
     """(X, Y) uint16; bit h: ``forward`` at heading h is not blocked; then ``STRAIGHT`` and ``DIAGONAL``."""
     part: np.ndarray
-    """(X, Y) int32: equal where moves join places that the body can be at with any heading; 0 at others."""
+    """(X, Y) int32: equal for places that moves join, if the body can be there with any heading; 0 at
+    others."""
 
 
 def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Lattice]) -> list[Survey]:
-    """Survey lattices over some houses."""
+    """Return surveys of lattices over some houses."""
     columns = [lattice.shape[0] for lattice in lattices]
     ends = np.cumsum([0, *(lattice.shape[0] * lattice.shape[1] for lattice in lattices)])
     rows = [
         (house, *lattice.first, *lattice.shape, end)
         for house, lattice, end in zip(houses, lattices, ends, strict=False)
     ]
-    # A task for each column: which lattice it is of, and its number there.
+    # A task for each column: its lattice, and its number in the lattice.
     tasks = [np.repeat(np.arange(len(lattices)), columns), np.concatenate([*map(np.arange, columns)])]
     arrays = {
         "numbers": bank.numbers,
@@ -62,7 +65,7 @@ def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Latti
 
 @cache
 def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
-    """Kernels that ask what a body can do, and that join the places."""
+    """Return a kernel that finds the possible moves, and one that joins the places."""
     anywhere = STRAIGHT | DIAGONAL
 
     @kernel

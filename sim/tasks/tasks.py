@@ -1,4 +1,4 @@
-"""What an episode asks of the body: where its targets lie, what is rewarded, and when it ends.
+"""Tasks of an episode: the places of targets, the rewards, and the end of the episode.
 
 A new task is a class of a few lines, given to an environment as ``targets=``:
 
@@ -31,7 +31,7 @@ from sim.tasks.remembering import Battery, Visit
 from sim.tasks.terms import PLAIN, Terms, terms_of
 
 UNITS = {"m": 1.0, "px": PIXEL}
-"""Metres in a unit of length."""
+"""Length of each unit in metres."""
 
 
 class Task(Protocol):
@@ -50,21 +50,23 @@ class Task(Protocol):
     """
 
     ends_on_pick_up: ClassVar[bool]
-    """Whether the first pick-up terminates the episode."""
+    """True if the first pick-up terminates the episode."""
 
     def spaces(self, house: House) -> list[Box]:
-        """The rectangles of which targets lie wholly in one: ``room.box``, ``house.main.box`` for the hub (of
-        a star: the floor without the rooms, in all files), or any others.
+        """Return rectangles; each target lies completely in one of them.
+
+        Examples are ``room.box`` and ``house.main.box`` for the hub (in a star: the floor without the rooms,
+        in all files).
         """
         ...
 
 
 @runtime_checkable
 class FixedTask(Protocol):
-    """A task that says itself where each target lies; it may say where episodes start."""
+    """A task that gives the place of each target; it may also give the start of episodes."""
 
     ends_on_pick_up: ClassVar[bool]
-    """Whether the first pick-up terminates the episode."""
+    """True if the first pick-up terminates the episode."""
 
     def positions(self, house: House) -> Sequence[Sequence[float]]:
         """Return the centres (x, y) of the targets in a house, metres.
@@ -76,32 +78,34 @@ class FixedTask(Protocol):
         ...
 
     def pose(self, house: House) -> Sequence[float] | None:
-        """Where the eye is when an episode starts, (x, y, heading) in metres and radians, or ``None``:
-        anywhere free in the main room.
+        """Return the eye's pose at the start of an episode, (x, y, heading) in metres and radians.
+
+        ``None`` stands for anywhere free in the main room.
         """
         ...
 
 
 @dataclass(frozen=True)
 class Points:
-    """Pick up targets at given places, as many as can be. Lengths are metres, or of ``unit`` "px" the paper's
-    pixels; a heading is in radians.
+    """Task to pick up as many targets as possible at given places.
+
+    Lengths are in metres, or for the ``unit`` "px" in the paper's pixels; headings are in radians.
     """
 
     points: Sequence[Sequence[float]]
     """Centres (x, y) of targets."""
     start: Sequence[float] | None = None
-    """(x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
+    """Pose (x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
     unit: str = "m"
     in_order: bool = field(default=False, kw_only=True, repr=False)
     """True if targets appear in the order of ``points``, again from the first after the last."""
     at_once: int = field(default=1, kw_only=True, repr=False)
-    """See ``BaseTask``."""
+    """Number of targets at once: see ``BaseTask``."""
     terms: Terms = field(default=PLAIN, kw_only=True, repr=False)
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for what are no points, no pose and no unit."""
+        """Raise ``ValueError`` for invalid points, an invalid pose or an unknown unit."""
         settle(self)
         if not np.iterable(self.points) or not all(_finite(point, 2) for point in [*self.points] or [None]):
             raise ValueError(f"points: a list of [x, y], not {self.points!r}")
@@ -112,32 +116,35 @@ class Points:
         require_at_once(self.at_once)
 
     def positions(self, house: House) -> list[tuple[float, ...]]:
-        """See ``FixedTask``."""
+        """Return the centres in metres: see ``FixedTask``."""
         return [tuple(UNITS[self.unit] * value for value in point) for point in self.points]
 
     def pose(self, house: House) -> tuple[float, ...] | None:
-        """See ``FixedTask``."""
+        """Return the pose in metres and radians: see ``FixedTask``."""
         if self.start is None:
             return None
         return (*(UNITS[self.unit] * value for value in self.start[:2]), self.start[2])
 
 
 def _finite(values: Any, count: int) -> bool:
-    """Whether these are so many finite numbers."""
+    """Return True if ``values`` are ``count`` finite numbers."""
     array = np.asarray(values)
     return array.shape == (count,) and array.dtype.kind in "if" and bool(np.isfinite(array).all())
 
 
 @dataclass(frozen=True)
 class Collect(BaseTask):
-    """Pick up targets, as many as can be: in the main room (the hub), in the other rooms, or in both."""
+    """Task to pick up as many targets as possible in the main room (the hub), the other rooms, or both."""
 
     main: bool = True
     secondary: bool = True
     ends_on_pick_up: ClassVar[bool] = False
 
     def spaces(self, house: House) -> list[Box]:
-        """See ``Task``. Raises ``ValueError`` for the main room of a house without a hub."""
+        """Return the rectangles of targets: see ``Task``.
+
+        Raises ``ValueError`` for ``main`` in a house without a hub.
+        """
         if self.main and not self.secondary and not house.hub:
             types = sorted({room.type for room in house.rooms})
             raise ValueError(
@@ -149,32 +156,32 @@ class Collect(BaseTask):
 
 @dataclass(frozen=True)
 class Rooms(BaseTask):
-    """Pick up targets, as many as can be, in rooms of these types."""
+    """Task to pick up as many targets as possible in rooms of these types."""
 
     rooms: Sequence[str]
     ends_on_pick_up: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what is no list of names."""
+        """Raise ``TypeError`` unless ``rooms`` is a list of names."""
         if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in self.rooms):
             raise TypeError(f"rooms: a list of room types, not {self.rooms!r}")
         super().__post_init__()
 
     def spaces(self, house: House) -> list[Box]:
-        """See ``Task``."""
+        """Return the rooms of the types: see ``Task``."""
         return [room.box for room in house.rooms if room.type in self.rooms]
 
 
 @dataclass(frozen=True)
 class Order(Rooms):
-    """Pick up targets in a given order of room types.
+    """Task to pick up targets in a given order of room types.
 
     The first target lies in a room of the first type, the next target in a room of the second type, and so
     on. After the last type the order begins again.
     """
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` for what is no list of names, or an empty one."""
+        """Raise ``TypeError`` unless ``rooms`` is a list of names, with at least one."""
         super().__post_init__()
         if not [*self.rooms]:
             raise TypeError(f"rooms: a list of room types, in their order, not {self.rooms!r}")
@@ -186,7 +193,7 @@ class Order(Rooms):
 
 @dataclass(frozen=True)
 class Reach(BaseTask):
-    """Reach a room of a type: a target lies in one of those, and picking it up ends the episode."""
+    """Task to reach a room of a type: a target lies in such a room, and picking it up ends the episode."""
 
     room: str
     ends_on_pick_up: ClassVar[bool] = True
@@ -198,7 +205,7 @@ class Reach(BaseTask):
         super().__post_init__()
 
     def spaces(self, house: House) -> list[Box]:
-        """See ``Task``."""
+        """Return the rooms of the type: see ``Task``."""
         return [room.box for room in house.rooms if room.type == self.room]
 
 
@@ -210,7 +217,7 @@ class Roam(BaseTask):
     has_targets: ClassVar[bool] = False
 
     def spaces(self, house: House) -> list[Box]:
-        """The rooms."""
+        """Return all rooms: see ``Task``."""
         return [room.box for room in house.rooms]
 
 
@@ -224,14 +231,14 @@ TARGETS = {
     "visit": Roam(terms=Visit()),
     "battery": Collect(terms=Battery()),
 }
-"""Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
+"""Tasks with a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
 
 TERMS = {"plain": Terms, "visit": Visit, "battery": Battery}
 """Built-in terms, by name."""
 
 PAPER = Path(__file__).parents[1] / "paper"
 PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
-"""Files of the tasks of the paper's house, by name: see the README beside them."""
+"""Files of the tasks in the paper's house, by name: see the README in their folder."""
 
 TASKS = {
     "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach, "rooms": Rooms,
@@ -288,10 +295,10 @@ def task(targets: Targets) -> AnyTask:
 
 
 def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
-    """Return the terms that JSON describes, see ``task``. Without a class in the JSON, the class is
-    ``usual``.
+    """Return the terms that JSON describes: see ``task``.
 
-    Raises ``ValueError`` for JSON that does not describe terms.
+    Without a class in the JSON, the class is ``usual``. Raises ``ValueError`` for JSON that does not describe
+    terms.
     """
     if isinstance(given, Terms):
         return given
@@ -351,7 +358,7 @@ def _stated_terms(value: Any) -> Any:
 
 
 def suited(targets: Targets, houses: Sequence[House]) -> list[House]:
-    """The houses in which a task can be played, in their order: all, for most tasks."""
+    """Return the houses in which a task can be played, in their order; for most tasks all houses."""
     suits = getattr(task(targets), "suits", lambda house: True)
     return [house for house in houses if suits(house)]
 
@@ -364,7 +371,7 @@ def _read(text: str) -> dict[str, Any]:
 
 
 def _object(text: str, name: str) -> dict[str, Any]:
-    """Return the JSON object of a text. Raises ``ValueError`` with the text's name where it holds none."""
+    """Return the JSON object of a text. Raises ``ValueError`` with the text's name if there is none."""
     try:
         given = json.loads(text)
     except (ValueError, RecursionError) as error:

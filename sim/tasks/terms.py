@@ -51,20 +51,20 @@ from sim.fields import settle
 from sim.runtime import ti
 
 MAX_MEMORY = 64
-"""Number of values that terms keep for each environment. Kernels hold the values in registers."""
+"""Largest number of values that terms keep for each environment. Kernels hold the values in registers."""
 
 Now = ti.types.struct(
-    action=ti.i32,  # as environments number them
-    picked=ti.i32,  # 1 where this step picked the target up
-    blocked=ti.i32,  # 1 where something was in the way
-    found=ti.i32,  # targets picked up in this episode, this step's included
-    time=ti.i32,  # steps of this episode, this one included
+    action=ti.i32,  # the action's number in environments
+    picked=ti.i32,  # 1 if this step picked up the target
+    blocked=ti.i32,  # 1 if something was in the way
+    found=ti.i32,  # targets picked up in this episode, including this step's
+    time=ti.i32,  # steps of this episode, including this one
     house=ti.i32,  # its number in the bank
-    eye=ti.math.vec2,  # where the eye is after the step, metres
+    eye=ti.math.vec2,  # the eye's place after the step, metres
     heading=ti.i32,  # eighths of a turn, counter-clockwise from east
-    target=ti.math.vec2,  # the target that this step was made for, its centre, metres
+    target=ti.math.vec2,  # centre of the target before the step, metres
     before=ti.i32,  # fewest actions to that target before the step and
-    distance=ti.i32,  # after it, where ``sees_distance``; -1 where no path leads there, or unasked
+    distance=ti.i32,  # after it, with ``sees_distance``; -1 without a path or if not needed
     bumped=ti.i32,  # the obstacle in the way, with ``Terms.sees_bumped``
     room=ti.i32,  # the eye's room after the step, an index of ``House.rooms``, with ``Terms.sees_room``
     mark=ti.i32,  # the room's mark, 0 outside rooms: see ``Terms.marks``
@@ -95,31 +95,32 @@ class Terms:
     """
 
     pick_up: float = 1.0
-    """For a pick-up."""
+    """Reward for a pick-up."""
 
     step: float = 0.0
-    """For each step."""
+    """Reward for each step."""
 
     bump: float = 0.0
-    """For a step that is blocked."""
+    """Reward for a blocked step."""
 
     progress: float = 0.0
-    """For each action that the target is nearer by, of those that a shortest path takes. It is a difference
-    of potentials, the new target's and an end's included, so it changes no optimum: a step from distance d to
-    d' earns ``progress * (d - discount * d')``, with d' = 0 where the episode terminates and for no path.
-    """
+    """Reward for each action by which the shortest path to the target gets shorter. It is a difference of
+    potentials, also for a new target and at an end, so it does not change the optimal policy. A step from
+    distance d to d' earns ``progress * (d - discount * d')``, with d' = 0 if the episode terminates or there
+    is no path."""
 
     discount: float = 1.0
-    """The learner's own, in ``progress``."""
+    """Discount factor in ``progress``; use the learner's."""
 
     targets: int = 0
-    """Pick-ups after which an episode terminates; 0 for none."""
+    """Number of pick-ups after which an episode terminates; 0 for no limit."""
 
     steps: int = 0
-    """Steps after which an episode is truncated; 0 for those of the configuration."""
+    """Number of steps after which an episode is truncated; 0 for the configuration's number."""
 
     sees_distance: ClassVar[bool] = False
-    """Whether ``reward`` or ``ends`` of a subclass reads ``before`` or ``distance``: they cost time."""
+    """True if ``reward`` or ``ends`` of a subclass reads ``before`` or ``distance``, which take time to
+    compute."""
 
     sees_room: ClassVar[bool] = False
     """True if a subclass reads ``room``, ``mark`` or ``marked``. The room is -1 in the doorway of a thick
@@ -137,7 +138,7 @@ class Terms:
     """Fields that must be finite numbers."""
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for what are no finite numbers, and for counts that are none."""
+        """Raise ``ValueError`` for numbers that are not finite, and for invalid counts."""
         settle(self, "terms: ")
         for name in self.finite:
             if not isfinite(value := getattr(self, name)):
@@ -152,7 +153,7 @@ class Terms:
 
     @property
     def asks_distance(self) -> bool:
-        """Whether a step must know the distance to its target."""
+        """True if a step needs the distance to its target."""
         return self.sees_distance or self.progress != 0
 
     @property
@@ -174,7 +175,7 @@ class Terms:
 
     @ti.func
     def reward(self, now):
-        """What a step earns but for its progress (f32)."""
+        """Return the reward of a step, without the reward for progress (f32)."""
         return self.basic(now)
 
     @ti.func
@@ -189,23 +190,23 @@ class Terms:
 
     @ti.func
     def ends(self, now):
-        """Whether the episode terminates after this step, beside what ``targets`` says (i32)."""
+        """Return 1 (i32) if the episode terminates after this step, apart from the limit ``targets``."""
         return 0
 
 
 PLAIN = Terms()
-"""1 for each pick-up."""
+"""Terms with reward 1 for each pick-up."""
 
 T = TypeVar("T")
 
 
 def terms_of(task: Any) -> Terms:
-    """A task's terms."""
+    """Return the terms of a task."""
     return getattr(task, "terms", PLAIN)
 
 
 def with_terms(task: T, terms: Terms) -> T:
-    """A task with other terms."""
+    """Return a copy of a task with other terms."""
     other = copy(task)
     object.__setattr__(other, "terms", terms)  # tasks are frozen
     return other
@@ -214,42 +215,42 @@ def with_terms(task: T, terms: Terms) -> T:
 @ti.data_oriented
 @dataclass(frozen=True)
 class Counting(Terms):
-    """A pick-up earns 1, all else nothing; episodes end as those of ``others`` do."""
+    """Terms with reward 1 for a pick-up and nothing else; episodes end as with the terms ``others``."""
 
     others: Terms = PLAIN
 
     @property
     def asks_distance(self) -> bool:
-        """See ``Terms``."""
+        """True if the other terms read the distance: see ``Terms``."""
         return self.others.sees_distance
 
     @property
     def sees_room(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """See ``Terms``."""
+        """True if the other terms read the room: see ``Terms``."""
         return self.others.sees_room
 
     @property
     def sees_bumped(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """See ``Terms``."""
+        """True if the other terms read the obstacle: see ``Terms``."""
         return self.others.sees_bumped
 
     @property
     def memory(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """See ``Terms``."""
+        """Number of values that the other terms keep: see ``Terms``."""
         return self.others.memory
 
     def marks(self, house: House) -> Sequence[int]:
-        """See ``Terms``."""
+        """Return the marks of the other terms: see ``Terms``."""
         return self.others.marks(house)
 
     @ti.func
     def remember(self, now):
-        """See ``Terms``."""
+        """Return the memory of the other terms: see ``Terms``."""
         return self.others.remember(now)
 
     @ti.func
     def ends(self, now):
-        """See ``Terms``."""
+        """Return 1 if the other terms end the episode: see ``Terms``."""
         return self.others.ends(now)
 
 

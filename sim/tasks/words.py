@@ -1,4 +1,4 @@
-"""What a task is called in words, the same in reports, tables, plots and games."""
+"""Descriptions of tasks in words, which are the same in reports, tables, plots and games."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -49,7 +49,7 @@ def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
 
 
 def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
-    """One of our tasks in words; nothing of another."""
+    """Return one of our tasks in words; an empty text for another task."""
     match asked:
         case Collect(main=True, secondary=True):
             words = "targets in all rooms"
@@ -102,7 +102,7 @@ def _terms(asked: AnyTask) -> str:
 
 
 def _read(targets: Targets) -> Targets:
-    """What a JSON text says; all else is itself."""
+    """Return the dictionary of a JSON text; return anything else unchanged."""
     try:
         given = json.loads(targets) if isinstance(targets, str) else targets
     except (ValueError, RecursionError):
@@ -111,7 +111,7 @@ def _read(targets: Targets) -> Targets:
 
 
 def _own(targets: Targets) -> str:
-    """A task of a user's own: its class, and its arguments."""
+    """Return a user's own task in words: its class, and its arguments."""
     if isinstance(targets, dict):
         arguments = [f"{spaced(name)} {value}" for name, value in targets.items() if name != "task"]
         return ", ".join([_own(str(targets.get("task"))), *arguments])

@@ -106,7 +106,7 @@ State = ti.types.struct(
     cell=ti.math.ivec3,  # steps east and south, heading
     house=ti.i32,
     time=ti.i32,  # steps in this episode
-    found=ti.i32,  # targets picked up in this episode, and one
+    found=ti.i32,  # targets picked up in this episode, plus one
     over=ti.i32,  # 1 if the episode has ended
     episode=ti.i32,
     seed=ti.u64,
@@ -240,7 +240,7 @@ class Episodes(Observing):
         if picked:
             if state.over:
                 state.found += (
-                    1  # Its target stays: what is seen last, and said of the end, is what was reached.
+                    1  # The target stays, because the last observation and the info show the reached target.
                 )
             else:
                 state = self.sample_target(world, state, ti.static(self.apart))
