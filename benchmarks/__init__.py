@@ -1,6 +1,7 @@
-"""The studies: how hard a house is, how fast a step, how well agents do. ``vitruvius bench NAME`` runs one.
+"""Studies of houses, of the simulator's speed, and of agents. ``vitruvius bench NAME`` runs one.
 
-Each is a dataclass whose fields are its options, with a ``run``; it is imported only when it is asked for.
+Each study is a dataclass whose fields are its options, with a method ``run``. A study is imported only when
+it is asked for.
 """
 
 STUDIES = {
@@ -48,4 +49,4 @@ STUDIES = {
     "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
-"""By name: where the study is, ``module:Class``, and what it measures."""
+"""Import path ``module:Class`` and subject of each study, by name."""

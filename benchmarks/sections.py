@@ -1,4 +1,4 @@
-"""What a report shows of the files of studies: see ``agent.report.folder``."""
+"""Sections of a report for the files of studies: see ``agent.report.folder``."""
 
 SECTIONS = (
     (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),

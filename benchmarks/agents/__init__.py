@@ -1,1 +1,1 @@
-"""How well agents do, how fast they learn, and where their steps go."""
+"""Studies of agents: their scores, their speed of learning, and where their steps go."""

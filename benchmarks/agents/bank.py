@@ -1,6 +1,6 @@
-"""Make a frozen bank: ``python -m benchmarks.agents.bank NAME``, once; it never replaces one that is there.
+"""Make a frozen bank once: ``python -m benchmarks.agents.bank NAME``. The command never replaces a bank.
 
-Half a minute on two cores. The same solver versions (``requirements.lock``) give the same houses.
+It takes half a minute on two cores. The same solver versions (``requirements.lock``) give the same houses.
 """
 
 import sys
@@ -15,7 +15,7 @@ HOUSES = 256
 
 
 def main(name: str) -> int:
-    """Make the bank, check it, save it; 1 where it is there already."""
+    """Make the bank, check it and save it. Return 1 if the bank exists already."""
     bank, out = BANKS[name], benchmark_path(name)
     if out.exists():
         print(f"{out}: is frozen. A new bank needs a new name: agent/banks.py", file=sys.stderr)

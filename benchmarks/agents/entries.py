@@ -1,4 +1,4 @@
-"""What the study of agents trains: presets, changes of them, and agents of other libraries."""
+"""Entries of the study of agents: presets, changes of presets, and agents of other libraries."""
 
 from typing import Any
 
@@ -6,12 +6,13 @@ from benchmarks.agents.records import External, TrainingEntry
 
 BUDGET = 15 * 60
 RATES = {"pqn": 46_000, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
-"""The whole budget of a run: as many steps as 15 minutes gave on one quiet core of the machine that the study
-began on; steps a second. Counted in steps, it does not depend on the machine."""
+"""Whole budget of a run: as many steps as 15 minutes gave on one quiet core of the machine on which the study
+began, from rates in steps per second. The budget is counted in steps, so it does not depend on the
+machine."""
 
 
 def _entry(name: str, preset: str, shows: str, beside: str = "", **changes: Any) -> TrainingEntry:
-    """An entry with its preset's budget, and changes of the preset."""
+    """Return an entry with its preset's budget, and changes of the preset."""
     return TrainingEntry(name, preset, BUDGET * RATES[preset], shows, beside, changes)
 
 
@@ -30,11 +31,11 @@ ENTRIES = (
     _entry("pqn-secondary", "pqn", "learnt for targets in secondary rooms", "pqn", targets="secondary"),
     _entry("pqn-no-shield", "pqn", "no avoidance layer", "pqn", avoidance="none"),
 )
-"""What is trained. An entry ``beside`` another is a change of it and is compared with it."""
+"""Training entries of the study. An entry ``beside`` another is a change of it and is compared with it."""
 
 
 EXTERNAL_STEPS = 1_000_000
-"""Of each run of another library's agent, whatever the share."""
+"""Number of steps of each run of another library's agent, whatever the share."""
 
 
 def _external(name: str, command: str, shows: str) -> External:
@@ -42,7 +43,7 @@ def _external(name: str, command: str, shows: str) -> External:
 
 
 KNOWS = "--observe rays bump last_action"
-"""What `pqn` sees."""
+"""Options for the observation of `pqn`."""
 
 EXTERNALS = {
     "sb3-dqn": _external(

@@ -1,4 +1,4 @@
-"""The study of agents as a page: a function of its records alone."""
+"""Page of the study of agents, as a function of its records only."""
 
 from collections.abc import Iterator
 from statistics import median
@@ -15,7 +15,7 @@ UNMEASURED = "-"
 
 
 def agents_page(study: Study) -> str:
-    """The study as a page: tables beside the pictures of ``benchmarks.agents.pictures``."""
+    """Return the page, with tables and links to the pictures of ``benchmarks.agents.pictures``."""
     bases = [entry for entry in study.presets() if study.changes(entry.name)]
     return PAGE.format(
         command=study.command,
@@ -42,7 +42,7 @@ def agents_page(study: Study) -> str:
 
 
 def _entry(study: Study, entry: TrainingEntry) -> list[str]:
-    """What an entry is, and the ratio of each of its runs."""
+    """Return the row of an entry: description, options, and the ratio of each of its runs."""
     result, seeds = study.results[entry.targets], study.seeds(entry.name)
     each = ", ".join(f"{value:.2f}" for value in by_seed(result, entry.name)) if seeds else UNMEASURED
     options = " ".join(("--preset", entry.preset, *entry.options))
@@ -50,7 +50,7 @@ def _entry(study: Study, entry: TrainingEntry) -> list[str]:
 
 
 def _externals(study: Study) -> str:
-    """What others' agents are, and the ratio of each of their runs."""
+    """Return the section on agents of other libraries, with the ratio of each of their runs."""
     if not study.externals:
         return ""
     rows = []
@@ -63,7 +63,7 @@ def _externals(study: Study) -> str:
 
 
 def _unfinished(study: Study) -> str:
-    """Runs that are in no table, and why."""
+    """Return a list of the runs that are in no table, with the reasons."""
     lines = []
     for run in (*study.runs, *study.absent):
         if not run.finished:
@@ -75,7 +75,7 @@ def _unfinished(study: Study) -> str:
 
 
 def _policies(study: Study) -> Iterator[list[str]]:
-    """Each policy's ratio, success and SPL in all modes that it was measured in."""
+    """Yield the row of each policy: its ratio, success and SPL in all modes that were evaluated."""
     names = {entry.name: f"**{entry.name}**" for entry in study.presets()}
     for name in [*names, *study.baselines()]:
         figures = [result.figures(name) for result in study.results.values()]
@@ -85,7 +85,7 @@ def _policies(study: Study) -> Iterator[list[str]]:
 
 
 def _by_rooms(study: Study) -> str:
-    """The ratio by number of rooms in the mode that is about them."""
+    """Return the table of ratios by number of rooms, for targets in secondary rooms."""
     result = study.results.get("secondary")
     if not result:
         return "Not measured."
@@ -99,7 +99,7 @@ def _by_rooms(study: Study) -> str:
 
 
 def _parts(study: Study, base: TrainingEntry) -> str:
-    """A preset and its changes, in one table."""
+    """Return a table of a preset and its changes."""
     result = study.results[base.targets]
     rows = [[f"**{base.name}**", "", *_conduct(result, base.name), "", ""]]
     for entry in study.changes(base.name):
@@ -117,24 +117,24 @@ def _options(entry: TrainingEntry) -> str:
 
 
 def _conduct(result: Result, policy: str) -> list[str]:
-    """Ratio, blocked moves and overruled actions."""
+    """Return ratio, blocked moves and overruled actions."""
     figures = result.figures(policy)
     return [figures["ratio"].text(), *(f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))]
 
 
 def _signed(found: Difference) -> str:
-    """In bold where it is clear."""
+    """Return a difference with its interval, in bold if it is clear."""
     value, low, high = (f"{number:+.2f}" for number in found.all)
     return f"{f'**{value}**' if found.clear else value} [{low}, {high}]"
 
 
 def _lasts(study: Study, entry: TrainingEntry) -> list[dict[str, Any]]:
-    """The last reports of an entry's finished runs."""
+    """Return the last reports of an entry's finished runs."""
     return [run.last for run in study.runs if run.entry == entry.name and run.finished and run.last]
 
 
 def _time(study: Study, entry: TrainingEntry) -> list[str]:
-    """Steps a second of a whole run and of its parts alone, and the parts' shares of the time: medians."""
+    """Return the median steps per second of whole runs and of their parts, and the parts' time shares."""
     lasts = _lasts(study, entry)
     whole = median(last["steps"] / last["seconds"] for last in lasts)
     cells = [f"{whole:,.0f}"]

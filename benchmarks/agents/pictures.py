@@ -1,4 +1,4 @@
-"""The study of agents in pictures: scores, scores by rooms, what each part contributes, learning curves."""
+"""Pictures of the study of agents: scores, scores by rooms, effects of changes, learning curves."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,10 +14,10 @@ from agent.evaluation.tables import WHERE
 from benchmarks.agents.records import Study, TrainingEntry, by_seed, difference
 
 AGENTS = ("#1f5ea8", "#c0392b", "#4c9be8", "#7b5ea7", "#2d2d2d", "#8a6d3b")
-"""Of agents, in the order of the study."""
+"""Colours of agents, in the order of the study."""
 
 SEEDS = ("#1f5ea8", "#c96a12", "#2f9c95", "#a5518e", "#7a9a3a")
-"""Of training runs, in the order of their seeds."""
+"""Colours of training runs, in the order of their seeds."""
 
 QUIET = "#8b8f96"
 
@@ -25,7 +25,7 @@ ELSEWHERE = "human of the paper, another house"
 
 
 def pictures(study: Study) -> dict[str, bytes]:
-    """PNG files by name; none for what was not measured."""
+    """Return PNG files by name, without those of modes that were not evaluated."""
     bases = [entry for entry in study.presets() if study.changes(entry.name)]
     drawn = {"agent-scores.png": _scores(study), "agent-curves.png": _curves(study)}
     if "secondary" in study.results:
@@ -36,13 +36,13 @@ def pictures(study: Study) -> dict[str, bytes]:
 
 
 def _colours(study: Study) -> dict[str, str]:
-    """Of all agents and baselines."""
+    """Return the colours of all agents and baselines."""
     agents = (each.name for each in study.presets())
     return COLOURS | dict(zip(agents, AGENTS * len(study.entries), strict=False))
 
 
 def _scores(study: Study) -> Figure:
-    """A panel for each mode: every policy's ratio, its interval and, where there are several, its runs."""
+    """Draw a panel for each mode: every policy's ratio, its interval and, if there are several, its runs."""
     agents = [each.name for each in study.presets()]
     learnt_for = {each.name: each.targets for each in study.entries}
     names = [*agents, *study.baselines()]
@@ -80,7 +80,7 @@ def _score(axes: Axes, result: Result, name: str, place: int, colour: str, fille
 def _interval(
     axes: Axes, figure: Estimate, each: Sequence[float], place: int, colour: str, filled: bool = True
 ) -> None:
-    """A figure as a dot on the bar of its interval; ``each`` of its runs or seeds is a tick."""
+    """Draw a figure as a dot on the bar of its interval; each run or seed is a tick."""
     look: Any = {"color": colour, "linewidth": 6, "alpha": 0.3, "solid_capstyle": "butt"}
     axes.plot([figure.low, figure.high], [place, place], **look)
     axes.plot(figure.value, place, "o", color=colour, markerfacecolor=colour if filled else "white")
@@ -88,7 +88,7 @@ def _interval(
 
 
 def _rooms(study: Study) -> Figure:
-    """Ratio against rooms for targets in secondary rooms, each line with its name at the right."""
+    """Draw the ratio against rooms for targets in secondary rooms, each line with its name at the right."""
     result, colours = study.results["secondary"], _colours(study)
     names = [*(entry.name for entry in study.presets()), *study.baselines()]
     figure = Figure(figsize=(7.5, 4.8), dpi=120, layout="constrained")
@@ -116,7 +116,7 @@ def _rooms(study: Study) -> Figure:
 
 
 def _parts(study: Study, bases: list[TrainingEntry]) -> Figure:
-    """A panel for each agent: what each change does to its ratio."""
+    """Draw a panel for each agent: the effect of each change on its ratio."""
     rows = [study.changes(base.name) for base in bases]
     heights = [len(changes) + 1 for changes in rows]
     figure = Figure(figsize=(8, 0.42 * sum(heights) + 1.1 * len(bases)), dpi=120, layout="constrained")
@@ -127,7 +127,7 @@ def _parts(study: Study, bases: list[TrainingEntry]) -> Figure:
             colour = QUIET if not found.clear else AGENTS[0] if found.all.value > 0 else AGENTS[1]
             _interval(axes, found.all, found.each, place, colour)
             ends = (found.all.low, found.all.high, *found.each)
-            # On the outer side, away from the line at 0.
+            # On the side away from the line at 0.
             side, end, away = ("right", min(ends), -6) if found.all.value < 0 else ("left", max(ends), 6)
             axes.annotate(f"{found.all.value:+.2f}", (end, place), (away, 0), textcoords="offset points",
                           va="center", ha=side, size=8, color=colour)  # fmt: skip
@@ -148,7 +148,7 @@ def _parts(study: Study, bases: list[TrainingEntry]) -> Figure:
 
 
 def _curves(study: Study) -> Figure:
-    """A panel for each entry: targets while learning against the share of the run, every run by itself."""
+    """Draw a panel for each entry: targets during training against the fraction of the run, for each run."""
     columns = min(4, len(study.entries))
     rows = -(-len(study.entries) // columns)
     figure = Figure(figsize=(0.6 + 3 * columns, 0.7 + 2.3 * rows), dpi=120, layout="constrained")

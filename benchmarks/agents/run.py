@@ -1,7 +1,7 @@
-"""``vitruvius bench agents``: every preset and its changes, by several seeds, in houses not seen before.
+"""``vitruvius bench agents``: every preset and its changes, with several seeds, in houses not seen before.
 
-It makes the houses to learn in, trains each entry with each seed, measures all in the benchmark bank and
-writes the page. Stopped at any moment and started again it goes on, and what is finished is not done again.
+The study makes the training houses, trains each entry with each seed, evaluates all agents on the benchmark
+bank and writes the page. A stopped study continues where it stopped, and does not repeat finished work.
 """
 
 import json
@@ -31,38 +31,39 @@ from logic.spelling import unknown
 
 @dataclass(frozen=True)
 class Agents:
-    """Train and measure all agents, and write the page of results; what is done already is not done again."""
+    """Train and evaluate all agents, and write the page of results. Finished work is not repeated."""
 
     share: float = 1.0
-    """Part of the whole budget of each run; the schedules follow it."""
+    """Fraction of the whole budget of each run; the schedules follow it."""
 
     only: tuple[str, ...] = ()
     """Entries and external agents to train, by name; by default all. The page has all that are finished."""
 
     seeds: tuple[int, ...] = (0, 1, 2)
-    """Of the training runs of each entry."""
+    """Seeds of the training runs of each entry."""
 
     workers: int | None = None
-    """Processes at a time, each on another processor: 2, or with --engine all that its processors can
-    take."""
+    """Number of processes at a time, each on another processor: by default 2, or with --engine as many as the
+    cluster's processors can take."""
 
     engine: Literal["ray"] | None = None
     """Train and measure by Ray, here or on a cluster whose machines share this checkout and --out."""
 
     address: str | None = None
-    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here."""
+    """Address of Ray's cluster: HOST:PORT, or auto for the one on this machine; by default the study starts
+    one here."""
 
     out: Path = Path("runs/study")
     """Folder for all runs and records of one share, and for agents.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Put the page and its pictures into docs too."""
+    """Copy the page and its pictures into docs."""
 
     def run(self) -> None:
-        """Do all of it."""
+        """Train, evaluate and write the page."""
         entries = [replace(entry, steps=max(1, round(self.share * entry.steps))) for entry in ENTRIES]
         names = [*(entry.name for entry in entries), *EXTERNALS]
         if wrong := set(self.only) - set(names):
@@ -70,9 +71,9 @@ class Agents:
         workers = 2 if self.workers is None else self.workers
         if not 0 < self.share <= 1 or workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends what it started too
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the processes that it started, too
         out = self.out.resolve()
-        # Seed by seed: wherever the study is stopped, the entries have about equally many runs.
+        # Seed by seed: if the study is stopped, all entries have about the same number of runs.
         runs = [EntryRun(entry, seed, out) for seed in self.seeds for entry in entries]
         for run in runs:
             run.require_same()
@@ -94,7 +95,7 @@ class Agents:
         others: Sequence[ExternalRun],
         places: dict[str, Path],
     ) -> Study:
-        """The records as the page wants them."""
+        """Return the records for the page."""
         begun = [run for run in runs if run.begun]
         came = [run for run in others if run.finished]
         files = {mode: place / "evaluation.json" for mode, place in places.items()}
@@ -125,7 +126,7 @@ class Agents:
 def measured_all(
     finished: Sequence[EntryRun], out: Path, workers: int, cluster: Cluster | None
 ) -> dict[str, Path]:
-    """Measure finished runs in each target mode, where that is not done; the folder of each record."""
+    """Evaluate finished runs in each target mode, unless that is done. Return the folder of each record."""
     if not finished:
         raise StudyFailed(f"{out}: no entry is finished, and external agents alone make no page")
     places = {mode: out / f"evaluation-{mode}" for mode in TARGET_MODES}
@@ -138,14 +139,14 @@ def measured_all(
 
 
 def measuring(mode: str, runs: Iterable[EntryRun], folder: Path) -> Job:
-    """What measures all agents and baselines in a target mode, in one go."""
+    """Return the job that evaluates all agents and baselines in a target mode."""
     agents = (given(run.folder.agent) for run in runs)
     command = (*CLI, "evaluate", *agents, "--targets", mode, "--out", given(folder))
     return Job(f"measuring, {mode}", command, folder)
 
 
 def measured(folder: Path, runs: Iterable[EntryRun]) -> bool:
-    """Whether the record in the folder is of just these agents, none of them newer, in the benchmark bank."""
+    """Return True if the folder's record is of exactly these agents, none newer, on the benchmark bank."""
     file, agents = folder / "evaluation.json", [run.folder.agent for run in runs]
     if not file.exists():
         return False

@@ -1,4 +1,4 @@
-"""The runs of the study of agents: by which commands, in which folders, and how each went."""
+"""Runs of the study of agents: their commands, folders and outcomes."""
 
 import json
 import sys
@@ -24,7 +24,7 @@ from logic.errors import RequestError
 
 @dataclass(frozen=True)
 class EntryRun:
-    """An entry with a seed: a training run in its folder."""
+    """Training run of an entry with a seed, in its folder."""
 
     entry: TrainingEntry
     seed: int
@@ -32,30 +32,33 @@ class EntryRun:
 
     @property
     def name(self) -> str:
-        """Its entry's."""
+        """Name of the entry."""
         return self.entry.name
 
     @property
     def folder(self) -> Folder:
-        """Its files."""
+        """Files of the run."""
         return Folder(self.out / f"{self.entry.name}-{self.seed}")
 
     @property
     def begun(self) -> bool:
-        """Whether there is anything of it, if only that it failed."""
+        """True if any file of the run exists, even if only a note that it failed."""
         return self.folder.config.exists() or failure(self.folder.path).exists()
 
     @property
     def finished(self) -> bool:
-        """Whether its agent has seen all of its steps."""
+        """True if the agent has seen all of its steps."""
         return finished(self.folder, self.entry.steps)
 
     def plays(self, mode: str) -> bool:
-        """Whether it is measured in a target mode: a change of an agent in its own, any other in all."""
+        """Return True if the run is evaluated in a target mode.
+
+        A change is evaluated only in its own mode, other entries in all modes.
+        """
         return not self.entry.beside or self.entry.targets == mode
 
     def training(self, houses: Path) -> Job:
-        """What trains it, or goes on with that."""
+        """Return the job that trains the agent, or continues its training."""
         entry, folder = self.entry, self.folder.path
         changes = {"steps": entry.steps, "seed": self.seed, **entry.changes}
         command = training_command(houses, folder, entry.preset, entry.name, changes)
@@ -63,11 +66,11 @@ class EntryRun:
         return Job(title, (*CLI, *command), folder)
 
     def require_same(self) -> None:
-        """Raise ``RequestError`` where a run of another budget or with other options lies in the folder."""
+        """Raise ``RequestError`` if the folder holds a run with another budget or other options."""
         require_same(self.folder, self.entry.config(self.seed))
 
     def record(self) -> Outcome:
-        """How it went, as far as it did."""
+        """Return the outcome of the run so far."""
         lines = list(self._reports())
         thin = lines[:: -(-len(lines) // 300)] + lines[-1:] if lines else []
         return Outcome(
@@ -85,12 +88,12 @@ class EntryRun:
                 try:
                     yield json.loads(line)
                 except ValueError:
-                    return  # a kill may tear the last line
+                    return  # a kill may truncate the last line
 
 
 @dataclass(frozen=True)
 class ExternalRun:
-    """An external agent with a seed: a run of an example, which is whole or is not there."""
+    """Run of an example that trains an external agent with a seed. The run is complete or does not exist."""
 
     name: str
     seed: int
@@ -98,27 +101,27 @@ class ExternalRun:
 
     @property
     def agent(self) -> External:
-        """Which agent."""
+        """Agent of the run."""
         return EXTERNALS[self.name]
 
     @property
     def scores(self) -> Path:
-        """What it writes."""
+        """File with the scores of the run."""
         return self.out / f"{self.name}-{self.seed}" / "scores.json"
 
     @property
     def begun(self) -> bool:
-        """Whether it was ever started."""
+        """True if the run was ever started."""
         return self.scores.parent.exists()
 
     @property
     def finished(self) -> bool:
-        """Whether it has learnt from all of its steps, and played."""
+        """True if the agent has learnt from all of its steps, and played."""
         steps = self.agent.steps
         return self.scores.exists() and json.loads(self.scores.read_text())["training_steps"] == steps
 
     def training(self, houses: Path) -> Job:
-        """What trains and measures it."""
+        """Return the job that trains and evaluates the agent."""
         words = self.agent.command.split()
         options = ("--steps", str(self.agent.steps), "--seed", str(self.seed), "--out", given(self.scores))
         command = (sys.executable, words[0], given(houses), *words[1:], *options)
@@ -126,11 +129,14 @@ class ExternalRun:
         return Job(title, command, self.scores.parent)
 
     def record(self) -> Outcome:
-        """How it went where it has no score: nothing is seen of it before."""
+        """Return the outcome of a run without a score, which shows nothing of its training."""
         return Outcome(self.agent.name, self.seed, False, why(self.scores.parent), (), None)
 
     def joined(self, result: Result) -> Result:
-        """The result of its targets with this run too. Raises ``StudyFailed`` where it played for others."""
+        """Return a result that also has this run.
+
+        Raises ``StudyFailed`` if the run played in other houses.
+        """
         file, mode, name = scores.load(self.scores), self.agent.targets, self.agent.name
         theirs = scores.result_of(file.targets[mode], mode) if mode in file.targets else None
         if not theirs or name not in theirs.policies or not np.array_equal(theirs.oracle, result.oracle):
@@ -141,24 +147,24 @@ class ExternalRun:
 def training_command(
     houses: Path, folder: Path, preset: str, name: str, changes: Mapping[str, Any]
 ) -> tuple[str, ...]:
-    """Arguments of ``vitruvius`` that train a preset with changes in a folder, or go on with that."""
+    """Return the arguments of ``vitruvius`` that train a preset with changes, or continue the training."""
     run = options({"preset": preset, "name": name, "out": given(folder)})
     return "train", given(houses), *run, *options(changes), "--resume"
 
 
 def with_run(result: Result, name: str, run: EpisodeScores) -> Result:
-    """The result with another run of a policy: of a new one, before all others, or of one that it has."""
+    """Return a result with another run of a policy. A new policy comes before all others."""
     runs = {name: (*result.policies.get(name, ()), run)}
     return replace(result, policies=runs | result.policies | runs)
 
 
 def finished(folder: Folder, steps: int) -> bool:
-    """Whether the agent of a run has seen this number of steps."""
+    """Return True if the agent of a run has seen this number of steps."""
     return folder.agent.exists() and checkpoint.load(folder.agent).steps >= steps
 
 
 def require_same(folder: Folder, asked: TrainConfig) -> None:
-    """Raise ``RequestError`` where a run of another config lies in the folder."""
+    """Raise ``RequestError`` if the folder holds a run with another config."""
     if not folder.config.exists():
         return
     kept = json.loads(folder.config.read_text())
@@ -171,6 +177,6 @@ def require_same(folder: Folder, asked: TrainConfig) -> None:
 
 
 def given(path: Path) -> str:
-    """A path for a command: checkpoints keep commands, so a path in the checkout is relative to it."""
+    """Return a path for a command. Checkpoints keep commands, so a path in the checkout is relative to it."""
     path = path.resolve()
     return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)

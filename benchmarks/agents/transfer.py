@@ -1,6 +1,6 @@
-"""``vitruvius bench transfer``: how well agents do in houses of other kinds than those they learnt in.
+"""``vitruvius bench transfer``: scores of agents in houses of other kinds than those they learnt in.
 
-They learn nothing there. What is measured is kept, bank by bank, so that a run that was stopped goes on.
+Agents learn nothing during the study. Results are kept for each bank, so that a stopped study can continue.
 """
 
 import hashlib
@@ -30,7 +30,7 @@ from logic.house.files import write_whole
 from sim.config import DEFAULT
 
 ORIGINAL = ROOT / "tests/fixtures/example1.json"
-"""The house of the original program; where it is not, it is left out."""
+"""House of the original program; the study leaves it out if the file is missing."""
 
 BESIDE = ("explorer", "searcher")
 """Baselines in the table."""
@@ -38,7 +38,7 @@ BESIDE = ("explorer", "searcher")
 
 @dataclass(frozen=True)
 class HouseKind:
-    """A kind of house: what it is called, its request, and what simulates it."""
+    """Kind of houses: its title, its request, and the backend that simulates it."""
 
     title: str
     rooms: tuple[int, ...] = (2, 3, 4, 5, 6)
@@ -48,7 +48,10 @@ class HouseKind:
     backend: str = "continuous"
 
     def houses(self) -> list[House]:
-        """As many houses of each number of rooms, in turns; of a seed that is kept for validation."""
+        """Return houses, as many with each number of rooms, in turns.
+
+        Their seed is reserved for validation.
+        """
         return in_turns(self.rooms, self.count, grammar=self.grammar, cell=self.cell, seed=VALIDATION.start)
 
 
@@ -63,25 +66,25 @@ BANKS = {
 
 @dataclass(frozen=True)
 class Transfer:
-    """Measure agents in banks that they did not learn in, beside the explorer and the searcher."""
+    """Evaluate agents on banks that they did not learn in; explorer and searcher are the baselines."""
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints, or names of agents that come with the project. None: explorer and searcher alone."""
+    """Checkpoints, or names of released agents. By default only the explorer and the searcher play."""
 
     targets: tyro.conf.UseAppendAction[tuple[TargetMode, ...]] = ()
-    """Where targets lie; by default in secondary rooms. Repeat for several."""
+    """Place of the targets; by default secondary rooms. Repeat for several."""
 
     banks: tuple[str, ...] = (*BANKS, "original")
-    """Which banks."""
+    """Banks to evaluate on."""
 
     out: Path = Path("runs/transfer")
     """Folder for houses, figures and transfer.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Measure what is not measured yet; print the tables."""
+        """Run the evaluations that are missing, and print the tables."""
         torch.set_num_threads(1)
         agents: dict[str, list[Checkpoint]] = {}
         for path in self.agents:
@@ -91,7 +94,7 @@ class Transfer:
         write_tables([self.sheet(agents, mode) for mode in modes], self.out / "transfer.md")
 
     def sheet(self, agents: dict[str, list[Checkpoint]], mode: TargetMode) -> Table:
-        """The table of a target mode."""
+        """Return the table of a target mode."""
         rows = []
         for name in self.banks:
             if (houses := self.bank(name)) is None:
@@ -113,7 +116,7 @@ class Transfer:
         return Table(f"Ratio to the oracle, {mode}", headings, rows)
 
     def bank(self, name: str) -> list[House] | None:
-        """The houses of a bank, made once; None where the original's is not here."""
+        """Return the houses of a bank, made once; None if the original program's house is missing."""
         if name == "original":  # starts and targets differ from episode to episode
             return list(load(ORIGINAL)) * 64 if ORIGINAL.exists() else None
         kind = BANKS[name]
@@ -123,7 +126,7 @@ class Transfer:
     def measured(
         self, agents: dict[str, list[Checkpoint]], name: str, houses: list[House], mode: TargetMode
     ) -> scores.ModeScores:
-        """The figures of all policies in a bank, from the file of an earlier run where there is one."""
+        """Return the figures of all policies in a bank, from the file of an earlier run if it exists."""
         key = json.dumps([code(), *(fingerprint(each) for runs in agents.values() for each in runs)])
         path = self.out / f"{name}-{mode}-{hashlib.sha256(key.encode()).hexdigest()[:8]}.json"
         if not path.exists():
@@ -135,12 +138,15 @@ class Transfer:
 
 
 def wider(houses: list[House]) -> float:
-    """The share of the houses whose far ends lie on each other in a map, which is a torus."""
+    """Return the fraction of the houses that are wider than an agent's map.
+
+    The map is a torus, so the far ends of such a house overlap.
+    """
     boxes = [np.array([room.box for room in house.rooms]) for house in houses]
     across = [(box[:, 2:].max(axis=0) - box[:, :2].min(axis=0)).max() for box in boxes]
     return float((np.array(across) > map_width()).mean())
 
 
 def map_width() -> float:
-    """How far it is around an agent's map, metres."""
+    """Return the circumference of an agent's map, in metres."""
     return Planner(DEFAULT, 1).cell * 2**TUNED.map_bits

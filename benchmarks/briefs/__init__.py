@@ -1,1 +1,1 @@
-"""Briefs to measure generators by: a frozen set of them, and what is right in an answer."""
+"""Benchmark of generators: a frozen set of briefs, and the checks of an answer."""

@@ -1,4 +1,4 @@
-"""Our own attempts at briefs, each in a process of its own, and where their time goes."""
+"""Our own attempts at briefs, each in its own process, with the time of each stage."""
 
 import os
 import resource
@@ -23,7 +23,7 @@ from logic.request.brief import Brief
 from logic.request.request import Request
 
 PATIENCE = 20
-"""Seconds on the clock for each of processor time that an attempt may take: the machine has other work."""
+"""Clock seconds per second of processor time that an attempt may take, because the machine has other work."""
 
 CLOCK_S = 0.1
 """Tolerance of processor time, in seconds."""
@@ -36,21 +36,24 @@ END = b"\n"
 
 
 class Attempt(msgspec.Struct, omit_defaults=True):
-    """What came of a brief: houses, a proof, or neither; processor seconds in all, and by stage."""
+    """Outcome of a brief: houses, a proof, or neither.
+
+    Times are in processor seconds, in all and by stage.
+    """
 
     seconds: float
-    """Until the first house or the proof."""
+    """Time until the first house or the proof."""
     stages: dict[str, float] = {}
-    """By the names of ``logic.layout.account``."""
+    """Times by the names of ``logic.layout.account``."""
     refuted: int = 0
-    """How many dissections stage 2 refuted."""
+    """Number of dissections that stage 2 refuted."""
     houses: tuple[dict[str, Any], ...] = ()
     because: tuple[str, ...] | None = None
-    """The reasons of a proof that there is none."""
+    """Reasons of a proof that there is no house."""
     limit: str = ""
 
     def answer(self, entry: BriefEntry) -> Answer:
-        """As one of another generator would be."""
+        """Return the attempt in the form of other generators' answers."""
         proved = self.because is not None
         return Answer(entry.name, self.houses, proved, self.because or (), round(self.seconds, 4))
 
@@ -64,7 +67,7 @@ class StageClock:
         self._stage = "reading"
 
     def at(self, stage: str) -> None:
-        """Another stage begins."""
+        """Begin another stage."""
         now = process_time()
         self.stages[self._stage] = self.stages.get(self._stage, 0.0) + now - self._since
         self._stage, self._since = stage, now
@@ -88,7 +91,7 @@ class StageClock:
 
 
 def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> Attempt:
-    """Houses of a brief, or the proof that there is none."""
+    """Return houses of a brief, or the proof that there is none."""
     return attempt_at(builder, Request(len(brief.rooms), brief=brief), houses, seed)
 
 
@@ -110,10 +113,10 @@ def attempt_at(builder: Builder, request: Request, houses: int = 1, seed: int = 
 
 
 def within(seconds: int, work: Callable[[], Attempt]) -> Attempt:
-    """Return the attempt that some work makes in a process of its own: each brief has a fresh solver.
+    """Run some work in its own process, so that each brief has a fresh solver, and return its attempt.
 
-    The attempt has a limit where the work takes more processor time, and ``INTERRUPTED`` as its limit where
-    the process ends earlier without an answer, as by a signal.
+    If the work takes more processor time, the attempt has a limit. If the process ends without an answer, for
+    example by a signal, the limit is ``INTERRUPTED``.
     """
     reading, writing = os.pipe()
     child = os.fork()

@@ -1,4 +1,4 @@
-"""The frozen bank of briefs, ``briefs-v1.jsonl.gz``: a brief a line, with what is known of its answer."""
+"""The frozen bank of briefs, ``briefs-v1.jsonl.gz``: a brief per line, with the known part of its answer."""
 
 import gzip
 import hashlib
@@ -14,10 +14,11 @@ from logic.request.brief import Brief, read_brief
 
 FILE = Path(__file__).with_name("briefs-v1.jsonl.gz")
 HASH = "58b4ab9521c5c4a7da9522b591a271608d0093288888aa1f1c45c898a4878a46"
-"""Of its lines, unpacked. The bank is frozen: other briefs get another name."""
+"""Hash of the uncompressed lines. The bank is frozen: other briefs need another name."""
 
 Kind = Literal["house", "dissection", "changed", "impossible"]
-"""Read off a generated house; off a random dissection; either of these with one line changed; impossible."""
+"""Origin of a brief: a generated house; a random dissection; either of these with one line changed; or
+impossible by construction."""
 
 
 class BriefEntry(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
@@ -26,39 +27,39 @@ class BriefEntry(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown
     name: str
     kind: Kind
     source: str
-    """The grammar of the house, how the brief was changed, or why it is impossible."""
+    """Grammar of the house, change of the brief, or reason why it is impossible."""
     brief: dict[str, Any]
-    """Its JSON: ``docs/briefs.md``."""
+    """JSON of the brief: ``docs/briefs.md``."""
     answer: Literal["house", "impossible", "unknown"] = "unknown"
-    """By construction."""
+    """Answer by construction."""
     grammar: str = ""
-    """By whose rules the house was made: it is furnished by them too."""
+    """Grammar by which the house was made and is furnished."""
 
     @property
     def rooms(self) -> int:
-        """How many rooms it names."""
+        """Number of rooms that the brief names."""
         return len(self.brief["rooms"])
 
     @property
     def read(self) -> Brief:
-        """The brief."""
+        """The brief, read from JSON."""
         return read_brief(self.brief)
 
 
 def packed(entries: Iterable[BriefEntry]) -> bytes:
-    """The lines of a bank."""
+    """Return the lines of a bank."""
     return b"".join(msgspec.json.encode(entry) + b"\n" for entry in entries)
 
 
 def save_entries(entries: Iterable[BriefEntry], path: Path) -> str:
-    """Write a bank, and give its hash."""
+    """Write a bank, and return its hash."""
     lines = packed(entries)
     write_whole(path, gzip.compress(lines, mtime=0))
     return hashlib.sha256(lines).hexdigest()
 
 
 def frozen() -> list[BriefEntry]:
-    """The frozen bank. Raises ``HouseFileError`` where its file holds other briefs."""
+    """Return the frozen bank. Raises ``HouseFileError`` if its file holds other briefs."""
     lines = gzip.decompress(FILE.read_bytes())
     if hashlib.sha256(lines).hexdigest() != HASH:
         raise HouseFileError(f"{FILE}: not the frozen bank ({HASH[:12]}). Restore it from Git")

@@ -1,6 +1,6 @@
-"""Boxes of rooms as tuples of numbers: which walls they share, and what of their sides is an outer wall.
+"""Boxes of rooms as tuples of numbers: shared walls, and outer parts of sides.
 
-All by geometry alone: nothing here knows how a house was made.
+Everything follows from the geometry only; this module does not know how a house was made.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -9,15 +9,16 @@ Box = tuple[float, float, float, float]
 """(west, north, east, south), metres; x grows east, y grows south."""
 
 SIDES = ("west", "north", "east", "south")
-"""In the order of a box."""
+"""Names of the sides, in the order of a box."""
 
 CLOSE = 1e-3
-"""Metres: what is nearer lies on one line."""
+"""Largest distance between two lines that count as one line, in metres."""
 
 
 def shared(one: Box, other: Box) -> tuple[str, float, float] | None:
-    """The side of a box at which it shares a wall with another, and where along it; None where they share
-    none.
+    """Return the side of a box that shares a wall with another box, and where along the side.
+
+    Return None without a shared wall.
     """
     for number, side in enumerate(SIDES):
         low, high = overlap(one, other, 1 - number % 2)
@@ -27,36 +28,37 @@ def shared(one: Box, other: Box) -> tuple[str, float, float] | None:
 
 
 def contact(one: Box, other: Box) -> float:
-    """How much wall two boxes share, metres."""
+    """Return the length of the wall that two boxes share, in metres."""
     found = shared(one, other)
     return found[2] - found[1] if found else 0.0
 
 
 def overlap(one: Box, other: Box, axis: int) -> tuple[float, float]:
-    """From where to where two boxes lie side by side along x (0) or y (1): an end before its start where they
-    do not.
+    """Return the interval in which two boxes lie side by side along x (0) or y (1).
+
+    If they do not, the end is before the start.
     """
     return max(one[axis], other[axis]), min(one[axis + 2], other[axis + 2])
 
 
 def cover(one: Box, other: Box) -> bool:
-    """Whether two boxes have more in common than a line."""
+    """Return True if two boxes have more in common than a line."""
     return all(high - low > CLOSE for low, high in (overlap(one, other, axis) for axis in (0, 1)))
 
 
 def around(boxes: Iterable[Box]) -> Box:
-    """The outline of boxes."""
+    """Return the outline of boxes."""
     west, north, east, south = zip(*boxes, strict=True)
     return min(west), min(north), max(east), max(south)
 
 
 def area(box: Box) -> float:
-    """Square metres."""
+    """Return the area in square metres."""
     return (box[2] - box[0]) * (box[3] - box[1])
 
 
 def outer_parts(boxes: Sequence[Box], place: int) -> Iterator[tuple[str, float, float]]:
-    """The parts of a box's sides at which no other of the boxes lies: the side, from where to where."""
+    """Yield the parts of a box's sides at which no other box lies: the side, the start and the end."""
     box = boxes[place]
     for number, side in enumerate(SIDES):
         along = 1 - number % 2

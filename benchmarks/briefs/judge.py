@@ -1,4 +1,4 @@
-"""Whether a house is a plan of a brief's rooms, and keeps its lines: by geometry alone."""
+"""Checks if a house is a plan of a brief's rooms, and if it keeps the brief's lines, by geometry only."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -21,20 +21,20 @@ from logic.house.parts import OUTSIDE, Rect, Room
 from logic.request.brief import Brief, BriefRoom, Entrance, Span
 
 DOOR = 0.7
-"""Metres: a door is at least so wide."""
+"""Smallest width of a door, in metres."""
 
 WALL = 0.1
-"""Metres: rooms that are next to each other share at least so much wall, as ``docs/briefs.md`` says."""
+"""Smallest length of the wall that neighbouring rooms share, in metres, as in ``docs/briefs.md``."""
 
 ROUNDED = 1e-3
-"""Metres, and as a share of an area: how much an answer may be off."""
+"""Tolerance of an answer, in metres and as a fraction of an area."""
 
 READ = 1e-4
 """Rounding of an area in a brief, in square metres."""
 
 
 class JudgedLine(NamedTuple):
-    """A line of a brief, and whether a house keeps it."""
+    """A line of a brief, and True if a house keeps it."""
 
     kind: str
     """``edge``, ``area``, or ``other``."""
@@ -46,8 +46,9 @@ class JudgedLine(NamedTuple):
 
 
 def faults(house: House, brief: Brief) -> list[str]:
-    """Why a house is no plan of the rooms of a brief: names, overlaps, gaps, doors and windows that are in no
-    wall, rooms that are not reached; none where it is one.
+    """Return the reasons why a house is no plan of the rooms of a brief, or an empty list.
+
+    Reasons are names, overlaps, gaps, doors and windows that are in no wall, and rooms that no door leads to.
     """
     names, rooms = set(brief.names), {room.name: room for room in house.rooms}
     if rooms.keys() != names:
@@ -75,7 +76,7 @@ def faults(house: House, brief: Brief) -> list[str]:
 
 
 def void_boxes(house: House, brief: Brief) -> list[Box]:
-    """The voids of a brief in a house. They have a size, and a place or a corner, in the bank."""
+    """Return the voids of a brief in a house. In the bank they have a size, and a place or a corner."""
     west, north, east, south = around(room.box for room in house.rooms)
     found = []
     for void in brief.outline.voids:
@@ -96,13 +97,13 @@ def _number(span: Span | None) -> float:
 
 
 def _in_wall(segment: Rect, one: Box, other: Box) -> bool:
-    """Whether a segment lies in the wall that two boxes share."""
+    """Return True if a segment lies in the wall that two boxes share."""
     wall = shared(one, other)
     return wall is not None and _lies_in(segment, one, *wall)
 
 
 def _in_outer_wall(segment: Rect, box: Box, house: House) -> bool:
-    """Whether a segment lies in a side of a box where no other room is."""
+    """Return True if a segment lies in a side of a box where no other room is."""
     boxes = [room.box for room in house.rooms]
     return any(_lies_in(segment, box, *part) for part in outer_parts(boxes, boxes.index(box)))
 
@@ -119,7 +120,7 @@ def _lies_in(segment: Rect, box: Box, side: str, low: float, high: float) -> boo
 
 
 def _reached(house: House) -> set[str]:
-    """The rooms that doors lead to, from the first entrance; from the first room where there is none."""
+    """Return the rooms that doors lead to, from the first entrance, or else from the first room."""
     reached, new = set[str](), {house.start.name}
     while new:
         reached |= new
@@ -132,7 +133,10 @@ def _reached(house: House) -> set[str]:
 
 
 def lines(house: House, brief: Brief) -> Iterator[JudgedLine]:
-    """Each line of a brief, of whose rooms a house has all, and whether the house keeps it."""
+    """Yield each line of a brief, with True if the house keeps it.
+
+    The house must have all rooms of the brief.
+    """
     rooms = {room.name: room for room in house.rooms}
     doors = {frozenset(door.between) for door in house.doors}
     for one, other in brief.doors:
@@ -194,7 +198,7 @@ def _of_room(house: House, room: Room, wanted: BriefRoom, brief: Brief) -> Itera
 
 
 def _side_of(segment: Rect, room: Room) -> str:
-    """The side of a room in which a door or a window is; nothing where it is in none."""
+    """Return the side of a room in which a door or a window is, or an empty text."""
     at = segment.box
     for number, side in enumerate(SIDES):
         across = number % 2
@@ -214,7 +218,10 @@ def _is_area(found: float, span: Span, tolerance: float) -> bool:
 
 
 def plan_of(house: House) -> frozenset[tuple[str, str, str]]:
-    """Which rooms share walls, and at which side: houses of which it is the same differ in lengths alone."""
+    """Return the pairs of rooms that share walls, with the side.
+
+    Houses with the same pairs and sides differ only in lengths.
+    """
     rooms = sorted(house.rooms, key=lambda room: room.name)
     walls = ((a, b, shared(a.box, b.box)) for a, b in combinations(rooms, 2))
     return frozenset((a.name, b.name, wall[0]) for a, b, wall in walls if wall and wall[2] - wall[1] > WALL)

@@ -1,8 +1,8 @@
-"""Make the frozen bank of briefs: ``python -m benchmarks.briefs.make FILE``, from seeds alone.
+"""Make the frozen bank of briefs from seeds only: ``python -m benchmarks.briefs.make FILE``.
 
-A brief is read off a plan that is known, so that it has a house by construction; then a line of it is
-changed, or lines are added with which it is impossible, for a reason that needs no solver. The same solver
-versions (``requirements.lock``) give the same houses, and so the same bank.
+A brief is read off a known plan, so that it has a house by construction. For other briefs, a line is changed,
+or lines are added that make the brief impossible, for a reason that needs no solver. The same solver versions
+(``requirements.lock``) give the same houses, and so the same bank.
 """
 
 import sys
@@ -27,22 +27,22 @@ HOUSES = {
     "apartments": {8: 6, 10: 6, 12: 6, 16: 10},
     "plain": {5: 6, 8: 6, 10: 6, 12: 6},
 }
-"""How many briefs are read off houses of each grammar, by number of rooms."""
+"""Number of briefs that are read off houses of each grammar, by number of rooms."""
 
 DISSECTIONS = {5: 30, 8: 30, 10: 30, 12: 25, 16: 15}
-"""How many off random dissections."""
+"""Number of briefs from random dissections, by number of rooms."""
 
 CHANGED = {5: 28, 8: 28, 10: 28, 12: 20}
-"""How many of both kinds have a line changed."""
+"""Number of briefs of both kinds that have a line changed, by number of rooms."""
 
 IMPOSSIBLE = {5: 2, 8: 3, 10: 3, 12: 2}
-"""How many are impossible, for each reason."""
+"""Number of impossible briefs for each reason, by number of rooms."""
 
 Json = dict[str, Any]
 
 
 def read_off(plan: KnownPlan, rng: np.random.Generator) -> Json:
-    """A brief of which a plan keeps each line."""
+    """Return a brief whose lines a plan keeps."""
     count = len(plan.boxes)
     west, north, east, south = plan.outline
     names = [f"{type_[:1].upper()}{type_[1:]} {number}" for number, type_ in enumerate(plan.types, start=1)]
@@ -95,7 +95,7 @@ def _some(pairs: list[Any], count: int, rng: np.random.Generator) -> list[Any]:
 
 
 def proven(entry: BriefEntry, plan: KnownPlan) -> BriefEntry:
-    """The entry, whose brief a plan is seen to keep."""
+    """Return the entry, after a check that a plan keeps its brief."""
     brief = entry.read
     house = plan.house(brief.names)
     wrong = faults(house, brief) + [line.words for line in lines(house, brief) if not line.kept]
@@ -108,18 +108,18 @@ def proven(entry: BriefEntry, plan: KnownPlan) -> BriefEntry:
 
 
 def larger_room(brief: Json, rng: np.random.Generator) -> None:
-    """A room has half as much area again."""
+    """Make the area of a room half as large again."""
     room = rng.choice([room for room in brief["rooms"] if "area" in room])
     room["area"] = round(1.5 * room["area"], 1)
 
 
 def exact_areas(brief: Json, rng: np.random.Generator) -> None:
-    """Areas are within 2 %."""
+    """Let areas be exact to 2 %."""
     brief["tolerance"] = 0.02
 
 
 def another_door(brief: Json, rng: np.random.Generator) -> None:
-    """There is a door between two more rooms."""
+    """Add a door between two more rooms."""
     there = {frozenset(pair) for key in ("doors", "apart", "no_doors") for pair in brief[key]}
     names = [room["name"] for room in brief["rooms"]]
     others = [list(pair) for pair in combinations(names, 2) if frozenset(pair) not in there]
@@ -127,13 +127,13 @@ def another_door(brief: Json, rng: np.random.Generator) -> None:
 
 
 def another_outer_wall(brief: Json, rng: np.random.Generator) -> None:
-    """One more room has an outer wall, in the south."""
+    """Give one more room an outer wall, in the south."""
     room = rng.choice([room for room in brief["rooms"] if "outside" not in room])
     room["outside"] = ["south"]
 
 
 def another_entrance(brief: Json, rng: np.random.Generator) -> None:
-    """Another room has the entrance."""
+    """Move the entrance to another room."""
     entrance = brief["entrance"]
     now = entrance["room"] if isinstance(entrance, dict) else entrance
     names = [room["name"] for room in brief["rooms"] if room["name"] != now]
@@ -141,13 +141,13 @@ def another_entrance(brief: Json, rng: np.random.Generator) -> None:
 
 
 def longer_outline(brief: Json, rng: np.random.Generator) -> None:
-    """The outline is 1.4 times as long, and as large."""
+    """Make the outline 1.4 times as long, with the same area."""
     outline = brief["outline"]
     outline["width"], outline["depth"] = round(1.4 * outline["width"], 2), round(outline["depth"] / 1.4, 2)
 
 
 def more_apart(brief: Json, rng: np.random.Generator) -> None:
-    """Rooms that were next to each other are apart."""
+    """Keep rooms apart that were next to each other."""
     brief["apart"].append(brief["next_to"].pop())
 
 
@@ -163,7 +163,7 @@ CHANGES: dict[str, tuple[Callable[[Json, np.random.Generator], None], Callable[[
     ),
     "rooms that were next to each other are apart": (more_apart, lambda brief: brief["next_to"]),
 }
-"""How a brief is changed, and which one can be."""
+"""Changes of a brief, each with a condition on the brief."""
 
 
 # - impossible ----------------------------------------------------------------
@@ -175,21 +175,27 @@ def _add(brief: Json, key: str, one: str, other: str) -> None:
 
 
 def doors_of_five(brief: Json, names: list[str]) -> None:
-    """No plan has five areas of which each touches each: the graph is not planar."""
+    """Ask for doors between each two of five rooms, which is impossible: the graph is not planar."""
     for one, other in combinations(names[:5], 2):
         _add(brief, "doors", one, other)
     brief["apart"] = []
 
 
 def doors_of_four(brief: Json, names: list[str]) -> None:
-    """Of four rectangles of which each touches each, three would enclose one, which takes four."""
+    """Ask for doors between each two of four rooms, which is impossible with rectangles.
+
+    Three of four such rectangles would enclose one, which takes four rectangles.
+    """
     for one, other in combinations(names[:4], 2):
         _add(brief, "doors", one, other)
     brief["apart"] = []
 
 
 def enclosed_entrance(brief: Json, names: list[str]) -> None:
-    """Four rooms around one, each at the next: no three of these five enclose others, so the four do."""
+    """Ask for an entrance in a room with four rooms around it, each next to the following one.
+
+    No three of these five rooms enclose others, so the four enclose the room.
+    """
     hub, *ring = names[:5]
     for room in ring:
         _add(brief, "doors", hub, room)
@@ -199,41 +205,41 @@ def enclosed_entrance(brief: Json, names: list[str]) -> None:
 
 
 def door_and_apart(brief: Json, names: list[str]) -> None:
-    """A door is in a wall that both rooms share."""
+    """Ask for a door between rooms that are apart; a door is in a wall that both rooms share."""
     brief["apart"].append(brief["doors"][0])
 
 
 def four_outer_walls(brief: Json, names: list[str]) -> None:
-    """A rectangle at all four sides of the outline is all of it."""
+    """Ask for a room at all four sides of the outline, which would be the whole outline."""
     brief["rooms"][1]["outside"] = list(SIDES)
 
 
 def crossing_rooms(brief: Json, names: list[str]) -> None:
-    """Of two rooms that reach across the outline both ways, one lies in the other's way."""
+    """Ask for two rooms that reach across the outline in both directions, and would cross."""
     brief["rooms"][0]["outside"], brief["rooms"][1]["outside"] = ["north", "south"], ["west", "east"]
 
 
 def too_large_together(brief: Json, names: list[str]) -> None:
-    """All areas at their least are more than the outline."""
+    """Enlarge all areas until their least total is larger than the outline."""
     for room in brief["rooms"]:
         room["area"] = round(1.25 * room["area"], 1)
 
 
 def too_small_house(brief: Json, names: list[str]) -> None:
-    """All areas at their least are more than the whole house may have."""
+    """Limit the whole house to less than the least total of all areas."""
     total = sum(room["area"] for room in brief["rooms"])
     brief["area"] = [round(0.5 * total, 1), round(0.85 * total, 1)]
 
 
 def wider_than_the_outline(brief: Json, names: list[str]) -> None:
-    """A square room is longer than the shorter side of the outline."""
+    """Ask for a square room that is longer than the shorter side of the outline."""
     side = round(1.2 * min(brief["outline"]["width"], brief["outline"]["depth"]), 2)
     brief["rooms"][0].pop("area")
     brief["rooms"][0]["size"] = [side, side]
 
 
 def too_many_in_the_north(brief: Json, names: list[str]) -> None:
-    """Four rooms that are all wider than a quarter of the outline lie at its north side."""
+    """Ask for four rooms at the north side, each wider than a quarter of the outline."""
     side = round(0.3 * brief["outline"]["width"], 2)
     for room in brief["rooms"][:4]:
         room.pop("area")
@@ -252,14 +258,14 @@ REASONS: dict[str, Callable[[Json, list[str]], None]] = {
     "a room larger than the outline": wider_than_the_outline,
     "rooms too wide for the north side": too_many_in_the_north,
 }
-"""Why a brief is impossible, and how a possible one of a random dissection becomes so."""
+"""Changes that make a possible brief of a random dissection impossible, by reason."""
 
 
 # - the bank ------------------------------------------------------------------
 
 
 def of_all_houses(seed: int) -> Iterator[BriefEntry]:
-    """Briefs read off houses."""
+    """Yield briefs read off houses."""
     for number, (grammar, sizes) in enumerate(HOUSES.items()):
         for rooms, count in sizes.items():
             rng = np.random.default_rng([seed, 0, number, rooms])
@@ -271,7 +277,7 @@ def of_all_houses(seed: int) -> Iterator[BriefEntry]:
 
 
 def of_all_dissections(seed: int) -> Iterator[BriefEntry]:
-    """Briefs read off random dissections."""
+    """Yield briefs read off random dissections."""
     for rooms, count in DISSECTIONS.items():
         rng = np.random.default_rng([seed, 1, rooms])
         for index in range(count):
@@ -281,7 +287,7 @@ def of_all_dissections(seed: int) -> Iterator[BriefEntry]:
 
 
 def changed(entries: list[BriefEntry], seed: int) -> Iterator[BriefEntry]:
-    """Some of these, with a line changed: each change in turn."""
+    """Yield some of the entries with a line changed; the changes take turns."""
     for rooms, count in CHANGED.items():
         rng = np.random.default_rng([seed, 2, rooms])
         some = [each for each in entries if each.rooms == rooms and each.source != "apartments"]
@@ -296,7 +302,7 @@ def changed(entries: list[BriefEntry], seed: int) -> Iterator[BriefEntry]:
 
 
 def impossible(seed: int) -> Iterator[BriefEntry]:
-    """Briefs of random dissections that cannot be met."""
+    """Yield impossible briefs, made from random dissections."""
     for rooms, count in IMPOSSIBLE.items():
         rng = np.random.default_rng([seed, 3, rooms])
         for number, (words, change) in enumerate(REASONS.items()):
@@ -309,7 +315,7 @@ def impossible(seed: int) -> Iterator[BriefEntry]:
 
 
 def _plain_brief(plan: KnownPlan) -> Json:
-    """Areas, doors, entrance and outline of a plan."""
+    """Return a brief with the areas, doors, entrance and outline of a plan."""
     west, north, east, south = plan.outline
     names = [f"Room {number}" for number in range(1, len(plan.boxes) + 1)]
     return {
@@ -326,13 +332,13 @@ def _plain_brief(plan: KnownPlan) -> Json:
 
 
 def made(seed: int = 0) -> list[BriefEntry]:
-    """The bank."""
+    """Return the entries of the bank."""
     known = [*of_all_houses(seed), *of_all_dissections(seed)]
     return [*known, *changed(known, seed), *impossible(seed)]
 
 
 def main(file: str) -> int:
-    """Make the bank and save it; 1 where the file is there already: a bank is frozen."""
+    """Make the bank and save it. Return 1 if the file exists already, because a bank is frozen."""
     if Path(file).exists():
         print(f"{file}: is frozen. A new bank needs a new name", file=sys.stderr)
         return 1

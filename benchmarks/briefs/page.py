@@ -1,4 +1,4 @@
-"""The page of the bank: how a generator enters, and what ours makes of it."""
+"""Page of the bank: how other generators take part, and the results of ours."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -37,18 +37,18 @@ Another program in the same run, of a sample: times of those of which both have 
 
 @dataclass
 class Results:
-    """What was measured: attempts by the names of their briefs."""
+    """Results of the study: attempts by the names of their briefs."""
 
     attempts: dict[str, Attempt] = field(default_factory=dict)
     furnished: dict[str, Attempt] = field(default_factory=dict)
     proofs: dict[str, tuple[int, int, int]] = field(default_factory=dict)
-    """See ``needed``."""
+    """Counts of ``needed``."""
     peer: dict[str, JudgedAnswer] = field(default_factory=dict)
     judged: list[JudgedAnswer] = field(default_factory=list)
 
 
 def page(bank: Sequence[BriefEntry], found: Results, command: str) -> str:
-    """The page, of what was measured."""
+    """Return the page for some results."""
     return TEMPLATE.read_text().format(
         count=len(frozen()),
         hash=HASH[:12],
@@ -67,7 +67,7 @@ def page(bank: Sequence[BriefEntry], found: Results, command: str) -> str:
 
 
 def kind_rows(bank: Sequence[BriefEntry]) -> Iterator[list[str]]:
-    """By kind: briefs, and what is known of their answers."""
+    """Yield a row for each kind: the number of briefs, and the known answers."""
     for kind in dict.fromkeys(entry.kind for entry in bank):
         some = [entry for entry in bank if entry.kind == kind]
         sizes = [sum(entry.rooms == rooms for entry in some) for rooms in (5, 8, 10, 12, 16)]
@@ -75,7 +75,7 @@ def kind_rows(bank: Sequence[BriefEntry]) -> Iterator[list[str]]:
 
 
 def time_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]:
-    """By kind and number of rooms: how they ended, and milliseconds."""
+    """Yield a row for each kind and number of rooms: counts of the outcomes, and milliseconds."""
     for kind in dict.fromkeys(entry.kind for entry in bank):
         for rooms in sorted({entry.rooms for entry in bank if entry.kind == kind}):
             names = [entry.name for entry in bank if (entry.kind, entry.rooms) == (kind, rooms)]
@@ -99,17 +99,17 @@ def time_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]
 
 
 def spread(seconds: Sequence[float]) -> list[str]:
-    """The median and the 95th percentile, milliseconds."""
+    """Return the median and the 95th percentile, in milliseconds."""
     return [f"{1e3 * float(np.percentile(seconds, share)):,.0f}" for share in (50, 95)]
 
 
 def middle(seconds: Sequence[float]) -> str:
-    """The median, milliseconds."""
+    """Return the median, in milliseconds."""
     return f"{1e3 * float(np.median(seconds)):,.0f}"
 
 
 def score_rows(found: Results) -> Iterator[list[str]]:
-    """The score of our answers, and of the peer's to the same briefs."""
+    """Yield the score of our answers, and of the peer's answers to the same briefs."""
     entries = [("ours", found.judged)]
     if found.peer:
         ours = [each for each in found.judged if each.entry.name in found.peer]
@@ -131,7 +131,7 @@ def _figure(value: float | None) -> str:
 
 
 def furnished_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]:
-    """By number of rooms: houses with furniture beside those without, of the same briefs."""
+    """Yield a row for each number of rooms: houses with and without furniture, for the same briefs."""
     names = [entry for entry in bank if entry.name in found.furnished]
     for rooms in sorted({entry.rooms for entry in names}):
         pairs = [
@@ -155,7 +155,7 @@ def _of_pieces(whole: Attempt) -> float:
 
 
 def proofs_in_words(found: Results) -> str:
-    """How many proofs are minimal."""
+    """Return a sentence on the number of minimal proofs."""
     if not found.proofs:
         return "Not measured."
     lines, sure, unknown = (sum(each[place] for each in found.proofs.values()) for place in range(3))
@@ -170,7 +170,7 @@ def proofs_in_words(found: Results) -> str:
 
 
 def peer_rows(bank: Sequence[BriefEntry], found: Results) -> Iterator[list[str]]:
-    """By number of rooms and by kind: times of both on briefs of which they said the same, and the ratio."""
+    """Yield rows by number of rooms and by kind: times of both generators on briefs with the same answer."""
     ours = {each.entry.name: each for each in found.judged}
     rows: list[tuple[str, Callable[[BriefEntry], bool]]] = [
         (f"{rooms} rooms", lambda entry, rooms=rooms: entry.rooms == rooms)

@@ -1,4 +1,4 @@
-"""Plans that are known, to read briefs off: rooms of generated houses, and of random dissections."""
+"""Known plans from which briefs are read: rooms of generated houses, and of random dissections."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,16 +11,18 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Room, Window
 
 DOORWAY = 0.92
-"""Metres of wall that a door of a plan has: more than the 0.9 m that ours take, with their margins."""
+"""Length of wall that a door of a plan has, in metres. It is more than the 0.9 m that ours take, with
+margins."""
 
 LEAST_VOID = 1.0
-"""Metres: a void is at least so long both ways, as ``docs/briefs.md`` says."""
+"""Smallest side of a void, in metres, as in ``docs/briefs.md``."""
 
 LEAST_ROOM = 1.5
-"""Metres: no room of a random dissection is less wide or deep."""
+"""Smallest side of a room of a random dissection, in metres."""
 
 PINWHEEL = 0.5
-"""How often five rooms or more of a random dissection begin with a pinwheel, which no cut goes through."""
+"""Probability that five or more rooms of a random dissection begin with a pinwheel, which no cut goes
+through."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +39,11 @@ class KnownPlan:
 
     @property
     def outline(self) -> Box:
-        """The rectangle around it."""
+        """Rectangle around the plan."""
         return around(self.boxes)
 
     def pairs(self, least: float, most: float) -> list[tuple[int, int]]:
-        """The pairs of rooms that share from ``least`` to ``most`` metres of wall."""
+        """Return the pairs of rooms that share from ``least`` to ``most`` metres of wall."""
         return [
             (one, other)
             for other in range(len(self.boxes))
@@ -55,7 +57,10 @@ class KnownPlan:
         return list(dict.fromkeys(walls))
 
     def _outer_walls(self, room: int) -> list[tuple[str, float, float]]:
-        """The longest first: at the outline, or at a void in its rim, as a court is not outside."""
+        """Return the outer walls of a room, the longest first: at the outline, or at a void in its rim.
+
+        A court, a void inside the plan, is not outside.
+        """
         courts = [void for void in self.voids if not self._in_rim(void)]
         walls = outer_parts((*self.boxes, *courts), room)
         return sorted(walls, key=lambda wall: wall[1] - wall[2])
@@ -64,7 +69,7 @@ class KnownPlan:
         return any(abs(a - b) < 1e-9 for a, b in zip(void, self.outline, strict=True))
 
     def house(self, names: list[str]) -> House:
-        """The plan as a house whose rooms have these names."""
+        """Return the plan as a house whose rooms have these names."""
         rooms = [
             Room(west, north, east - west, south - north, name, type_, ())
             for (west, north, east, south), name, type_ in zip(self.boxes, names, self.types, strict=True)
@@ -92,7 +97,7 @@ def _door(one: Box, other: Box, between: tuple[str, str]) -> Door:
 
 
 def _segment(box: Box, side: str, low: float, high: float, between: tuple[str, str]) -> Door:
-    """A door of 0.8 m in the middle of a wall."""
+    """Return a door of 0.8 m in the middle of a wall."""
     start = (low + high) / 2 - 0.4
     if side in ("west", "east"):
         return Door(box[0 if side == "west" else 2], start, 0.0, 0.8, between)
@@ -103,7 +108,7 @@ def _segment(box: Box, side: str, low: float, high: float, between: tuple[str, s
 
 
 def of_houses(grammar: str, rooms: int, seed: int) -> Iterator[KnownPlan]:
-    """The plans of houses of a grammar, without end: of each house, where it can be read."""
+    """Yield plans of houses of a grammar, without end; houses whose plan cannot be read are skipped."""
     start = 0
     while True:
         for house in generate(rooms, grammar=grammar, seed=seed, start=start, count=16):
@@ -113,7 +118,7 @@ def of_houses(grammar: str, rooms: int, seed: int) -> Iterator[KnownPlan]:
 
 
 def of_house(house: House) -> KnownPlan | None:
-    """The plan of a house; None where a doorway or a void is too small, or a void no rectangle."""
+    """Return the plan of a house, or None if a doorway or a void is too small, or a void is no rectangle."""
     west, north, _, _ = around(room.box for room in house.rooms)
     boxes = tuple(
         (
@@ -141,7 +146,7 @@ def of_house(house: House) -> KnownPlan | None:
 
 
 def _free(boxes: tuple[Box, ...]) -> tuple[Box, ...] | None:
-    """What boxes leave free in the rectangle around them, as boxes; None where that is not possible."""
+    """Return the free areas in the rectangle around boxes, as boxes; None if they are no boxes."""
     from shapely import box, unary_union
 
     rest = box(*around(boxes)).difference(
@@ -164,7 +169,7 @@ def _free(boxes: tuple[Box, ...]) -> tuple[Box, ...] | None:
 
 
 def of_dissection(rooms: int, rng: np.random.Generator) -> KnownPlan:
-    """A random dissection of a rectangle with about 14 m² for each room; its rooms can all be reached."""
+    """Return a random dissection of a rectangle with about 14 m² for each room; doors reach all its rooms."""
     while True:
         side = (rng.uniform(11, 17) * rooms) ** 0.5
         stretch = rng.uniform(0.85, 1.2)
@@ -215,7 +220,7 @@ def dissected(
 
 
 def _shared_out(parts: list[Box], rooms: int, rng: np.random.Generator) -> list[int]:
-    """How many rooms each part gets: one, and more by its area."""
+    """Return the number of rooms of each part: one, and more in proportion to its area."""
     areas = np.array([(east - west) * (south - north) for west, north, east, south in parts])
     return (1 + rng.multinomial(rooms - len(parts), areas / areas.sum())).tolist()
 
@@ -223,7 +228,7 @@ def _shared_out(parts: list[Box], rooms: int, rng: np.random.Generator) -> list[
 def door_tree(
     plan: KnownPlan, rng: np.random.Generator, least: float = DOORWAY
 ) -> tuple[tuple[int, int], ...]:
-    """Random doors by which all rooms are reached, and a few more; none where walls are too short for it."""
+    """Return random doors that reach all rooms, and a few more; no doors if walls are too short."""
     pairs = plan.pairs(least, np.inf)
     joined, doors, more = [{room} for room in range(len(plan.boxes))], [], []
     for place in rng.permutation(len(pairs)):

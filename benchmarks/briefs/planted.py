@@ -80,7 +80,7 @@ class PlantedStudy:
     """Number of houses, each with a grammar that the house keeps at its limits."""
 
     boxes: tuple[int, int] = (2, 8)
-    """Least and greatest number of rooms and voids of a brief."""
+    """Smallest and largest number of rooms and voids of a brief."""
 
     seconds: int = 60
     """Seconds of processor time for each answer."""
@@ -89,7 +89,7 @@ class PlantedStudy:
     """Folder for planted.jsonl, which has an answer a line."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> int:
         """Print the number of each answer by kind, and return 1 if an answer is false."""

@@ -1,4 +1,4 @@
-"""Whether each line of a proof is needed: without it, the lines that are left have a house."""
+"""Test for each line of a proof if it is needed: without a needed line, the others have a house."""
 
 from collections.abc import Callable, Collection
 
@@ -9,8 +9,10 @@ from logic.request.eased import without
 
 
 def needed(brief: Brief, because: Collection[str], tried: Callable[[Brief], Attempt]) -> tuple[int, int, int]:
-    """Of the lines of a proof: how many there are, how many are needed as the others have a house, and of how
-    many it is not known, as the others end in a limit. ``tried`` makes an attempt.
+    """Return the number of a proof's lines, of needed lines, and of lines for which the answer is not known.
+
+    A line is needed if the others have a house. It is not known if the attempt at the others ends in a limit.
+    ``tried`` makes an attempt.
     """
     lines = requirements(brief)
     others = [each.where for each in lines if each.reason not in because]

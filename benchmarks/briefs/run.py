@@ -25,58 +25,58 @@ from logic.request.brief import Brief, alone
 KINDS: tuple[Kind, ...] = ("house", "dissection", "changed", "impossible")
 
 ALONE = "plain"
-"""The grammar of a brief alone."""
+"""Grammar of a brief without any other rules."""
 
 
 WARM = 12
-"""Furnished houses that are made before any is timed."""
+"""Number of furnished houses that are made before any is timed."""
 
 
 @dataclass(frozen=True)
 class BriefStudy:
-    """Answer the frozen briefs and score the answers; or score those of another generator."""
+    """Answer the frozen briefs and score the answers, or score the answers of another generator."""
 
     answers: Path | None = None
-    """Answers to score, JSON Lines as in docs/brief-bank.md; nothing else is done then."""
+    """File of answers to score, JSON Lines as in docs/brief-bank.md; the study then does nothing else."""
 
     briefs: Path | None = None
-    """Only write the briefs there, JSON Lines: a name, and the brief."""
+    """File for the briefs, JSON Lines with a name and the brief; the study then does nothing else."""
 
     kinds: tuple[Kind, ...] = KINDS
-    """Of which briefs."""
+    """Kinds of briefs to answer."""
 
     rooms: tuple[int, ...] = (5, 8, 10, 12, 16)
-    """Of which numbers of rooms."""
+    """Numbers of rooms of the briefs to answer."""
 
     each: int = 1000
-    """Of each kind and number of rooms at most so many."""
+    """Largest number of briefs of each kind and number of rooms."""
 
     houses: int = 2
-    """Of each brief so many, which says how different they are; the first one is timed and judged."""
+    """Number of houses of each brief, to count different plans; the first one is timed and judged."""
 
     seconds: int = 60
-    """Of processor time for each."""
+    """Processor seconds for each brief."""
 
     proofs: bool = True
-    """Leave out each line of each proof in turn, to see whether it is needed."""
+    """Leave out each line of each proof in turn, to see if it is needed."""
 
     peer: str = ""
-    """A command that reads briefs and writes answers, both JSON Lines, to compare with in the same run."""
+    """Command that reads briefs and writes answers, both JSON Lines, for a comparison in the same run."""
 
     peer_each: int = 4
-    """Of each kind and number of rooms so many briefs go to the peer."""
+    """Number of briefs of each kind and number of rooms that go to the peer."""
 
     out: Path = Path("runs/bench")
     """Folder for brief.json, brief-answers.jsonl and brief-bank.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Put the page into docs too."""
+    """Copy the page into docs."""
 
     def run(self) -> None:
-        """Answer, score, and write the page."""
+        """Answer the briefs, score the answers, and write the page."""
         if self.each < 1 or self.houses < 1 or self.seconds < 1 or self.peer_each < 1:
             raise RequestError("--each, --houses, --seconds and --peer-each are 1 or more")
         bank = self._chosen(frozen(), self.each)
@@ -92,7 +92,10 @@ class BriefStudy:
             self._measured(bank)
 
     def _chosen(self, bank: Iterable[BriefEntry], each: int) -> list[BriefEntry]:
-        """Those of these kinds and rooms, of each group some that lie evenly in it."""
+        """Return the briefs of these kinds and numbers of rooms.
+
+        Of each group there are at most ``each``, evenly spread over the group.
+        """
         groups: dict[tuple[str, int], list[BriefEntry]] = {}
         for entry in bank:
             if entry.kind in self.kinds and entry.rooms in self.rooms:
@@ -139,7 +142,7 @@ class BriefStudy:
         return within(self.seconds, work)
 
     def _write(self, bank: Sequence[BriefEntry], found: Results) -> None:
-        """What there is so far."""
+        """Write the results so far."""
         answers = [found.attempts[entry.name].answer(entry) for entry in bank if entry.name in found.attempts]
         found.judged = judged_all(bank[: len(answers)], answers)
         lines = b"".join(msgspec.json.encode(answer) + b"\n" for answer in answers)
@@ -169,7 +172,10 @@ class BriefStudy:
 
 
 def warm(grammar: str, entries: Iterable[BriefEntry]) -> Builder:
-    """A builder that has made houses of some briefs: rules are read, and those of furniture are ground."""
+    """Return a builder that has made houses of some briefs.
+
+    So its rules are read, and the rules of furniture are ground.
+    """
     builder = Builder(find(grammar))
     for entry in entries:
         attempt(builder, alone(entry.read) if grammar == ALONE else entry.read)
@@ -177,12 +183,12 @@ def warm(grammar: str, entries: Iterable[BriefEntry]) -> Builder:
 
 
 def question(entry: BriefEntry) -> bytes:
-    """A brief as another generator reads it."""
+    """Return a brief in the form that other generators read."""
     return msgspec.json.encode({"name": entry.name, "brief": entry.brief}) + b"\n"
 
 
 def asked(command: str, entries: Sequence[BriefEntry]) -> list[Answer]:
-    """What a command answers. Raises ``RequestError`` where it fails."""
+    """Return the answers of a command. Raises ``RequestError`` if the command fails."""
     lines = b"".join(map(question, entries))
     done = subprocess.run(shlex.split(command), input=lines, stdout=subprocess.PIPE, check=False)
     if done.returncode:
@@ -191,6 +197,6 @@ def asked(command: str, entries: Sequence[BriefEntry]) -> list[Answer]:
 
 
 def in_words(found: Attempt) -> str:
-    """What came of an attempt."""
+    """Return the outcome of an attempt in words."""
     said = "a proof" if found.because is not None else found.limit or f"{len(found.houses)} houses"
     return f"{said}, {1e3 * found.seconds:.0f} ms, {found.refuted} refuted"

@@ -1,4 +1,4 @@
-"""Answers to the bank's briefs, and their figures: the same for every generator."""
+"""Answers to the bank's briefs, and their figures, which are the same for every generator."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,21 +19,21 @@ from logic.spelling import unknown
 
 
 class Answer(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What a generator makes of a brief: houses, or that it is impossible; with neither, no answer."""
+    """Answer of a generator to a brief: houses, or ``impossible``; with neither, no answer."""
 
     brief: str
-    """The name of its entry in the bank."""
+    """Name of the brief in the bank."""
     houses: tuple[dict[str, Any], ...] = ()
-    """In the form of ``docs/house.schema.json``: the first one is judged, all count for diversity."""
+    """Houses in the form of ``docs/house.schema.json``: the first one is judged, all count for diversity."""
     impossible: bool = False
     because: tuple[str, ...] = ()
-    """The lines that are in conflict, in words."""
+    """Lines that are in conflict, in words."""
     seconds: float | None = None
     """Processor time until the first house or the proof."""
 
 
 def read_answers(path: Path) -> list[Answer]:
-    """Answers as JSON Lines. Raises ``HouseFileError`` with the line that is none."""
+    """Return answers from JSON Lines. Raises ``HouseFileError`` with the number of an invalid line."""
     found = []
     with opened(path, MOST_BYTES) as file:
         for number, line in enumerate(file, start=1):
@@ -45,7 +45,7 @@ def read_answers(path: Path) -> list[Answer]:
 
 
 class JudgedAnswer(NamedTuple):
-    """An answer, judged."""
+    """An answer with its judgement."""
 
     entry: BriefEntry
     said: str
@@ -53,13 +53,16 @@ class JudgedAnswer(NamedTuple):
     faults: list[str]
     lines: list[JudgedLine]
     plans: int
-    """How many houses it has, and how many of these differ in which rooms share walls, at which side."""
+    """Number of houses, and number of those that differ in the rooms that share walls, or in the side."""
     different: int
     seconds: float | None
 
     @property
     def right(self) -> bool:
-        """Whether a house keeps all, or the brief is not known to have one and the answer says so."""
+        """True for a house that keeps all lines, or a correct "impossible".
+
+        "Impossible" is correct unless the brief is known to have a house.
+        """
         if self.said == "house":
             return not self.faults and all(line.kept for line in self.lines)
         return self.said == "impossible" and self.entry.answer != "house"
@@ -86,8 +89,9 @@ def judged(entry: BriefEntry, answer: Answer | None) -> JudgedAnswer:
 
 
 def judged_all(bank: Sequence[BriefEntry], answers: Iterable[Answer]) -> list[JudgedAnswer]:
-    """Judge the answer to each brief, and that there is none. Raises ``HouseFileError`` for one to a brief
-    that there is not, and for a second one.
+    """Judge the answer to each brief, or the lack of an answer.
+
+    Raises ``HouseFileError`` for an answer to an unknown brief, and for a second answer to a brief.
     """
     known, found = {entry.name for entry in bank}, dict[str, Answer]()
     for answer in answers:
@@ -100,7 +104,7 @@ def judged_all(bank: Sequence[BriefEntry], answers: Iterable[Answer]) -> list[Ju
 
 
 def score(answers: Sequence[JudgedAnswer]) -> dict[str, Any]:
-    """The figures of a table: counts, and shares from 0 to 1; None where there is nothing to count."""
+    """Return the figures of a table: counts, and fractions from 0 to 1; None if there is nothing to count."""
     houses = [each for each in answers if each.said == "house"]
     proofs = [each for each in answers if each.said == "impossible"]
     of_kind: Mapping[str, list[bool]] = defaultdict(list)
@@ -134,15 +138,15 @@ def score(answers: Sequence[JudgedAnswer]) -> dict[str, Any]:
 
 
 def share(kept: Sequence[bool]) -> float | None:
-    """How many of these are so."""
+    """Return the fraction of True values."""
     return mean(list(map(float, kept)))
 
 
 def mean(values: Sequence[float]) -> float | None:
-    """Of some values; None of none."""
+    """Return the mean of some values, or None for no values."""
     return sum(values) / len(values) if values else None
 
 
 def spread(seconds: Sequence[float]) -> tuple[float, float]:
-    """The median, and the 95th percentile."""
+    """Return the median and the 95th percentile."""
     return median(seconds), float(np.percentile(seconds, 95))

@@ -1,1 +1,1 @@
-"""What several studies share: series and fitted laws, plots, pages, processes, houses."""
+"""Code that several studies share: series and fitted laws, plots, pages, processes, houses."""

@@ -11,21 +11,21 @@ from logic import House, generate, load, save
 from logic.errors import VitruviusError
 
 INFERENCES = 10**9
-"""Of stage 2 for a house: more than any takes."""
+"""Largest number of inferences of stage 2 for a house: more than any house takes."""
 
 ROOMS, COUNT = (2, 3, 4, 5, 6), 205
 TRAINING = "c2ea75684f2e20a7a5e345a28735399b0c29d98f65e694bcd754ae49f1b160fc"
-"""The houses to learn in: COUNT of `family` with each number of rooms, seeds 102 to 106; their hash."""
+"""Hash of the training houses: COUNT of `family` with each number of rooms, seeds 102 to 106."""
 
 
 class OtherHouses(VitruviusError):
-    """A file holds other houses than those that a study stands on."""
+    """A file holds other houses than those that a study is based on."""
 
     exit_code = 1
 
 
 def kept_houses(path: Path, make: Callable[[], Iterable[House]]) -> list[House]:
-    """The houses of a file, made if it is not there."""
+    """Return the houses of a file, after making the file if it does not exist."""
     if not path.exists():
         say(f"{path}: making its houses")
         save(list(make()), path)
@@ -33,13 +33,16 @@ def kept_houses(path: Path, make: Callable[[], Iterable[House]]) -> list[House]:
 
 
 def by_rooms(rooms: Iterable[int], count: int, seed: int, **request: Any) -> Iterator[House]:
-    """That many houses of each number of rooms, which is added to the seed."""
+    """Yield ``count`` houses of each number of rooms, which is added to the seed."""
     for number in rooms:
         yield from generate(number, seed=seed + number, count=count, **request)
 
 
 def training_houses(path: Path, workers: int) -> Path:
-    """The file of houses to learn in, made if it is not there. Raises ``OtherHouses``."""
+    """Return the file of the training houses, after making it if it does not exist.
+
+    Raises ``OtherHouses``.
+    """
     houses = kept_houses(path, lambda: by_rooms(ROOMS, COUNT, seed=100, workers=workers))
     if (found := bank_hash(houses)) != TRAINING:
         raise OtherHouses(f"{path}: other houses ({found[:12]}) than the study's ({TRAINING[:12]})")
@@ -47,7 +50,10 @@ def training_houses(path: Path, workers: int) -> Path:
 
 
 def in_turns(rooms: Sequence[int], count: int, **request: Any) -> list[House]:
-    """House i has ``rooms[i % len(rooms)]`` rooms, so every part of the list has houses of all sizes."""
+    """Return ``count`` houses, of which house i has ``rooms[i % len(rooms)]`` rooms.
+
+    So every part of the list has houses of all sizes.
+    """
     counts = [len(range(place, count, len(rooms))) for place in range(len(rooms))]
     series = [
         list(generate(number, count=some, workers=2, **request)) if some else []

@@ -1,6 +1,7 @@
-"""The notice of the licences of all that ``requirements.lock`` names, from what the installed packages say.
+"""Notice of the licences of all packages in ``requirements.lock``, from the installed packages.
 
-``./run python -m benchmarks.common.licences > THIRD_PARTY_LICENSES.md``, on Linux: all is installed there.
+Run ``./run python -m benchmarks.common.licences > THIRD_PARTY_LICENSES.md`` on Linux, where all packages are
+installed.
 """
 
 import re
@@ -13,7 +14,7 @@ from typing import Any
 LOCK = Path(__file__).parents[2] / "requirements.lock"
 
 USED = "vitruvius (pyproject.toml)"
-"""By whom the lock says that a package is needed, where it is no tool of development."""
+"""Name in the lock for the reason of a package that is not only for development."""
 
 SPDX = {
     "3-Clause BSD License": "BSD-3-Clause",
@@ -26,28 +27,28 @@ SPDX = {
     "NVIDIA Proprietary Software": "LicenseRef-NVIDIA-Proprietary",
     "Python Software Foundation License": "PSF-2.0",
 }
-"""What packages write in place of a licence's name."""
+"""Texts that packages write instead of an SPDX name of their licence."""
 
 UNSTATED = {
     "array-api-compat": "MIT",
     "cuda-toolkit": "LicenseRef-NVIDIA-Proprietary",
     "mlcroissant": "Apache-2.0",
 }
-"""Licences that packages neither name nor bring the text of: as their projects have them."""
+"""Licences of packages that neither name a licence nor include its text, as their projects state them."""
 
 ELSEWHERE = {"appnope": "BSD-2-Clause", "httpx2-jsfetch": "BSD-3-Clause"}
-"""Licences of packages that other systems than Linux install: as their projects have them."""
+"""Licences of packages that are installed only on systems other than Linux, as their projects state them."""
 
 ASKS_MORE = re.compile(r"GPL|MPL|EPL|CDDL|Proprietary")
-"""In the names of licences that ask for more than a notice."""
+"""Pattern in the names of licences that ask for more than a notice."""
 
 HEADING = re.compile(
     r"(?:GNU (?:LESSER |AFFERO |LIBRARY )?GENERAL PUBLIC LICENSE|Mozilla Public License)\s+Version [\d.]*\d"
 )
-"""Of the text of such a licence, in a file of a package that has parts under it."""
+"""Pattern of the heading of such a licence, in a file of a package that has parts under it."""
 
 EXCEPTION = "GCC Runtime Library Exception"
-"""Under it a program may carry parts of its compiler and is not under the compiler's licence."""
+"""Exception under which a program may contain parts of its compiler without the compiler's licence."""
 
 NOTICE = """# Licences of what Vitruvius uses
 
@@ -75,7 +76,7 @@ Read them before you pass these on, for instance in an image with all of it.
 
 
 def locked() -> dict[str, tuple[list[str], bool]]:
-    """Of each package of the lock its versions, one for each Python, and whether users need it."""
+    """Return for each package of the lock its versions, one for each Python, and True if users need it."""
     entries = re.findall(r"^([\w.-]+)==(\S+)(.*?)(?=^\S|\Z)", LOCK.read_text(), re.MULTILINE | re.DOTALL)
     needed_by = {
         name: set(re.findall(r"^ +# +(?:via )?(\S.*)$", rest, re.MULTILINE)) for name, _, rest in entries
@@ -87,8 +88,8 @@ def locked() -> dict[str, tuple[list[str], bool]]:
 
 
 def licence(package: Distribution) -> str:
-    """What a package says that its licence is, as an SPDX expression."""
-    said: Any = package.metadata  # a mapping whose keys repeat
+    """Return a package's licence, as the package states it, as an SPDX expression."""
+    said: Any = package.metadata  # a mapping with repeated keys
     classes = [words.split(" :: ")[-1] for words in said.get_all("Classifier", []) if "License ::" in words]
     stated: list[str] = [
         said.get("License-Expression"),
@@ -103,7 +104,7 @@ def licence(package: Distribution) -> str:
 
 
 def parts(package: Distribution) -> list[str]:
-    """Licences that ask for more, of parts of a package, and the files with their texts."""
+    """Return the licences of parts of a package that ask for more than a notice, with their files."""
     found = set()
     for name, text in _texts(package):
         excepted = f" with the {EXCEPTION}" if EXCEPTION.lower() in text.lower() else ""
@@ -112,7 +113,7 @@ def parts(package: Distribution) -> list[str]:
 
 
 def _texts(package: Distribution) -> Iterator[tuple[str, str]]:
-    """The names and the texts of the files on licences that a package brings."""
+    """Yield the names and the texts of a package's licence files."""
     for file in package.files or []:
         if re.fullmatch(
             r"(?i)(licen[sc]e|copying|notice|third)[^.]*(\.eigen|\.external|\.md|\.txt)?", file.name
@@ -121,7 +122,7 @@ def _texts(package: Distribution) -> Iterator[tuple[str, str]]:
 
 
 def notice() -> str:
-    """The page, the same from the same lock and packages."""
+    """Return the page, which depends only on the lock and the packages."""
     packages = {name: distribution(name) for name in locked() if name not in ELSEWHERE}
     licences = ELSEWHERE | {name: licence(package) for name, package in packages.items()}
     lines = [NOTICE.rstrip()]

@@ -15,11 +15,11 @@ from benchmarks.common.series import is_rate, law, series_of
 from logic import VitruviusError
 
 INTERRUPTED = 2
-"""The exit code of pytest after Ctrl-C."""
+"""Exit code of pytest after Ctrl-C."""
 
 
 class MeasurementFailed(VitruviusError):
-    """A study did not run to its end."""
+    """A study did not finish."""
 
     exit_code = 1
 
@@ -34,12 +34,12 @@ def study(
     publish: bool = False,
     **settings: str,
 ) -> None:
-    """Time ``test_NAME.py``; write NAME.json, NAME.csv, NAME.png, by ``page`` NAME.md; print the laws.
+    """Time ``test_NAME.py``, write NAME.json, .csv, .png and, with ``page``, .md, and print the laws.
 
-    ``settings`` reach the script as environment variables; of its tests those run whose names begin with
-    ``test_`` and one of the ``parts``, by default all. What was measured before Ctrl-C or a failure is
-    written, too. Raises ``MeasurementFailed``, ``KeyboardInterrupt``, and, before anything runs,
-    ``ModuleNotFoundError`` where a module that it ``needs`` is absent.
+    ``settings`` become environment variables of the script. Its tests run if their names begin with ``test_``
+    and one of the ``parts``, by default all. Measurements before Ctrl-C or a failure are written, too. Raises
+    ``MeasurementFailed`` and ``KeyboardInterrupt``, and before anything runs ``ModuleNotFoundError`` if a
+    module that the study ``needs`` is missing.
     """
     for module in ("pytest_benchmark", *needs):
         import_module(module)
@@ -60,12 +60,15 @@ def study(
 
 
 def _written(file: Path) -> int | None:
-    """When it was written, in nanoseconds; an earlier report stays until there is something to replace it."""
+    """Return the time of the file's last change in nanoseconds, or None.
+
+    An earlier report stays until a new one replaces it.
+    """
     return file.stat().st_mtime_ns if file.exists() else None
 
 
 def marked(page: str, report: dict[str, Any]) -> str:
-    """The page, with a note below its title where not all was measured."""
+    """Return the page, with a note below its title if measurements are missing."""
     title, rest = page.split("\n", 1)
     done, count = report["measured"], report["of"]
     return page if done == count else f"{title}\n\n**Partial: {done} of {count} measurements.**\n{rest}"
@@ -74,8 +77,9 @@ def marked(page: str, report: dict[str, Any]) -> str:
 def measured(
     script: Path, file: Path, settings: Mapping[str, str], parts: Sequence[str] = ()
 ) -> BaseException | None:
-    """Write what pytest-benchmark reports of a script as it goes (see ``record.py``); what stopped it, if
-    anything did. Its own tables go to the terminal.
+    """Write the report of pytest-benchmark on a script as it runs (see ``record.py``).
+
+    Return what stopped the script, or None. The tables of pytest-benchmark go to the terminal.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "pytest", "-q", str(script), f"--report={file.resolve()}"]

@@ -1,4 +1,4 @@
-"""Pages of results: where they go, tables in Markdown, machine and versions that they name."""
+"""Pages of results: their folders, tables in Markdown, and the machine and versions that they name."""
 
 import os
 import platform
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from agent.evaluation.tables import Table
 
 ROOT = Path(__file__).resolve().parents[2]
-"""The checkout, or where the wheel is installed."""
+"""Folder of the checkout, or of the installed wheel."""
 
 DOCS = ROOT / "docs"
 
 BY_HAND = b"<!-- What follows is written by hand. -->\n"
-"""A published page keeps this line, and what follows it."""
+"""A published page keeps this line, and everything after it."""
 
 
 def write(files: Mapping[str, bytes], out: Path, publish: bool = False) -> None:
-    """Write a study's page and pictures into its folder, and into docs too where they are to be published."""
+    """Write a study's page and pictures into its folder, and with ``publish`` into docs."""
     if publish and not DOCS.is_dir():
         raise RequestError(f"--publish: there is no {DOCS}: pages are published in a checkout of the project")
     for name, content in files.items():
@@ -39,43 +39,43 @@ def write(files: Mapping[str, bytes], out: Path, publish: bool = False) -> None:
 
 
 def write_tables(tables: "Iterable[Table]", path: Path) -> None:
-    """Write tables as a page of Markdown, and print it."""
+    """Write tables as a page of Markdown, and print the page."""
     page = "\n\n".join(table.markdown() for table in tables)
     write_whole(path, f"{page}\n".encode())
     print(page)
 
 
 def write_arrays(path: Path, **arrays: Any) -> None:
-    """Write arrays by name, for ``np.load``; whole, or not at all."""
+    """Write arrays by name, for ``np.load``, as a complete file or not at all."""
     content = BytesIO()
     np.savez(content, **arrays)
     write_whole(path, content.getvalue())
 
 
 def png(figure: Any) -> bytes:
-    """A figure of matplotlib's as the bytes of a PNG file."""
+    """Return a figure of matplotlib as the bytes of a PNG file."""
     content = BytesIO()
     figure.savefig(content, format="png")
     return content.getvalue()
 
 
 def table_rows(rows: Iterable[Iterable[str]]) -> str:
-    """Rows of a Markdown table."""
+    """Return the rows of a Markdown table."""
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
 def milliseconds(seconds: float) -> str:
-    """In milliseconds, with as many digits as say something."""
+    """Return a time in milliseconds, with meaningful digits only."""
     return f"{1e3 * seconds:,.{0 if seconds >= 1 else 1 if seconds >= 1e-3 else 3}f}"
 
 
 def median_ms(entry: dict[str, Any] | None) -> str:
-    """A benchmark's median in milliseconds; nothing where there is no such benchmark."""
+    """Return a benchmark's median in milliseconds, or an empty text without a benchmark."""
     return milliseconds(entry["stats"]["median"]) if entry else ""
 
 
 def machine(info: Mapping[str, Any] | None = None) -> str:
-    """The processor, its cores and the system: of this machine, or as pytest-benchmark noted them."""
+    """Return the processor, its cores and the system, of this machine or from a benchmark's record."""
     if info is None:
         from cpuinfo import get_cpu_info
 
@@ -86,13 +86,13 @@ def machine(info: Mapping[str, Any] | None = None) -> str:
 
 
 def versions(*names: str, python: str = platform.python_version(), **more: str) -> str:
-    """Of Python and of distributions by name, and ``more`` that is known otherwise, in words."""
+    """Return the versions of Python, of distributions by name, and of ``more``, in words."""
     found = {"Python": python} | more | {name: version(name) for name in names}
     return ", ".join(f"{name} {number}" for name, number in found.items())
 
 
 def revision() -> str:
-    """The checkout's commit."""
+    """Return the checkout's commit."""
     asked = ["git", "describe", "--always", "--dirty"]
     done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=False)
     return done.stdout.strip() or "unknown"

@@ -1,4 +1,4 @@
-"""A report of pytest-benchmark as a picture: medians, quartiles and fitted laws on logarithmic axes."""
+"""Plot of a report of pytest-benchmark: medians, quartiles and fitted laws on logarithmic axes."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
 
 
 def plot(report: dict[str, Any]) -> bytes:
-    """A PNG on logarithmic axes: medians, quartiles and the fitted law of each benchmark, a panel a kind."""
+    """Return a PNG on logarithmic axes: medians, quartiles and fitted laws, a panel for each kind."""
     from matplotlib.figure import Figure
 
     rate, series, panels = is_rate(report), series_of(report), panels_of(report)
@@ -45,7 +45,7 @@ def plot(report: dict[str, Any]) -> bytes:
 
 
 def _draw(axes: Any, name: str, points: np.ndarray, rate: bool) -> None:
-    """One benchmark: a line with its quartiles, hollow arrows at the limit where the median is censored."""
+    """Draw one benchmark: a line with its quartiles, and hollow arrows at the limit for censored medians."""
     size, median, low, high, censored = points.T
     seen = censored == 0
     (line,) = axes.plot(size[seen], median[seen], "o-", label=f"{name}: {law(points, rate)}", lw=1.6, ms=4)

@@ -1,4 +1,4 @@
-"""Processes of a study, some at a time, each on one processor; how each went is noted."""
+"""Processes of a study: some run at a time, each on one processor, and the outcome of each is recorded."""
 
 import ctypes
 import fcntl
@@ -22,27 +22,30 @@ from logic.errors import MissingProgram, VitruviusError
 from logic.house.files import write_whole
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
-"""The environment of a process whose libraries use one thread each."""
+"""Environment of a process whose libraries use one thread each."""
 
 CLI = (sys.executable, "-P", "-m", "vitruvius.cli")
 
 
 class StudyFailed(VitruviusError):
-    """A part of the study that all else stands on did not come about."""
+    """A part of the study that the rest depends on failed."""
 
     exit_code = 1
 
 
 @dataclass(frozen=True)
 class Job:
-    """A process of the study: what it does, and where it notes how that went."""
+    """A process of the study: its command, and the folder for its outcome."""
 
     name: str
     command: tuple[str, ...]
     folder: Path
 
     def start(self, processor: int, orphaned: int = signal.SIGTERM) -> subprocess.Popen[bytes]:
-        """Start it on one processor; what it prints goes to a file. When its parent ends it gets a signal."""
+        """Start the process on one processor, with its output in a file.
+
+        It gets a signal when its parent ends.
+        """
         self.folder.mkdir(parents=True, exist_ok=True)
         failure(self.folder).unlink(missing_ok=True)
         with (self.folder / "log.txt").open("wb") as log:
@@ -57,14 +60,14 @@ class Job:
             )
 
     def run(self) -> int:
-        """Run it to its end on a processor that no other job here has; its exit code.
+        """Run the process to its end on a processor that no other job here has. Return its exit code.
 
         Raises ``MissingProgram`` on a machine that does not share the checkout or the job's folder.
         """
         if not self.folder.is_dir():
             raise MissingProgram(f"{self.folder}: is not there: all nodes must share it, and the checkout")
         with own_processor() as processor:
-            # At once, or the task that is begun again in place of a lost one finds it still at work.
+            # At once, or a task that is repeated instead of a lost one finds it still at work.
             process = self.start(processor, orphaned=signal.SIGKILL)
             try:
                 return process.wait()
@@ -72,7 +75,7 @@ class Job:
                 process.terminate()
 
     def end(self, code: int) -> None:
-        """Say how it went; a failure is noted too."""
+        """Print the outcome, and record a failure."""
         words = "done"
         if code:
             lines = (self.folder / "log.txt").read_text(errors="replace").strip().splitlines()
@@ -83,8 +86,9 @@ class Job:
 
 
 def run_all(jobs: Iterable[Job], workers: int, cluster: Cluster | None = None) -> None:
-    """Run jobs, ``workers`` at a time, each on another processor as long as there are enough; or as tasks of
-    a cluster, as many as it can take.
+    """Run jobs, ``workers`` at a time, each on its own processor as long as there are enough.
+
+    With a cluster, jobs are tasks, as many at a time as the cluster can take.
     """
     if cluster:
         waiting = list(jobs)
@@ -116,12 +120,12 @@ def run_all(jobs: Iterable[Job], workers: int, cluster: Cluster | None = None) -
 
 @contextmanager
 def own_processor() -> Iterator[int]:
-    """A processor of this machine that no other block here has, where there are as many."""
+    """Reserve a processor of this machine that no other block here has, if there are enough."""
     processors = sorted(os.sched_getaffinity(0))
     for processor in processors:
         with Path(tempfile.gettempdir(), f"vitruvius-{os.getuid()}-processor-{processor}").open("w") as lock:
             try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # it goes with the process
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # released when the process ends
             except BlockingIOError:
                 continue
             yield processor
@@ -130,12 +134,12 @@ def own_processor() -> Iterator[int]:
 
 
 def failure(folder: Path) -> Path:
-    """Where it is noted why the last try failed."""
+    """Return the file with the reason why the last try failed."""
     return folder / "failed.txt"
 
 
 def why(folder: Path) -> str:
-    """Why the last try failed; nothing where it did not."""
+    """Return the reason why the last try failed, or an empty text."""
     note = failure(folder)
     return note.read_text() if note.exists() else ""
 
@@ -146,7 +150,10 @@ def say(text: str) -> None:
 
 
 def output(command: Sequence[str], **environment: str) -> str:
-    """What a process prints, with these more variables. Raises ``StudyFailed`` where it fails."""
+    """Return the output of a process with these additional variables.
+
+    Raises ``StudyFailed`` if the process fails.
+    """
     done = subprocess.run(
         command, stdout=subprocess.PIPE, env=os.environ | environment, text=True, check=False
     )
@@ -159,6 +166,6 @@ LIBC = ctypes.CDLL(None)
 
 
 def _keep_to(processor: int, orphaned: int) -> None:
-    """In a new process: keep to one processor, or Taichi's workers share it; end with the study."""
+    """Keep a new process on one processor, or Taichi's workers share it, and end it with the study."""
     os.sched_setaffinity(0, {processor})
     LIBC.prctl(1, orphaned)  # PR_SET_PDEATHSIG

@@ -1,8 +1,8 @@
-"""A plugin of pytest that writes what pytest-benchmark measures as it goes, and says how much time is left.
+"""Plugin of pytest that writes the results of pytest-benchmark as it runs, and prints the remaining time.
 
-``pytest -p benchmarks.common.record --report FILE.json``: after each measurement FILE.json is the report of
-all so far, as pytest-benchmark writes it at its end, and FILE.csv has a line for each; so a study that is
-stopped keeps what it measured.
+``pytest -p benchmarks.common.record --report FILE.json``: after each measurement, FILE.json is the report so
+far, in the final form of pytest-benchmark, and FILE.csv has a line for each measurement. So a stopped study
+keeps its measurements.
 """
 
 import csv
@@ -23,11 +23,11 @@ from benchmarks.common.series import axis_of, name_of
 from logic.house.files import write_whole
 
 COLUMNS = ("measurement", "axis", "size", "rounds", "mean", "median", "q1", "q3", "p95", "min", "max")
-"""Of the CSV file: the last seven are seconds."""
+"""Columns of the CSV file; the last seven are in seconds."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Take the report's file."""
+    """Add the option for the report's file."""
     parser.addoption("--report", type=Path, required=True)
 
 
@@ -37,7 +37,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class ReportRecorder:
-    """What is measured so far, and how long it took."""
+    """Recorder of measurements and their times."""
 
     def __init__(self, config: pytest.Config) -> None:
         self.config = config
@@ -48,17 +48,17 @@ class ReportRecorder:
         self.seconds, self.work = defaultdict[str, float](float), defaultdict[str, float](float)
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
-        """Note what there is to measure, and that the time begins."""
+        """Count the measurements, and start the clock."""
         self.left = {item.nodeid: _work(item) for item in session.items}
         self.last, self.count = monotonic(), len(self.left)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_report_teststatus(self, report: pytest.TestReport) -> tuple[str, str, str] | None:
-        """Print no dot: a line says more."""
+        """Print no dot, because a line says more."""
         return ("passed" if report.when == "call" else "", "", "") if report.passed else None
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Write what is measured so far, and say how it goes on."""
+        """Write the measurements so far, and print the progress."""
         if report.when != "call":
             return
         now = monotonic()
@@ -74,7 +74,7 @@ class ReportRecorder:
             say(f"{entry['name'].removeprefix('test_')}: {took}, {done}, about {left:.0f} s left")
 
     def write(self) -> dict[str, Any]:
-        """Write the report and the CSV file; what was measured last."""
+        """Write the report and the CSV file. Return the last measurement."""
         session: Any = self.config._benchmarksession  # pyright: ignore[reportAttributeAccessIssue]
         self.machine = self.machine or session.get_machine_info()
         report = self.config.hook.pytest_benchmark_generate_json(
@@ -93,14 +93,14 @@ class ReportRecorder:
 def time_left(
     seconds: Mapping[str, float], work: Mapping[str, float], left: Iterable[tuple[str, float]]
 ) -> float:
-    """Seconds for the work that is left: each kind at its rate so far, or at that of all kinds."""
+    """Return the seconds for the remaining work, each kind at its own rate, or at that of all kinds."""
     mean = sum(seconds.values()) / sum(work.values())
     rate = {kind: seconds[kind] / work[kind] for kind in work}
     return sum(more * rate.get(kind, mean) for kind, more in left)
 
 
 def table(report: dict[str, Any]) -> str:
-    """A report as CSV, a line for each measurement."""
+    """Return a report as CSV, a line for each measurement."""
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     lines.writerow(COLUMNS)
@@ -113,7 +113,7 @@ def table(report: dict[str, Any]) -> str:
 
 
 def _work(item: pytest.Item) -> tuple[str, float]:
-    """A measurement's name, and how much work it is as far as its size says: a number for its parameter."""
+    """Return a measurement's name and its amount of work: the number of its size parameter."""
     parameters = getattr(item, "callspec", None)
     sizes = [each for each in parameters.params.values() if isinstance(each, int)] if parameters else []
     return item.name.partition("[")[0], float(max(sizes, default=1))

@@ -1,4 +1,4 @@
-"""Rows of a study in a file of JSON Lines, from which a study that was stopped continues."""
+"""Rows of a study in a file of JSON Lines, from which a stopped study continues."""
 
 from collections.abc import Iterable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The section of a report about time: medians and quartiles of studies that pytest-benchmark timed."""
+"""Section of a report about time: medians and quartiles of studies that pytest-benchmark timed."""
 
 import json
 from collections.abc import Sequence
@@ -13,11 +13,14 @@ from benchmarks.common.pages import machine
 from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
 
 COLOURS = 10
-"""Of lines: classes of a report's style."""
+"""Number of line colours: classes of a report's style."""
 
 
 def timings(files: Sequence[Path], folder: Path) -> Section:
-    """Of reports of pytest-benchmark. Raises ``ReportError`` for a file that is none."""
+    """Return the section of some reports of pytest-benchmark.
+
+    Raises ``ReportError`` for a file that is no report.
+    """
     parts = []
     for path in files:
         try:
@@ -28,7 +31,7 @@ def timings(files: Sequence[Path], folder: Path) -> Section:
 
 
 def _study(report: dict[str, Any]) -> str:
-    """A plot for each kind of benchmark, and the fitted laws."""
+    """Return a plot for each kind of benchmark, and the fitted laws."""
     rate, series, panels = is_rate(report), series_of(report), panels_of(report)
     slots = {name: place % COLOURS for place, name in enumerate(series)}
     info = report["machine_info"]
@@ -46,11 +49,11 @@ def _study(report: dict[str, Any]) -> str:
 
 
 def _line(name: str, points: np.ndarray, slot: int) -> DataSeries:
-    """A benchmark's medians and quartiles, without those that ran into the limit."""
+    """Return a benchmark's medians and quartiles, without those that ran into the limit."""
     size, median, low, high, _ = points[points[:, 4] == 0].T.tolist() or [[]] * 5
     return DataSeries(name, size, median, low, high, slot)
 
 
 def _late(series: dict[str, np.ndarray]) -> dict[str, float]:
-    """By benchmark the limit in which most runs of some size did not end."""
+    """Return for each benchmark the limit that most runs of some size reached."""
     return {name: points[points[:, 4] == 1, 1].max() for name, points in series.items() if points[:, 4].any()}

@@ -1,4 +1,4 @@
-"""What the studies found: series and fitted laws from reports of pytest-benchmark."""
+"""Results of studies: series and fitted laws from reports of pytest-benchmark."""
 
 from typing import Any
 
@@ -14,31 +14,31 @@ AXES = {
     "rays": "rays",
     "processors": "processors",
 }
-"""What a study varies: the key in a benchmark's ``extra_info``, and its name on the axis."""
+"""Quantities that studies vary: the key in a benchmark's ``extra_info``, and the name on the axis."""
 
 
 def name_of(entry: dict[str, Any]) -> str:
-    """A benchmark's name in words, without its size."""
+    """Return a benchmark's name in words, without its size."""
     return entry["name"].split("[")[0].removeprefix("test_").replace("_", " ")
 
 
 def axis_of(entry: dict[str, Any]) -> str | None:
-    """What a benchmark varies, a key of ``AXES``; ``None`` where it has no size."""
+    """Return the quantity that a benchmark varies, a key of ``AXES``; ``None`` if it has no size."""
     return next((axis for axis in AXES if axis in entry["extra_info"]), None)
 
 
 def series_of(report: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Each benchmark's rows of size, median, lower and upper quartile, and whether the median is censored.
+    """Return each benchmark's rows: size, median, lower quartile, upper quartile, 1 for a censored median.
 
-    Seconds, or steps a second. A study that ends runs at a limit notes how many: where it is half of them or
-    more, the median is no more than a lower bound.
+    Values are in seconds, or in steps per second. A study that ends runs at a limit records their number: if
+    it is half of the runs or more, the median is only a lower bound.
     """
     rows: dict[str, list[list[float]]] = {}
     for entry in report["benchmarks"]:
         extra, stats = entry["extra_info"], entry["stats"]
         axis = axis_of(entry)
         if axis:
-            # Where a round is many steps, what counts is their rate; the quartiles then change places.
+            # If a round is many steps, their rate counts; the quartiles then change places.
             work = extra["steps_per_second"] * stats["median"] if "steps_per_second" in extra else None
             times = [stats["median"], stats["q1"], stats["q3"]]
             values = [work / time for time in times] if work else times
@@ -49,7 +49,7 @@ def series_of(report: dict[str, Any]) -> dict[str, np.ndarray]:
 
 
 def panels_of(report: dict[str, Any]) -> dict[str, tuple[str, str]]:
-    """By each benchmark's name the title of the panel that it is drawn in, and the key of its axis."""
+    """Return for each benchmark's name the title of its panel, and the key of its axis."""
     return {
         name_of(entry): (entry["extra_info"].get("panel", ""), axis)
         for entry in report["benchmarks"]
@@ -58,12 +58,15 @@ def panels_of(report: dict[str, Any]) -> dict[str, tuple[str, str]]:
 
 
 def is_rate(report: dict[str, Any]) -> bool:
-    """Whether a study measures steps a second rather than seconds."""
+    """Return True if a study measures steps per second instead of seconds."""
     return any("steps_per_second" in entry["extra_info"] for entry in report["benchmarks"])
 
 
 def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]:
-    """Least squares on logarithms: the exponent of ``seconds ~ sizes ** exponent``, its standard error."""
+    """Return the exponent of ``seconds ~ sizes ** exponent``, and its standard error.
+
+    Both are from least squares on logarithms.
+    """
     x, y = np.log(sizes), np.log(seconds)
     design = np.stack([x, np.ones_like(x)], axis=1)
     solution, residual, *_ = np.linalg.lstsq(design, y, rcond=None)
@@ -73,10 +76,11 @@ def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]
 
 
 def law(points: np.ndarray, rate: bool) -> str:
-    """What least squares on logarithms finds, with a 95 % interval: the exponent of a power law.
+    """Return the fitted law in words: the exponent of a power law, with a 95 % interval.
 
-    From size 4 on: below it fixed costs rule. A series that runs into its limit grows faster than any power:
-    of that the factor for each further room, from 2 on. Of rates, the best.
+    Sizes below 4 do not count, because fixed costs dominate there. A series that runs into its limit grows
+    faster than any power: its law is the factor for each further room, from 2 on. For rates, the result is
+    the best rate.
     """
     if rate:
         return f"{points[:, 1].max():,.0f} a second at best"

@@ -1,1 +1,1 @@
-"""``vitruvius bench exploration``: agents that explore maps of buildings, and what they have seen of them."""
+"""``vitruvius bench exploration``: agents that explore maps of buildings, and the area that they saw."""

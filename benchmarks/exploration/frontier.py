@@ -1,8 +1,8 @@
-"""The baseline that goes to the nearest frontier (Yamauchi, CIRA 1997): a free cell beside an unseen one.
+"""Baseline that goes to the nearest frontier (Yamauchi, CIRA 1997): a free cell beside an unseen one.
 
-It is told where it is, and knows what the beams of ``Seen`` have shown. It goes to the frontier that the
-fewest steps lead to, of those of more than ten cells, until it is there or all of that has been seen, and
-chooses again; a frontier that stays one though it was there is left.
+The baseline knows its exact pose, and what the beams of ``Seen`` have shown. It goes to the frontier with the
+fewest steps among those of more than ten cells. It chooses again when it is there or when all of the frontier
+has been seen. If a frontier remains although the baseline was there, it is left out from then on.
 """
 
 import numpy as np
@@ -12,13 +12,13 @@ from benchmarks.exploration.seen import OPEN, UNSEEN, Seen
 from sim.actions import FORWARD, HEADINGS, LEFT, RIGHT
 
 SMALLEST = 10
-"""Cells: frontiers of no more are left out, as in MapEx."""
+"""Size in cells of a frontier that is too small: frontiers of no more cells are left out, as in MapEx."""
 
 NEAR = 3
-"""Cells from a frontier at which a body is there: nearer it may have no room."""
+"""Distance in cells at which a body has reached a frontier; closer to it there may be no room."""
 
 TRIES = 1
-"""How often it goes to a frontier that stays one, though it has looked from there."""
+"""Largest number of visits to a frontier that remains after a look from there."""
 
 ALL_AROUND, WIDE = np.ones((3, 3), bool), np.ones((2 * NEAR + 1,) * 2, bool)
 
@@ -27,7 +27,7 @@ class NearestFrontier:
     """Policies of E bodies, which share nothing."""
 
     def __init__(self, seen: Seen, turns: bool) -> None:
-        """``turns``: whether it turns around where it has come to a frontier, as its sensor is in front."""
+        """Take ``turns``: True if a body turns around at a frontier, because its sensor looks forward."""
         self.seen, self.turns, count = seen, turns, seen.bodies
         self.ways: list[list[int]] = [[] for _ in range(count)]
         self.goals = np.zeros((count, 2), int)
@@ -36,12 +36,13 @@ class NearestFrontier:
         self.tried = np.zeros((count, *seen.shape), np.uint8)
 
     arrived: np.ndarray
-    """(E,) bool: which have come to the end of their way, where they look before they choose again."""
+    """(E,) bool: True for bodies that have reached the end of their path, where they look before they choose
+    again."""
     done: np.ndarray
-    """(E,) bool: which have no frontier left that a way leads to."""
+    """(E,) bool: True for bodies that have no reachable frontier left."""
 
     def act(self, poses: np.ndarray) -> np.ndarray:
-        """Actions (E,) from poses (E, 3)."""
+        """Return actions (E,) for poses (E, 3)."""
         at = self.seen.cells(poses[:, :2]).astype(int)[:, ::-1]
         lost = np.zeros(len(poses), bool)
         for e in range(len(poses)):
@@ -55,14 +56,14 @@ class NearestFrontier:
         return np.array([self._next(e, round(poses[e, 2] / (np.pi / 4)) % 8) for e in range(len(poses))])
 
     def _frontiers(self, e: int, at: np.ndarray) -> np.ndarray:
-        """Which cells about a place are frontiers, (h, w) bool."""
+        """Return a mask (h, w) bool of the cells around a place that are frontiers."""
         row, column = at
         rows, columns = (slice(max(0, x - NEAR - 1), x + NEAR + 2) for x in (row, column))
         known = self.seen.known[e, rows, columns]
         return (known == OPEN) & binary_dilation(known == UNSEEN, ALL_AROUND)
 
     def _choose(self, poses: np.ndarray, at: np.ndarray, lost: np.ndarray) -> None:
-        """Choose goals for those that have none."""
+        """Choose goals for bodies without one."""
         goals = np.zeros((len(poses), *self.seen.shape), bool)
         for e in np.flatnonzero(lost):
             known = self.seen.known[e]
@@ -72,7 +73,7 @@ class NearestFrontier:
             large[0] = False
             goals[e] = binary_dilation(large[regions], WIDE)
             row, column = at[e]
-            if goals[e, row, column]:  # It is there, and has looked: these stay frontiers.
+            if goals[e, row, column]:  # After its look, these cells remain frontiers.
                 rows, columns = (slice(max(0, x - NEAR), x + NEAR + 1) for x in (row, column))
                 self.tried[e, rows, columns] += 1
                 goals[e, rows, columns] = False
@@ -83,7 +84,7 @@ class NearestFrontier:
                 self.goals[e] = self.seen.cells(end)[::-1]
 
     def _next(self, e: int, heading: int) -> int:
-        """The action that leads along its way; where there is none, it turns."""
+        """Return the next action of a body's path; without a path, turn."""
         if self.turning[e]:
             self.turning[e] -= 1
             return LEFT

@@ -1,4 +1,4 @@
-"""Pictures of walks: what was seen over the way, and the ways on their maps."""
+"""Pictures of walks: the seen area along the path, and the paths on their maps."""
 
 from collections.abc import Mapping
 
@@ -10,13 +10,13 @@ from logic import House
 from logic.house.occupancy import FREE, OCCUPIED
 
 Walks = Mapping[tuple[str, str, str], list[Walk]]
-"""By sensor, map and agent."""
+"""Walks by sensor, map and agent."""
 
 COLOURS = dict(zip(AGENTS, ("#1f5ea8", "#c8552d"), strict=True))
 
 
 def curves(walked: Walks, metres: float) -> bytes:
-    """What was seen over the metres, a panel for each sensor and map: the median, and all walks."""
+    """Draw the seen area over the distance, a panel for each sensor and map: the median, and all walks."""
     from matplotlib.figure import Figure
 
     sensors, names = (list(dict.fromkeys(key[k] for key in walked)) for k in (0, 1))
@@ -40,7 +40,7 @@ def curves(walked: Walks, metres: float) -> bytes:
 
 
 def ways(houses: Mapping[str, House], walked: Walks, sensor: str) -> bytes:
-    """The first walk of each agent on each map, from the same start."""
+    """Draw the first walk of each agent on each map, from the same start."""
     from matplotlib.figure import Figure
 
     sizes = [house.rooms[0].height / house.rooms[0].width for house in houses.values()]

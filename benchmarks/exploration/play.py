@@ -1,4 +1,4 @@
-"""Agents that explore a map from the same starts, and what they have seen of it on their way."""
+"""Agents that explore a map from the same starts, and the area that they have seen along their path."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,25 +22,27 @@ EXPLORER, FRONTIER = "explorer", "nearest frontier"
 AGENTS = EXPLORER, FRONTIER
 
 BEAMS = 2500
-"""Of a whole turn: what is seen is measured by these, as in MapEx."""
+"""Number of beams over a whole turn that determine the seen area, as in MapEx."""
 
 APART = 0.3
-"""Metres between two looks of the laser, as in MapEx; the camera of other bodies looks at each step."""
+"""Distance in metres between two looks of the laser, as in MapEx; the camera of other bodies looks at each
+step."""
 
 NOTHING = 1e-3
-"""Metres: the side of a target that none of them finds, as there is nothing but the map to be found."""
+"""Side in metres of a target that no agent finds, because there is nothing but the map to be found."""
 
 SENSORS: dict[str, dict[str, Any]] = {
     "own": {},
     "laser": {"rays": 360, "first_ray": 180.0, "ray_spacing": 1, "range": 20.0},
 }
-"""By name: the released agents' 40 rays over 120 degrees, of 7.9 m; MapEx's, all around, of 20 m."""
+"""Sensors by name: the released agents' 40 rays over 120 degrees, of 7.9 m; MapEx's, all around, of 20 m."""
 
 
 @dataclass(frozen=True)
 class Walk:
-    """What one body did: after each of n looks, how far it had gone, how many steps it had made, and what
-    share it had seen of the free cells that join where it began.
+    """Walk of one body, after each of n looks: distance, number of steps, and fraction of the area seen.
+
+    The area is the free cells that are connected to the start.
     """
 
     metres: np.ndarray
@@ -50,27 +52,29 @@ class Walk:
     """(n, 2) x and y, metres."""
 
     def mean_share(self, most: float, by: str = "metres") -> float:
-        """The area under the curve of what it has seen, from 0 to so many ``metres`` or ``steps``, less than
-        that if it has stopped before: 1 is all from the beginning.
+        """Return the mean fraction seen from 0 to ``most`` ``metres`` or ``steps``.
+
+        It is the area under the curve, which stays constant after the walk's end; 1 means everything from the
+        beginning.
         """
         at = np.linspace(0, most, 1001)
         return float(self.at(at, by).mean())
 
     def at(self, where: np.ndarray, by: str = "metres") -> np.ndarray:
-        """The share that it had seen there."""
+        """Return the fraction seen at some distances or numbers of steps."""
         place = np.searchsorted(getattr(self, by), where, side="right") - 1
         return self.share[np.maximum(place, 0)]
 
 
 def configuration(sensor: str, steps: int) -> Config:
-    """The simulator's, with nothing to find."""
+    """Return the simulator's configuration, with nothing to find."""
     return replace(DEFAULT, **SENSORS[sensor], steps=steps, target=NOTHING)
 
 
 def walks(
     house: House, sensor: str, agent: str, starts: int, seed: int, metres: float, steps: int
 ) -> list[Walk]:
-    """One walk from each of so many starts, until it is so long or has so many steps."""
+    """Return one walk from each of the starts, until it has the given distance or number of steps."""
     assert house.occupancy
     config = configuration(sensor, steps + 1)
     envs = HouseVectorEnv([house], num_envs=starts, targets="all", preset=config)
@@ -93,7 +97,7 @@ def walks(
             seen.look(pose, looks)
             looked[looks], policy.arrived[looks] = pose[looks, :2], False
             for e in np.flatnonzero(looks):
-                if whole or step % 10 == 0:  # to count takes longer than to look
+                if whole or step % 10 == 0:  # counting takes longer than looking
                     share = np.count_nonzero((seen.known[e] == OPEN) & floor[e]) / np.count_nonzero(floor[e])
                     notes[e].append((gone[e], step, share, *pose[e, :2]))
         if step == steps or not going.any():
@@ -108,7 +112,7 @@ def walks(
 
 
 def _floor(house: House, seen: Seen, pose: np.ndarray) -> np.ndarray:
-    """The free cells that join where each body begins, (E, H, W) bool."""
+    """Return masks (E, H, W) bool of the free cells that are connected to each body's start."""
     assert house.occupancy
     parts, _ = label(house.occupancy.values == FREE)
     columns, rows = seen.cells(pose[:, :2]).astype(int).T
@@ -133,17 +137,17 @@ class _Agent:
 
     @property
     def done(self) -> np.ndarray:
-        """(E,) bool: which have stopped, since they know of nothing that is left."""
+        """(E,) bool: True for agents that have stopped, because they know of nothing left to see."""
         return self.policy.done if isinstance(self.policy, NearestFrontier) else self.nothing
 
     @property
     def arrived(self) -> np.ndarray:
-        """(E,) bool: which look from where they are."""
+        """(E,) bool: True for agents that look from their place."""
         return self.policy.arrived if isinstance(self.policy, NearestFrontier) else self.nothing
 
     def act(self, observation: torch.Tensor, pose: np.ndarray, blocked: np.ndarray) -> np.ndarray:
-        """Actions (E,)."""
+        """Return actions (E,)."""
         if isinstance(self.policy, NearestFrontier):
             return self.policy.act(pose)
-        observation[..., -1] = 0  # a ray that meets the target tells nothing
+        observation[..., -1] = 0  # a ray that meets the target carries no information
         return self.policy(observation, torch.from_numpy(blocked)).numpy()

@@ -1,4 +1,4 @@
-"""``vitruvius bench exploration``: how much of a map agents have seen, over the way that they went."""
+"""``vitruvius bench exploration``: the part of a map that agents have seen, over the distance walked."""
 
 import hashlib
 import inspect
@@ -21,7 +21,7 @@ from benchmarks.exploration.play import AGENTS, EXPLORER, FRONTIER, Walk
 from logic import House, RequestError, load
 
 PARTS = 6
-"""At so many places of the way what was seen is listed."""
+"""Number of distances for which the seen area is listed."""
 
 PAGE = """# What agents have seen of maps
 
@@ -47,41 +47,41 @@ by start: area over metres {by_metres}, over steps {by_steps}.
 
 @dataclass(frozen=True)
 class Exploration:
-    """Let the explorer and a nearest-frontier baseline explore maps of ROS, into exploration.md."""
+    """Let the explorer and a nearest-frontier baseline explore maps of ROS, and write exploration.md."""
 
     maps: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
-    """A map's YAML file. Repeat for several."""
+    """YAML file of a map. Repeat for several."""
 
     resolution: float | None = None
-    """Metres of a cell, in place of what the maps say."""
+    """Side of a cell in metres, instead of the maps' own."""
 
     coarser: int = 1
-    """So many by so many cells are one, free where all of them are."""
+    """Number of cells along each side that are merged into one cell, which is free if all of them are."""
 
     sensors: tuple[Literal["laser", "own"], ...] = ("laser", "own")
-    """laser: all around, 360 rays of 20 m; own: that of the released agents, 40 rays of 7.9 m over 120
+    """laser: all around, 360 rays of 20 m; own: the sensor of the released agents, 40 rays of 7.9 m over 120
     degrees."""
 
     starts: int = 4
-    """Walks of each agent on each map."""
+    """Number of walks of each agent on each map."""
 
     metres: float = 300.0
-    """How long a walk is."""
+    """Length of a walk, in metres."""
 
     steps: int = 6000
-    """Of a walk at most: turns are steps, too."""
+    """Largest number of steps of a walk; turns are steps, too."""
 
     seed: int = 0
-    """Of where walks start."""
+    """Seed of the starts."""
 
     out: Path = Path("runs/bench")
-    """Folder for exploration.md, its pictures, and what was walked."""
+    """Folder for exploration.md, its pictures, and the walks."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Walk what was not walked yet; write the page and the pictures, and print the page."""
+        """Run the walks that are missing, write the page and the pictures, and print the page."""
         if not self.maps:
             raise RequestError("name a map of ROS: --maps FILE.yaml, and again for others")
         if self.starts < 1 or self.coarser < 1 or not (0 < self.metres < 1e6 and 1 <= self.steps <= 8000):
@@ -107,7 +107,7 @@ class Exploration:
 
     @cached_property
     def houses(self) -> dict[str, House]:
-        """The maps by the names of their files, each with its middle at (0, 0)."""
+        """Maps by the names of their files, each with its middle at (0, 0)."""
         found = {}
         for path in self.maps:
             grid = load(path)[0].occupancy
@@ -123,7 +123,7 @@ class Exploration:
         return found
 
     def walks(self, sensor: str, name: str, agent: str) -> list[Walk]:
-        """The walks of an agent on a map, kept from an earlier run by the same sources."""
+        """Return the walks of an agent on a map, kept from an earlier run of the same sources."""
         house, known = self.houses[name], (self.starts, self.seed, self.metres, self.steps, sensor)
         sources = [planner, policies] if agent == EXPLORER else [frontier]
         texts = [inspect.getsource(module) for module in (play, seen, *sources)]
@@ -183,5 +183,5 @@ def _words(sensor: str) -> str:
 
 
 def _spread(values: np.ndarray) -> str:
-    """A median, with the least and the greatest."""
+    """Return a median, with the smallest and the largest value."""
     return f"{np.median(values):.2f} ({values.min():.2f} to {values.max():.2f})"

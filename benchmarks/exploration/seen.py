@@ -1,7 +1,7 @@
-"""What bodies have seen of a map, cell by cell, and the ways of fewest steps over what they know to be free.
+"""Area of a map that bodies have seen, and the shortest paths over the cells that they know to be free.
 
-A laser of many beams is marched through the cells of the true map, from cell to cell as each beam crosses
-them: free cells are seen, and the first that is not free, which ends it.
+Many beams of a laser are marched through the cells of the true map, from cell to cell. Free cells are seen,
+and so is the first cell that is not free, which ends the beam.
 """
 
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
@@ -17,13 +17,13 @@ from sim.backends.backend import Lattice
 from sim.runtime import Array, Bytes, Floats, Ints, Launch, kernel, start, ti
 
 UNSEEN, OPEN, SHUT = range(3)
-"""What is known of a cell."""
+"""States of a cell."""
 
 BEGUN = 9
-"""Where a search begins; elsewhere is the heading by which it came, from 1 on."""
+"""Mark of the cell where a search begins; other cells have the heading of the search there, from 1 on."""
 
 AIR = 1e-4
-"""Metres that a body is taken to be wider on each side: what it may touch stops it."""
+"""Width in metres that is added to each side of a body, because a touched obstacle stops it."""
 
 
 class Seen:
@@ -39,8 +39,9 @@ class Seen:
         field: float,
         reach: float,
     ) -> None:
-        """For ``bodies`` of a side of ``body`` metres, whose middles are on a ``lattice``, with so many
-        ``beams`` over a ``field`` of view in radians, each as long as ``reach`` metres.
+        """Prepare maps for bodies with a side of ``body`` metres, whose middles are on a ``lattice``.
+
+        ``beams``: number of beams over a ``field`` of view in radians. ``reach``: length of a beam in metres.
         """
         rows, columns = grid.shape
         self.grid, self.bodies, self.shape = grid, bodies, (rows, columns)
@@ -66,21 +67,23 @@ class Seen:
 
     @property
     def known(self) -> np.ndarray:
-        """``UNSEEN``, ``OPEN`` or ``SHUT`` of each cell (E, H, W): the memory itself."""
+        """State of each cell (E, H, W): ``UNSEEN``, ``OPEN`` or ``SHUT``, as a view of the memory."""
         return self.arrays["known"].view().reshape(self.bodies, *self.shape)
 
     def cells(self, places: np.ndarray) -> np.ndarray:
-        """Places (n, 2) in metres as cells (column, row), with fractions."""
+        """Return places (n, 2) in metres as cells (column, row), with fractions."""
         return (places - (self.grid.x, self.grid.y)) / self.grid.cell
 
     def look(self, poses: np.ndarray, chosen: np.ndarray) -> None:
-        """Look from poses (E, 3), of those that are ``chosen`` (E,) bool."""
+        """Look from poses (E, 3), for the bodies that are ``chosen`` (E,) bool."""
         self._place(np.column_stack([self.cells(poses[:, :2]), poses[:, 2]]), chosen)
         self._look()
 
     def ways(self, poses: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> list[list[int]]:
-        """The headings of the steps of a shortest way from each chosen body to where its middle is in one of
-        its ``goals`` (E, H, W) bool, over cells that are known to be free; none where no way leads there.
+        """Return the headings of a shortest path from each chosen body to its ``goals`` (E, H, W) bool.
+
+        A path leads over cells that are known to be free, and ends when the body's middle is in a goal.
+        Without a path the list is empty.
         """
         self.arrays["goals"].view()[:] = goals.ravel()
         nodes = np.round((poses[:, :2] - self.origin) / self.pitch)
@@ -104,7 +107,7 @@ class Seen:
 
 @cache
 def _kernels(program: Any) -> tuple[Any, Any]:
-    """The kernels that look, and that spread from the bodies over what is passable."""
+    """Return the kernel that looks, and the kernel that searches from the bodies over the passable cells."""
 
     @kernel
     def look(free: Bytes, known: Bytes, places: Floats, chosen: Ints, sizes: Ints, lengths: Floats):
@@ -134,7 +137,7 @@ def _kernels(program: Any) -> tuple[Any, Any]:
 
     @ti.func
     def stands(known: ti.template(), sizes: ti.template(), lengths: ti.template(), e, i, j):
-        """Whether all cells that a body at a place of the lattice touches are known to be free."""
+        """Return True if all cells that a body at a place of the lattice touches are known to be free."""
         rows, columns = sizes[0], sizes[1]
         x, y = lengths[2] + lengths[4] * i, lengths[3] + lengths[4] * j
         free = ti.cast(0 <= i < sizes[3] and 0 <= j < sizes[4], ti.i32)
@@ -177,7 +180,7 @@ def _kernels(program: Any) -> tuple[Any, Any]:
                         for heading in ti.static(range(8)):
                             east, south = ti.static(HEADINGS[heading][0]), ti.static(HEADINGS[heading][1])
                             there = base + node + east * lines + south
-                            # Nested: Taichi's ``and`` computes both sides.
+                            # Nested, because Taichi's ``and`` computes both sides.
                             if stands(known, sizes, lengths, e, i + east, j + south):  # noqa: SIM102
                                 if came[there] == 0:
                                     open_ = 1

@@ -1,1 +1,1 @@
-"""How hard a house is, how evenly houses are sampled, and whether they keep their promises."""
+"""Studies of the generator: difficulty of houses, uniformity of sampling, and correctness of answers."""

@@ -1,4 +1,4 @@
-"""``vitruvius bench homes``: what flats and houses cost, and how they compare with published ones."""
+"""``vitruvius bench homes``: cost of flats and houses, and their comparison with published ones."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
@@ -32,19 +32,19 @@ from logic.placement.plan import Plan
 from logic.request.request import Request
 
 WARM = 20
-"""Houses made before any is timed: the first searches of a program take longer."""
+"""Number of houses that are made before any is timed, because the first searches of a program take longer."""
 WINDOW = 1.4
-"""Metres: the height that a window is taken to have, since plans have none."""
+"""Assumed height of a window, in metres, since plans have no heights."""
 LARGER = {"clinic": (4, 8, 16, 32, 64), "apartments": (8, 16, 32, 64, 128)}
-"""Grammars of larger plans, and the numbers of rooms that are made of them."""
+"""Grammars of larger plans, and the numbers of rooms of their houses."""
 SHOWN = 20
-"""Houses of each size in the report."""
+"""Number of houses of each size in the report."""
 COLOURS = 64
-"""Of the picture, so that its file is small."""
+"""Number of colours of the picture, so that its file is small."""
 
 
 class CountingMaker(SharedWallsMaker):
-    """Notes what the unfurnished plans of each house took."""
+    """Maker that records the cost of each house's unfurnished plans."""
 
     def __init__(self, builder: Builder) -> None:
         super().__init__(builder.grammar, builder.loaded, builder.maker.feasibility)
@@ -59,7 +59,7 @@ class CountingMaker(SharedWallsMaker):
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
     ) -> tuple[Plan, list[Symbol], int]:
-        """See ``SharedWallsMaker.unfurnished``."""
+        """Return an unfurnished plan and record its cost: see ``SharedWallsMaker.unfurnished``."""
         began, known = process_time(), len(nogoods)
         plan, self.layout, left = super().unfurnished(request, rng, inferences, nogoods, unfurnishable)
         self.seconds.append(process_time() - began)
@@ -69,13 +69,13 @@ class CountingMaker(SharedWallsMaker):
 
     @property
     def topology(self) -> frozenset[str]:
-        """Of the last plan: the types of its rooms, who shares which wall, who opens into whom."""
+        """Topology of the last plan: the types of its rooms, shared walls, and doors."""
         return frozenset(str(atom) for atom in self.layout if atom.name in ("room", "edge", "door"))
 
 
 @dataclass
 class Measured:
-    """The houses of one size: CPU seconds of each, and of each unfurnished plan."""
+    """Houses of one size: CPU seconds of each house, and of each unfurnished plan."""
 
     rooms: int
     houses: list[House] = field(default_factory=list)
@@ -87,7 +87,7 @@ class Measured:
 
     @property
     def row(self) -> list[str]:
-        """Of the table of sizes."""
+        """Row of the table of sizes."""
         count = len(self.houses)
         return [
             str(self.rooms),
@@ -101,32 +101,32 @@ class Measured:
 
 @dataclass(frozen=True)
 class Homes:
-    """Time, refuted layouts and topologies by size; areas, doors and windows beside published ones."""
+    """Time, refuted layouts and topologies by size; areas, doors and windows compared with published ones."""
 
     grammar: str = "home"
-    """A grammar whose houses are plans, with the room types of ``home``."""
+    """Grammar whose houses are plans, with the room types of ``home``."""
 
     rooms: tuple[int, ...] = tuple(range(4, 13))
     """Numbers of rooms."""
 
     houses: int = 200
-    """Houses of each number of rooms."""
+    """Number of houses of each number of rooms."""
 
     larger: int | None = None
-    """Clinics and buildings of flats of each number of rooms, for time against rooms; by default 40 where the
-    grammar is ``home``, and none where it is another."""
+    """Number of clinics and buildings of flats of each number of rooms, for time against rooms; by default 40
+    for the grammar ``home``, and none for other grammars."""
 
     out: Path = Path("runs/bench")
-    """Folder for report.html, homes.md, its picture homes.png, and what they are made of."""
+    """Folder for report.html, homes.md, its picture homes.png, and their data."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Put both into docs too."""
+    """Copy both into docs."""
 
     def run(self) -> None:
-        """Make the houses, measure, write the page and the picture."""
+        """Make the houses, measure them, and write the page and the picture."""
         if not self.rooms or min(self.rooms) < 1 or self.houses < 2:
             raise RequestError("--rooms needs one number or more, each 1 or more; --houses 2 or more")
         builder = Builder(find(self.grammar))
@@ -154,7 +154,7 @@ class Homes:
         print(page)
 
     def measured(self, builder: Builder, rooms: int) -> Measured:
-        """Houses of one size; house ``i`` has seed 0 and index ``i``."""
+        """Return the measurements of houses of one size; house ``i`` has seed 0 and index ``i``."""
         size, request = Measured(rooms), Request(rooms)
         for index in range(WARM):
             builder.house(request, 1, index, INFERENCES)
@@ -170,7 +170,10 @@ class Homes:
 
 
 def larger_rows(grammar: str, houses: int) -> Iterator[list[str]]:
-    """By number of rooms: CPU time of a furnished house, violations of the check; then the growth of time."""
+    """Yield a row for each number of rooms: CPU time of a furnished house, and violations.
+
+    The last row is the growth of the time.
+    """
     builder, times = Builder(find(grammar)), dict[int, float]()
     for rooms in LARGER[grammar]:
         request, seconds, violations = Request(rooms), list[float](), 0
@@ -190,12 +193,12 @@ def larger_rows(grammar: str, houses: int) -> Iterator[list[str]]:
 
 
 def p95(values: list[float]) -> float:
-    """The 95th percentile."""
+    """Return the 95th percentile."""
     return quantiles(values, n=20, method="inclusive")[-1]
 
 
 def type_rows(houses: Iterable[House]) -> Iterator[list[str]]:
-    """By type of room: how many a house, quartiles of the area, doors a room."""
+    """Yield a row for each type of room: rooms in a house, quartiles of the area, doors of a room."""
     areas, doors, count = defaultdict[str, list[float]](list), defaultdict[str, int](int), 0
     for house in houses:
         count += 1
@@ -213,7 +216,7 @@ def type_rows(houses: Iterable[House]) -> Iterator[list[str]]:
 
 
 def picture(sizes: list[Measured]) -> bytes:
-    """A sheet of twelve homes, all on one scale: the first of each size, then the second of the last."""
+    """Return a sheet of twelve homes on one scale: the first of each size, then second ones."""
     first = [size.houses[0] for size in sizes] + [size.houses[1] for size in reversed(sizes)]
     shown = sorted(first[:12], key=lambda house: len(house.rooms))
     buffer = BytesIO()

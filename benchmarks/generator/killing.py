@@ -1,4 +1,4 @@
-"""What ``vitruvius bench shards`` kills: the command, a process that makes houses, a node of its cluster."""
+"""Processes that ``vitruvius bench shards`` kills: the command, its workers, and nodes of a cluster."""
 
 import os
 import random
@@ -16,13 +16,16 @@ class Plain:
     """The command without an engine."""
 
     kinds: tuple[str, ...] = ("driver", "worker")
-    """``driver`` is the command itself."""
+    """Kinds of processes to kill; ``driver`` is the command itself."""
 
     words: tuple[str, ...] = ()
-    """What the command has beside its request."""
+    """Arguments of the command in addition to its request."""
 
     def kill(self, kind: str, driver: int, moments: random.Random) -> bool:
-        """Kill one of a kind by SIGKILL; whether there was one. ``driver`` is the command's process."""
+        """Kill a process of a kind by SIGKILL, and return True if there was one.
+
+        ``driver`` is the command's process.
+        """
         found = [driver] if kind == "driver" else self._workers(driver)
         return bool(found) and _killed(moments.choice(found))
 
@@ -31,18 +34,18 @@ class Plain:
 
 
 class OnRay(Plain):
-    """The command with a cluster of nodes of one processor each, all here; its head makes no houses."""
+    """The command with a local cluster of nodes of one processor each; its head makes no houses."""
 
     kinds = ("driver", "worker", "raylet")
 
     def __init__(self, cluster: Any, nodes: int) -> None:
-        """Use a cluster of ``ray.cluster_utils``, with so many nodes."""
+        """Use a cluster of ``ray.cluster_utils``, with ``nodes`` nodes."""
         self._cluster = cluster
         self._nodes = [self._node() for _ in range(nodes)]
         self.words = ("--engine", "ray", "--address", cluster.address)
 
     def kill(self, kind: str, driver: int, moments: random.Random) -> bool:
-        """A raylet takes the tasks of its node with it; a new node joins."""
+        """Kill a process of a kind. A raylet takes the tasks of its node with it, and a new node joins."""
         if kind != "raylet":
             return super().kill(kind, driver, moments)
         node = self._nodes.pop(moments.randrange(len(self._nodes)))
@@ -55,14 +58,14 @@ class OnRay(Plain):
         return self._cluster.add_node(num_cpus=1, object_store_memory=STORE)
 
     def _workers(self, driver: int) -> list[int]:
-        """The processes of tasks, and the solver processes that these have started."""
+        """Return the processes of tasks, and the solver processes that they have started."""
         tasks = [each for node in self._nodes for each in below(_raylet(node)) if "_called" in _command(each)]
         return [each for task in tasks for each in (task, *below(task))]
 
 
 @contextmanager
 def victims(engine: str | None, workers: int) -> Iterator[Plain]:
-    """What can be killed where so many processes make houses, by plain workers or by Ray."""
+    """Yield the processes to kill while ``workers`` processes make houses, with or without Ray."""
     if engine is None:
         yield Plain()
         return
@@ -78,12 +81,12 @@ def victims(engine: str | None, workers: int) -> Iterator[Plain]:
 
 
 def below(process: int) -> list[int]:
-    """The processes that one has started, and those that they have."""
+    """Return the descendants of a process."""
     children = dict[int, list[int]]()
     for each in Path("/proc").glob("[0-9]*"):
         try:
             parent = int((each / "stat").read_text().rpartition(")")[2].split()[1])
-        except OSError:  # it has ended
+        except OSError:  # the process has ended
             continue
         children.setdefault(parent, []).append(int(each.name))
     found = children.get(process, [])

@@ -1,6 +1,6 @@
-"""The laws that stage 2 states, held against its samples: Kolmogorov-Smirnov, through the real predicates.
+"""Kolmogorov-Smirnov tests of the laws of stage 2 against its samples, through the real predicates.
 
-k things in a row leave k + 1 gaps. Uniform on their simplex, each is Beta(1,k) of what all share.
+k things in a row leave k + 1 gaps. If gaps are uniform on their simplex, each is Beta(1,k) of their total.
 """
 
 from collections import defaultdict
@@ -25,23 +25,23 @@ from logic.request.request import Request
 CHAINS = Path(__file__).with_name("chains.pl")
 
 SIDES = {"north": (0, 1), "east": (1, 1), "south": (0, -1), "west": (1, -1)}
-"""Along which axis a side's rooms follow each other clockwise, and in which direction."""
+"""Axis along which a side's rooms follow each other clockwise, and the direction."""
 
 
 @dataclass(frozen=True)
 class Law:
-    """A law held against samples: the statistic farthest off among its gaps."""
+    """Test of a law against samples: the worst statistic among its gaps."""
 
     name: str
     samples: int
     distance: float
-    """The greatest between the distribution functions sampled and stated."""
+    """Largest distance between the sampled and the stated distribution functions."""
     p: float
-    """Of the least likely gap, times their number (Bonferroni); at most 1."""
+    """Smallest p-value of a gap, times the number of gaps (Bonferroni); at most 1."""
 
 
 def held(name: str, gaps: np.ndarray) -> Law:
-    """Gaps, (samples, k+1), as shares of their sum, against Beta(1,k)."""
+    """Test gaps, (samples, k+1), as fractions of their sum, against Beta(1,k)."""
     k = gaps.shape[1] - 1
     found = [kstest(gap, beta(1, k).cdf) for gap in gaps.T]
     least = min(float(result.pvalue) for result in found)
@@ -50,7 +50,7 @@ def held(name: str, gaps: np.ndarray) -> Law:
 
 
 def on_a_chain(pieces: int, samples: int) -> np.ndarray:
-    """Shares of the gaps around ``pieces`` of 0.5 m on 10 m."""
+    """Return the gaps around ``pieces`` pieces of 0.5 m on 10 m, as fractions of the free length."""
     seeds = np.random.default_rng(pieces).integers(2**63, size=samples).tolist()
     prolog.load(CHAINS)
     starts = np.array(prolog.ask("starts", pieces, 0.5, 10.0, seeds, module="chains"))
@@ -58,7 +58,7 @@ def on_a_chain(pieces: int, samples: int) -> np.ndarray:
 
 
 def on_a_wall(builder: Builder, pieces: Sequence[str], samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Shares of the gaps around these pieces at the back wall of a bathroom, and its widths, metres."""
+    """Return the gaps around pieces at a bathroom's back wall, as fractions, and its widths in metres."""
     atoms = [f"on({piece},1,back,{n})" for n, piece in enumerate(pieces, start=1)]
     furniture = [parse_term(atom) for atom in (*atoms, "busy(back)", f"last(back,{len(pieces)})")]
     passage, shares, widths = 0.42, [], []
@@ -75,10 +75,10 @@ def on_a_wall(builder: Builder, pieces: Sequence[str], samples: int) -> tuple[np
 
 
 def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndarray]:
-    """Shares of the gaps along the sides of whole houses, by how many rooms stand on the side.
+    """Return the gaps along the sides of whole houses, as fractions, by the number of rooms on the side.
 
-    The first gap begins where the first room's door would touch the corner of the main room, or a gap past it
-    where the corner is another side's; the last ends likewise.
+    The first gap begins where the first room's door would touch the corner of the main room, or a gap past
+    the corner if the corner belongs to another side. The last gap ends likewise.
     """
     lengths: dict[str, float] = stated_lengths(builder.placer, {})[0]["lengths"]
     between = max(lengths["room_gap"], lengths["door_clearance"])
@@ -91,7 +91,7 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
         layout = maker.layout(request, rng)
         try:
             plan = builder.placer.place(layout, rng, 10**8, minimal=False)
-        except (Infeasible, Misfit):  # of its furniture, which has no part in where rooms stand
+        except (Infeasible, Misfit):  # of the furniture, which does not affect the places of rooms
             continue
         made = house(plan, layout, request)
         owners = {
@@ -112,14 +112,14 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
 def _side_gaps(
     house: House, rooms: list[Any], side: str, owners: dict[tuple[str, ...], str], between: float
 ) -> np.ndarray:
-    """The gaps along one side that are free: what is left of each past the least that it must be."""
+    """Return the free gaps along one side: the rest of each gap after its minimum."""
     axis, way = SIDES[side]
     west, north, east, south = house.main.box
     corner = {"north": west, "east": north, "south": east, "west": south}[side]
     length = (east - west, south - north)[axis]
 
     def span(rect: Any) -> tuple[float, float]:
-        """From where to where, clockwise from the side's first corner."""
+        """Return start and end, clockwise from the side's first corner."""
         ends = ((rect.box[axis] - corner) * way, (rect.box[axis + 2] - corner) * way)
         return min(ends), max(ends)
 
@@ -133,13 +133,13 @@ def _side_gaps(
 
 
 def _gaps(starts: np.ndarray, ends: np.ndarray, first: float, last: float) -> np.ndarray:
-    """What lies before, between and behind things in a row: (samples, k+1) of (samples, k)."""
+    """Return the gaps before, between and behind things in a row: (samples, k+1) for (samples, k)."""
     edge = np.ones((len(starts), 1))
     return np.hstack([starts, last * edge]) - np.hstack([first * edge, ends])
 
 
 def laws(builder: Builder, samples: int) -> list[Law]:
-    """The table of the study."""
+    """Return the table of the study."""
     found = [
         held(f"gaps on a chain of {k}, by `chain_sample`", on_a_chain(k, samples)) for k in (1, 2, 3, 5, 8)
     ]

@@ -1,7 +1,8 @@
-"""How evenly stage 1 samples layouts: beside all of them, counted, and beside rejection, whose law is known.
+"""Uniformity of stage 1's layouts, compared with all layouts and with rejection sampling.
 
-Rejection samples every pick by its weight alone and begins again until the rules accept all of them: so its
-law is that of the picks, given the rules. Sampling pick by pick never begins again, and is held against it.
+Rejection sampling samples every pick by its weight alone, and begins again until the rules accept all picks.
+So its law is known: it is that of the picks, given the rules. The study compares it with sampling pick by
+pick, which never begins again.
 """
 
 from collections import Counter
@@ -28,62 +29,62 @@ PARTS = {
     "how turned": {"turned": (0, 2), "faces": (0, 2), "row": (0,)},
     "companions": {"with": (0, 2)},
 }
-"""What a part of a layout looks at: these arguments of these atoms."""
+"""Arguments of atoms that define each part of a layout."""
 
 Layout = tuple[Symbol, ...]
 Value = tuple[tuple[str | Symbol, ...], ...]
 
 
 def entropy(counts: Iterable[int]) -> float:
-    """Of a sample, in nats, corrected for its size (Miller 1955)."""
+    """Return the entropy of a sample, in nats, corrected for its size (Miller 1955)."""
     counted = np.array([count for count in counts if count])
     shares = counted / counted.sum()
     return float(-(shares * np.log(shares)).sum() + (len(counted) - 1) / (2 * counted.sum()))
 
 
 def share(counts: Iterable[int], values: int) -> float:
-    """The entropy of a sample as a share of the greatest that this number of values can have."""
+    """Return the entropy of a sample as a fraction of the largest entropy of ``values`` values."""
     return float(entropy(counts) / np.log(values))
 
 
 @dataclass(frozen=True)
 class LayoutPart:
-    """One part of the layouts of a program: shares of the greatest entropy by three laws, and a distance."""
+    """A part of a program's layouts: fractions of the largest entropy under three laws, and a distance."""
 
     values: int
     sampled: float
-    """As stage 1 samples it."""
+    """Fraction for layouts as stage 1 samples them."""
     conditioned: float
-    """By rejection."""
+    """Fraction for rejection sampling."""
     alike: float | None
-    """If all layouts came equally often; None where they are too many to list."""
+    """Fraction if all layouts were equally probable; None if there are too many to list."""
     distance: float
     """Total variation between sampled and conditioned, 0 to 1."""
     expected: float
-    """The distance to be expected of two samples of this size of one law."""
+    """Expected distance between two samples of these sizes from one law."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """The layouts of one program, as sampled."""
+    """Sampled layouts of one program."""
 
     layouts: int | None
-    """All there are; None where they are too many to list."""
+    """Number of all layouts; None if there are too many to list."""
     samples: int
     seen: int
     share: float | None
-    """Of the greatest entropy."""
+    """Fraction of the largest entropy."""
     uniform: float | None
-    """What as many samples of an exactly uniform sampler show."""
+    """Fraction that as many samples of an exactly uniform sampler would show."""
     accepted: float
-    """The share of rejection's tries that the rules accept."""
+    """Fraction of rejection's tries that the rules accept."""
     parts: dict[str, LayoutPart] = field(default_factory=dict)
 
 
 def spread(grammar: str, subject: int | str, samples: int, tries: int, seconds: float) -> Spread:
     """Study the layouts of a number of rooms, or of the furniture of a type of room.
 
-    They are listed where that takes no more than ``seconds``.
+    Layouts are listed if that takes at most ``seconds``.
     """
     builder = Builder(find(grammar))
     make: Any = builder.programs.rooms if isinstance(subject, int) else builder.programs.furniture
@@ -106,7 +107,7 @@ def spread(grammar: str, subject: int | str, samples: int, tries: int, seconds: 
 
 
 def every_layout(program: Program, seconds: float) -> Counter[Layout] | None:
-    """Each layout once; None after ``seconds``."""
+    """Return each layout once, or None after ``seconds``."""
     deadline, listed = monotonic() + seconds, Counter[Layout]()
     with program._control.solve(yield_=True) as handle:
         for model in handle:
@@ -117,7 +118,7 @@ def every_layout(program: Program, seconds: float) -> Counter[Layout] | None:
 
 
 def by_rejection(program: Program, rng: np.random.Generator, tries: int) -> Counter[Layout]:
-    """The layouts of those tries that the rules accept."""
+    """Return the layouts of the tries that the rules accept."""
     several = {atom.arguments[0]: atom.arguments[1].number for atom in program.atoms("picks", 2)}
     variables = sorted({atom.arguments[0] for atom in program.atoms("option", 3)})
     wanted = np.repeat([several.get(variable, 1) for variable in variables], program._counts)
@@ -140,7 +141,7 @@ def by_rejection(program: Program, rng: np.random.Generator, tries: int) -> Coun
 def _part(
     name: str, sampled: Counter[Layout], conditioned: Counter[Layout], listed: Counter[Layout] | None
 ) -> LayoutPart | None:
-    """A part of these layouts; None where they do not have it, or all have the same."""
+    """Return a part of these layouts; None if they lack it, or all have the same value."""
     ours, theirs = _values(name, sampled), _values(name, conditioned)
     every = _values(name, listed) if listed else None
     values = every or ours | theirs
@@ -163,7 +164,7 @@ def _part(
 
 
 def _values(name: str, layouts: Counter[Layout]) -> Counter[Value]:
-    """How often this part of the layouts has which value."""
+    """Return the frequency of each value of a part of the layouts."""
     kept, values = PARTS[name], Counter[Value]()
     for layout, count in layouts.items():
         atoms = [(a.name, *(a.arguments[i] for i in kept[a.name])) for a in layout if a.name in kept]

@@ -1,4 +1,4 @@
-"""The study of the generator as a page."""
+"""Page of the study of the generator."""
 
 from typing import Any
 
@@ -6,13 +6,13 @@ from benchmarks.common.pages import machine, median_ms, milliseconds, table_rows
 from benchmarks.common.series import law, name_of, series_of
 
 STAGES = ("house", "layout", "place")
-"""The measurements of the first table."""
+"""Measurements of the first table."""
 
 
 def generator_page(report: dict[str, Any], command: str) -> str:
-    """The study of the generator as a page: machine, versions, command, tables, laws, how to read it.
+    """Return the page: machine, versions, command, tables, laws, and how to read them.
 
-    A section whose part of the study was not measured is left out.
+    A section is left out if its part of the study was not measured.
     """
     entries = {(name_of(entry), entry["extra_info"].get("rooms")): entry for entry in report["benchmarks"]}
     sizes = sorted({rooms for _, rooms in entries if rooms})
@@ -53,7 +53,7 @@ def generator_page(report: dict[str, Any], command: str) -> str:
 
 
 def _of_house(entries: dict[tuple[str, int | None], Any], rooms: int) -> list[str]:
-    """Milliseconds by stage, and of the whole; inferences; nothing where it was not measured."""
+    """Return milliseconds of each stage and of the whole, and inferences; an empty text if not measured."""
     layout, place, house = (entries.get((name, rooms)) for name in ("layout", "place", "house"))
     whole, inferences = [""] * 4, ""
     if house:
@@ -65,7 +65,7 @@ def _of_house(entries: dict[tuple[str, int | None], Any], rooms: int) -> list[st
 
 
 def _of_rejection(entry: dict[str, Any]) -> list[str]:
-    """Milliseconds and tries of a plan by rejection; a quantile among the censored is a lower bound."""
+    """Return milliseconds and tries of a plan by rejection; a censored quantile is a lower bound."""
     extra, rounds = entry["extra_info"], entry["stats"]["rounds"]
     late = extra["censored"]
     median = f"> {milliseconds(extra['limit'])}" if 2 * late >= rounds else median_ms(entry)

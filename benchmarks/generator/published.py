@@ -1,4 +1,4 @@
-"""What is published of flats and houses, beside the same figures of generated ones; and the page of both."""
+"""Published figures of flats and houses, the same figures of generated ones, and the page of both."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median, quantiles
@@ -6,13 +6,13 @@ from statistics import median, quantiles
 from logic.house.house import House
 
 PASSAGES = ("corridor", "hall")
-"""Types of rooms that one passes through."""
+"""Types of rooms that people pass through."""
 
 DAY = ("living", "dining", "kitchen")
 
 
 def beside_published(houses: Sequence[House], window: float) -> Iterator[list[str]]:
-    """Rows of what, its quartiles in these houses, the published figure and where it is published."""
+    """Yield rows: quantity, quartiles in these houses, published figure, and its source."""
     yield ["bedroom, m²", spread(areas(houses, "bedroom")), "least: 7.5 (single), 11.5 (double)", NDSS]
     yield [
         "bedroom, width in m",
@@ -40,22 +40,22 @@ def beside_published(houses: Sequence[House], window: float) -> Iterator[list[st
 
 
 def areas(houses: Iterable[House], type_: str) -> list[float]:
-    """Square metres of the rooms of this type."""
+    """Return the areas of the rooms of a type, in square metres."""
     return [room.area for house in houses for room in house.rooms if room.type == type_]
 
 
 def widths(houses: Iterable[House], type_: str) -> list[float]:
-    """Metres of their shorter sides."""
+    """Return the shorter sides of the rooms of a type, in metres."""
     return [min(room.width, room.height) for house in houses for room in house.rooms if room.type == type_]
 
 
 def whole(house: House, types: Sequence[str] = ()) -> float:
-    """Square metres of all rooms, or of those of these types."""
+    """Return the area of all rooms, or of those of some types, in square metres."""
     return sum(room.area for room in house.rooms if not types or room.type in types)
 
 
 def glazed(houses: Iterable[House]) -> Iterator[float]:
-    """Metres of window to each square metre of a room that has windows."""
+    """Yield the length of windows for each square metre of a room that has windows, in metres."""
     for house in houses:
         for room in house.rooms:
             if found := [each.length for each in house.windows if each.room == room.name]:
@@ -63,7 +63,7 @@ def glazed(houses: Iterable[House]) -> Iterator[float]:
 
 
 def spread(values: Sequence[float], digits: int = 1) -> str:
-    """The median and the quartiles."""
+    """Return the median and the quartiles."""
     low, _, high = quantiles(values, n=4, method="inclusive") if len(values) > 1 else [values[0]] * 3
     return f"{median(values):.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
 

@@ -1,4 +1,4 @@
-"""``vitruvius bench generator``: the study of how hard a house is, on any grammar."""
+"""``vitruvius bench generator``: the study of the difficulty of houses, on any grammar."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -17,31 +17,31 @@ Part = Literal["loading", "house", "layout", "place", "workers", "rejection", "d
 
 @dataclass(frozen=True)
 class Generator:
-    """Solve time against rooms, by stage, beside rejection sampling and another solver."""
+    """Solve time against rooms, by stage, compared with rejection sampling and another solver."""
 
     grammar: str = "family"
-    """A shipped grammar's name, or a directory of rules."""
+    """Name of a shipped grammar, or a directory of rules."""
 
     rooms: tuple[int, ...] = (1, 2, 4, 8, 16, 32, 64, 128)
     """Numbers of secondary rooms."""
 
     rounds: int = 20
-    """Houses of each number of rooms."""
+    """Number of houses of each number of rooms."""
 
     part: tuple[Part, ...] = ()
     """Parts of the study: loading a grammar; a house by both stages, its layout (clingo), its place (CLP(R));
-    workers side by side; rejection sampling; whether linear systems have a solution (decide), and one of them
-    (sample), beside another solver. By default all."""
+    several workers; rejection sampling; if linear systems have a solution (decide), and one of the solutions
+    (sample), also with another solver. By default all."""
 
     out: Path = Path("runs/bench")
-    """Folder for generator.json and generator.csv, written as it goes, report.html, generator.png and
+    """Folder for generator.json and generator.csv, written during the study, report.html, generator.png and
     generator.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Put the page and its plot into docs too."""
+    """Copy the page and its plot into docs."""
 
     def run(self) -> None:
         """Measure, draw, write the page and print the fitted laws."""

@@ -1,6 +1,6 @@
-"""``vitruvius bench sampling``: how evenly layouts and lengths are sampled, and the range of houses.
+"""``vitruvius bench sampling``: uniformity of sampled layouts and lengths, and the range of houses.
 
-It takes a quarter of an hour on two cores; ``--fast``, which is no study, a minute.
+The study takes a quarter of an hour on two cores; ``--fast``, a minute, which only tests that it runs.
 """
 
 import json
@@ -23,7 +23,7 @@ from logic.generation.builder import Builder
 from logic.grammar import find
 
 GRAMMARS = ("family", "paper")
-"""Those of stars: the outline of a plan is full by its rules."""
+"""Grammars of stars, whose rules make the outline of a plan full."""
 SAMPLES: dict[int | str, int] = {
     5: 2_184_000,
     4: 222_000,
@@ -32,7 +32,8 @@ SAMPLES: dict[int | str, int] = {
     "bedroom": 50_000,
     "hall": 50_000,
 }
-"""The longest first. Fifty samples and more of each layout, where layouts can be listed."""
+"""Number of samples of each subject, the slowest first: at least fifty for each layout, if layouts can be
+listed."""
 TRIES = 150_000
 GAPS = 20_000
 HOUSES = 1000
@@ -40,20 +41,21 @@ BINS = {"bins": 20, "range": ((0.3, 1.0), (0.0, 0.5))}
 
 
 def furnished(house: House) -> float:
-    """The share of the rooms' floor that furniture covers."""
+    """Return the fraction of the rooms' floor that furniture covers."""
     return sum(p.area for r in house.rooms for p in r.pieces) / sum(r.area for r in house.secondary)
 
 
 def compact(house: House) -> float:
-    """The share of the outline's rectangle that the house covers."""
+    """Return the fraction of the outline's rectangle that the house covers."""
     boxes = np.array([room.box for room in house.rooms])
     west, north, east, south = *boxes[:, :2].min(axis=0), *boxes[:, 2:].max(axis=0)
     return sum(room.area for room in house.rooms) / ((east - west) * (south - north))
 
 
 def expressive_range(count: int) -> tuple[dict[str, dict[str, float]], bytes]:
-    """Two measures of many houses as a histogram (Smith and Whitehead 2010): its coverage and entropy, and
-    the picture as a PNG.
+    """Return coverage and entropy of a histogram of two measures of many houses, and its picture as a PNG.
+
+    The histogram is the expressive range of Smith and Whitehead (2010).
     """
     from matplotlib.figure import Figure
 
@@ -79,7 +81,7 @@ def expressive_range(count: int) -> tuple[dict[str, dict[str, float]], bytes]:
 
 
 def page(spreads: dict[str, Spread], held: list[Law], ranges: dict[str, Any], seconds: float) -> str:
-    """The study as a page of results."""
+    """Return the page of results."""
 
     def number(value: float | None) -> str:
         return "" if value is None else f"{value:.3f}"
@@ -161,19 +163,19 @@ covers, and by the share of the rooms' floor under furniture, in 400 cells (Smit
 
 @dataclass(frozen=True)
 class Sampling:
-    """Measure how evenly layouts and lengths are sampled, and what range of houses comes."""
+    """Measure the uniformity of sampled layouts and lengths, and the range of houses."""
 
     fast: bool = False
-    """A hundredth of the samples: it shows that all works, and is no study."""
+    """Take a hundredth of the samples, to test that everything runs; this is no study."""
 
     out: Path = Path("runs/sampling")
     """Folder for sampling.md, sampling.json and expressive-range.png."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Put the page, its figures and its picture into docs too."""
+    """Copy the page, its figures and its picture into docs."""
 
     def run(self) -> None:
         """Run the study and write its page."""

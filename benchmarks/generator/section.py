@@ -1,4 +1,4 @@
-"""The section of a report about homes: what they cost, by number of rooms."""
+"""Section of a report about homes: their cost, by number of rooms."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from agent.report.plots import Axis, DataSeries, line_plot
 
 
 class Times(msgspec.Struct):
-    """Of a line of ``homes.json``: CPU seconds of the plans without furniture, and of the houses."""
+    """A line of ``homes.json``: CPU seconds of the plans without furniture, and of the houses."""
 
     rooms: int
     unfurnished: list[float]
@@ -19,7 +19,7 @@ class Times(msgspec.Struct):
 
 
 def homes(files: Sequence[Path], folder: Path) -> Section:
-    """Of ``homes.json``. Raises ``ReportError`` for a file that is none."""
+    """Return the section of ``homes.json`` files. Raises ``ReportError`` for any other file."""
     try:
         sizes = [size for path in files for size in msgspec.json.decode(path.read_bytes(), type=list[Times])]
     except msgspec.DecodeError as error:

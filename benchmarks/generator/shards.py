@@ -1,4 +1,4 @@
-"""``vitruvius bench shards``: a set of houses that is killed again and again, beside one that is not."""
+"""``vitruvius bench shards``: a set of houses made under many kills, compared with one made without."""
 
 import hashlib
 import json
@@ -26,46 +26,45 @@ class NotMade(VitruviusError):
 
 @dataclass(frozen=True)
 class Shards:
-    """Make a set of houses under kills at random moments, and the set or a part of it without, and compare
-    every file."""
+    """Make a set of houses under random kills, and all or a part of it without, and compare every file."""
 
     grammar: str = "home"
-    """A shipped grammar's name, or a directory of rules."""
+    """Name of a shipped grammar, or a directory of rules."""
 
     rooms: int = 6
-    """Rooms of each house."""
+    """Number of rooms of each house."""
 
     houses: int = 100_000
-    """How many."""
+    """Number of houses."""
 
     shards: int = 400
-    """In how many files."""
+    """Number of files."""
 
     workers: int = 2
-    """Solver processes; with --engine, nodes of one processor each."""
+    """Number of solver processes; with --engine, of nodes of one processor each."""
 
     kills: int = 20
-    """How often something is killed: in turn the command and one of its solver processes; with --engine also
-    the raylet of a node."""
+    """Number of kills: in turn of the command and of one of its solver processes; with --engine also of a
+    node's raylet."""
 
     engine: Literal["ray"] | None = None
     """Make the killed set by Ray, on a cluster of this machine."""
 
     undisturbed: float = 1.0
-    """Part of the shards that plain workers make beside, without kills: 1 for the whole set, or some taken at
-    random."""
+    """Fraction of the shards that plain workers also make without kills: 1 for the whole set, or less for
+    random shards."""
 
     seed: int = 0
-    """Of the moments, of what is killed and of which shards are made beside."""
+    """Seed of the moments, of the kinds of kills, and of the shards that are made without kills."""
 
     out: Path = Path("runs/shards")
     """Folder for both sets, shards.md and shards.json."""
 
     replace: bool = False
-    """Write beside files that no study wrote."""
+    """Write into the folder even if it holds files that no study wrote."""
 
     def run(self) -> int:
-        """Write the figures; 1 where a file differs."""
+        """Write the figures, and return 1 if a file differs."""
         if not 0 <= self.kills < self.shards:
             raise RequestError("--kills must be fewer than --shards")
         if not 0 < self.undisturbed <= 1:
@@ -105,8 +104,9 @@ class Shards:
         return 0 if same else 1
 
     def _killed(self, folder: Path, found: Plain) -> tuple[dict[str, int], float]:
-        """Make a set under kills, each when some number of shards is there, and some of a shard's time later;
-        how many of which kind, and the seconds from the last one to the end.
+        """Make a set under kills. Return the number of kills of each kind, and the seconds after the last.
+
+        Each kill happens after some number of shards, and a random fraction of a shard's time later.
         """
         moments, kills = random.Random(self.seed), dict.fromkeys(found.kinds, 0)
         last = time.monotonic()
@@ -132,7 +132,10 @@ class Shards:
         return kills, time.monotonic() - last
 
     def _undisturbed(self, folder: Path) -> tuple[list[int], float]:
-        """Make the set, or some of its shards, without kills; which, and the seconds."""
+        """Make the set, or some of its shards, without kills.
+
+        Return the numbers of the shards, and the seconds.
+        """
         if self.undisturbed == 1:
             return [*range(self.shards)], finished(self, folder)
         number = max(1, round(self.undisturbed * self.shards))
@@ -143,7 +146,7 @@ class Shards:
 def start(
     study: Any, folder: Path, *words: str, shard: int | Literal["all"] = "all"
 ) -> "subprocess.Popen[bytes]":
-    """The command that makes a set, or a shard of it, as the options of a study say."""
+    """Start the command that makes a set, or a shard of it, with the options of a study."""
     asked = f"generate --rooms {study.rooms} --count {study.houses} --shard {shard}/{study.shards}"
     asked = [*asked.split(), "--workers", str(study.workers), "--grammar", study.grammar, *words]
     command = [sys.executable, "-m", "vitruvius.cli", *asked, "--out", str(folder)]
@@ -151,7 +154,7 @@ def start(
 
 
 def finished(study: Any, folder: Path, *words: str, shard: int | Literal["all"] = "all") -> float:
-    """Make what is missing of a set, or a shard of it; the seconds."""
+    """Make the missing parts of a set, or of a shard. Return the seconds."""
     began = time.monotonic()
     if code := start(study, folder, *words, shard=shard).wait():
         raise NotMade(f"{folder}: the command that makes it ended with exit code {code}")
@@ -159,17 +162,17 @@ def finished(study: Any, folder: Path, *words: str, shard: int | Literal["all"] 
 
 
 def content(folder: Path) -> dict[str, str]:
-    """The hash of each file in a folder."""
+    """Return the hash of each file in a folder."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file())
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def _made(folder: Path) -> int:
-    """How many shards of a set are there."""
+    """Return the number of shards in a set's folder."""
     return sum(1 for _ in files_of_shards(folder))
 
 
 def _last_took(folder: Path) -> float:
-    """Seconds from the last shard but one to the last."""
+    """Return the seconds between the last two shards."""
     times = sorted(path.stat().st_mtime for path in files_of_shards(folder))
     return times[-1] - times[-2] if times[1:] else 0

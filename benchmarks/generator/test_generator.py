@@ -1,7 +1,8 @@
-"""Solve time against room count, by stage, beside rejection sampling and another solver of the same systems.
+"""Solve time against number of rooms, by stage, with rejection sampling and another solver for comparison.
 
-``vitruvius bench generator`` runs it, and says by environment variables on which grammar and how much. Times
-are CPU seconds, so that other work on the machine counts little; those of several processes are wall clock.
+``vitruvius bench generator`` runs this script, and passes the grammar and the amount by environment
+variables. Times are CPU seconds, so that other work on the machine counts little; times of several processes
+are wall clock.
 """
 
 import itertools
@@ -32,17 +33,17 @@ GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
 ROOMS = [int(number) for number in os.environ.get("VITRUVIUS_ROOMS", "1 2 4 8 16 32 64 128").split()]
 ROUNDS = int(os.environ.get("VITRUVIUS_ROUNDS", "20"))
 LIMIT = 20.0
-"""Seconds (wall clock) for a plan by rejection; what takes longer is censored."""
+"""Wall-clock seconds for a plan by rejection; longer times are censored."""
 REJECTIONS = {
     rooms: min(rounds, ROUNDS)
     for rooms, rounds in {1: 20, 2: 20, 3: 20, 4: 20, 5: 20, 6: 12, 7: 5}.items()
     if rooms <= max(ROOMS)
 }
-"""How many plans of each number of rooms are made by rejection."""
+"""Number of plans made by rejection, for each number of rooms."""
 HOUSES = min(5, ROUNDS)
-"""How many houses' linear systems are compared."""
+"""Number of houses whose linear systems are compared."""
 HOUSE, SOLVERS = "a house", "the linear systems of its rooms"
-"""The panels of the plot."""
+"""Panels of the plot."""
 
 
 def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
@@ -52,7 +53,7 @@ def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
 @pytest.fixture(scope="module")
 def builder() -> Builder:
     made = Builder(find(GRAMMAR))
-    for index in range(8):  # What programs take at their first search and conflict is paid once too.
+    for index in range(8):  # The costs of a program's first search and conflict are paid once here.
         made.house(Request(min(32, max(ROOMS))), 1, index, INFERENCES)
     return made
 
@@ -66,7 +67,10 @@ def measure(
     rounds: int = ROUNDS,
     panel: str = HOUSE,
 ) -> None:
-    """Time ``work(0)``, ``work(1)``, ... apart, after one that is not timed; count the inferences of each."""
+    """Time ``work(0)``, ``work(1)``, ... separately, and count the inferences of each.
+
+    One call before them is not timed.
+    """
     numbers, counts = itertools.count(), []
 
     def setup() -> Any:
@@ -89,7 +93,7 @@ def measure(
 
 
 def inferences() -> int:
-    """Those that SWI-Prolog has made so far."""
+    """Return the number of inferences that SWI-Prolog has made so far."""
     return prolog.ask("statistics", "inferences", module="system")
 
 
@@ -130,7 +134,7 @@ def test_place(benchmark: Any, builder: Builder, rooms: int, monkeypatch: pytest
 
 
 def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Layout]:
-    """The layouts of the first houses: those that stage 2 finds feasible."""
+    """Return the layouts of the first houses that stage 2 finds feasible."""
     placed: list[Layout] = []
     place = builder.placer.place
 
@@ -153,7 +157,7 @@ def test_workers(benchmark: Any, workers: int) -> None:
 
     def begun() -> Any:
         houses = generate(rooms=rooms, grammar=GRAMMAR, count=count + 1, workers=workers)
-        next(houses)  # Then all that is done once is done.
+        next(houses)  # Then all one-off work is done.
         return (houses,), {}
 
     def rest(houses: Iterator[House]) -> list[str]:
@@ -187,7 +191,7 @@ def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
 
 
 class System(NamedTuple):
-    """Rows and right-hand sides of what is at most, and of what is equal; how many unknowns there are."""
+    """Rows and right-hand sides of inequalities (at most) and equations, and the number of unknowns."""
 
     upper: csr_array
     most: np.ndarray
@@ -198,7 +202,7 @@ class System(NamedTuple):
 
 @pytest.fixture
 def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> list[list[System]]:
-    """The linear systems of some houses' rooms with all sizes unknown; SWI-Prolog keeps them too."""
+    """Return the linear systems of some houses' rooms with all sizes unknown; SWI-Prolog keeps them too."""
     prolog.load(Path(__file__).with_name("systems.pl"))
     found = []
     for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
@@ -234,7 +238,7 @@ def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems
 def test_decide_with_highs_at_once(
     benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]
 ) -> None:
-    """All rooms as one program, which spares HiGHS what each call of SciPy costs."""
+    """Solve all rooms as one program, which avoids SciPy's cost of each call of HiGHS."""
     houses = [joined(house) for house in systems]
 
     def decide(turn: int) -> None:
@@ -257,7 +261,7 @@ def test_sample_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
 @study("the same linear systems: a solution is sampled")
 @pytest.mark.parametrize("rooms", [rooms for rooms in ROOMS if rooms <= 16])
 def test_sample_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
-    """Each unknown in turn, between its least and greatest value: two programs for each."""
+    """Sample each unknown in turn, between its smallest and largest value: two programs for each."""
 
     def sample(turn: int) -> None:
         rng = np.random.default_rng(turn)
@@ -275,7 +279,10 @@ def test_sample_with_highs(benchmark: Any, builder: Builder, rooms: int, systems
 
 
 def matrices(rows: list[Any]) -> System:
-    """Rows as linear/linear.pl tells them: pairs of an unknown and its factor, a constant, a relation."""
+    """Return rows of linear/linear.pl as matrices.
+
+    A row has pairs of an unknown and its factor, a constant, and a relation.
+    """
     count = 1 + max((unknown for pairs, _, _ in rows for unknown, _ in pairs), default=0)
     parts: list[Any] = []
     for relation in ("=<", "="):
@@ -289,14 +296,14 @@ def matrices(rows: list[Any]) -> System:
 
 
 def joined(systems: list[System]) -> System:
-    """Systems that share no unknown, as one."""
+    """Return systems that share no unknown as one system."""
     upper, most, equal, value, unknowns = zip(*systems, strict=True)
     tables = csr_array(block_diag(upper)), csr_array(block_diag(equal))
     return System(tables[0], np.concatenate(most), tables[1], np.concatenate(value), sum(unknowns))
 
 
 def extreme(system: System, objective: np.ndarray, bounds: Any = (None, None)) -> float | None:
-    """The objective's least value that HiGHS finds; None if there is no solution."""
+    """Return the smallest value of the objective that HiGHS finds, or None without a solution."""
     upper, most, equal, value, _ = system
     solved = linprog(objective, upper, most, equal, value, bounds=bounds, method="highs")
     return solved.fun if solved.status == 0 else None

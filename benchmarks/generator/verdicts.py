@@ -1,4 +1,4 @@
-"""Whether walls or furniture are refuted falsely: CLP(R), CLP(Q) and HiGHS on the same linear systems."""
+"""Test for false refutations of walls or furniture: CLP(R), CLP(Q) and HiGHS on the same linear systems."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,11 +32,12 @@ from logic.request.request import Request
 WIDE = [Number(mm) for mm in (1, 99_999, 1, 99_999)]
 
 Row = tuple[Sequence[tuple[int, float]], float, str]
-"""Numbers of unknowns with their factors, a constant, and how the sum of all that is related to zero."""
+"""Row of a linear system: numbers of unknowns with their factors, a constant, and the relation of the sum to
+zero."""
 
 
 def feasible(rows: Sequence[Row]) -> bool:
-    """What HiGHS says of a linear system, with its tolerance of 1e-7."""
+    """Return True if HiGHS finds a linear system feasible, with its tolerance of 1e-7."""
     unknowns = 1 + max((number for pairs, _, _ in rows for number, _ in pairs), default=0)
     matrix = np.zeros((len(rows), unknowns))
     for row, (pairs, _, _) in zip(matrix, rows, strict=True):
@@ -56,14 +57,14 @@ def feasible(rows: Sequence[Row]) -> bool:
 
 
 def verdicts(systems: Iterable[dict[str, Any]]) -> Counter[tuple[bool, bool, bool]]:
-    """How often each combination came of what CLP(R), CLP(Q) and HiGHS say: there is a solution, or none."""
+    """Count the combinations of the verdicts of CLP(R), CLP(Q) and HiGHS: True for a solution."""
     return Counter((each["real"], each["rational"], feasible(each["rows"])) for each in systems)
 
 
 def wall_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[str, Any]]:
-    """Linear systems of the walls of sampled layouts, with what CLP(R) and CLP(Q) say of each.
+    """Yield linear systems of the walls of sampled layouts, with the verdicts of CLP(R) and CLP(Q).
 
-    The layouts are sampled without what stage 1 knows of lengths: so most are infeasible.
+    The layouts are sampled without stage 1's knowledge of lengths, so most are infeasible.
     """
     files = [file for file in builder.grammar.asp if file != DIFFERENCES]
     facts = [fact for fact, _ in builder.loaded.house_facts if fact.name in ("reach", "length")]
@@ -75,7 +76,7 @@ def wall_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[st
 
 
 def furniture_systems(builder: Builder, seeds: range) -> Iterator[dict[str, Any]]:
-    """The same of the furniture of single rooms of a star, of which every size is unknown."""
+    """Yield systems of the furniture of single rooms of a star, with every size unknown, and verdicts."""
     types = sorted(builder.loaded.furniture)
     programs = {type_: Program(*_lax(builder, type_, "capacity")) for type_ in types}
     for seed in seeds:
@@ -86,7 +87,7 @@ def furniture_systems(builder: Builder, seeds: range) -> Iterator[dict[str, Any]
 
 
 def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[str, Any]]:
-    """The same of the furniture of all rooms of sampled plans, of which the sizes and doors are given."""
+    """Yield systems of the furniture of sampled plans' rooms, with given sizes and doors, and verdicts."""
     maker = builder.maker
     assert isinstance(maker, SharedWallsMaker)
     for seed in seeds:
@@ -104,7 +105,7 @@ def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[s
 
 
 class AskedMaker(BriefMaker):
-    """Keeps the systems of all layouts that stage 2 is asked about."""
+    """Maker that keeps the systems of all layouts that stage 2 is asked about."""
 
     systems: list[dict[str, Any]]
 
@@ -114,8 +115,10 @@ class AskedMaker(BriefMaker):
 
 
 def brief_systems(builder: Builder, rooms: Sequence[int]) -> Iterator[dict[str, Any]]:
-    """The same of the layouts that come up in making houses of the frozen briefs with these rooms, without
-    end; in the place of CLP(R) is what refutes layouts (``brief.pl``).
+    """Yield, without end, systems of the layouts that occur when houses of frozen briefs are made.
+
+    The briefs have these numbers of rooms. The verdict of CLP(R) is that of ``brief.pl``, which refutes
+    layouts.
     """
     entries = [entry for entry in frozen() if entry.rooms in rooms]
     for seed in count():
@@ -128,7 +131,7 @@ def brief_systems(builder: Builder, rooms: Sequence[int]) -> Iterator[dict[str, 
 
 
 def until_refuted(systems: Iterable[dict[str, Any]], number: int) -> Iterator[dict[str, Any]]:
-    """Systems until so many of them are refuted."""
+    """Yield systems until ``number`` of them are refuted."""
     for system in systems:
         yield system
         number -= not system["real"]
@@ -137,7 +140,7 @@ def until_refuted(systems: Iterable[dict[str, Any]], number: int) -> Iterator[di
 
 
 def _lax(builder: Builder, type_: str, part: str, doorways: Sequence[Symbol] = ()) -> tuple[Any, ...]:
-    """The rules of a room's furniture for a program that knows no lengths."""
+    """Return the rules of a room's furniture for a program without knowledge of lengths."""
     facts = [
         Function(fact.name, [fact.arguments[0], *([Number(0)] if fact.name == "length" else WIDE)])
         for fact, _ in builder.loaded.lengths[type_]
@@ -152,25 +155,25 @@ class Verdicts:
     """Count the verdicts of three solvers on sampled plans' walls, and on rooms' furniture."""
 
     grammar: str = "home"
-    """A grammar whose houses are plans."""
+    """Grammar whose houses are plans."""
 
     star: str = "family"
-    """A grammar whose houses are stars, for the furniture of rooms of any size."""
+    """Grammar whose houses are stars, for the furniture of rooms of any size."""
 
     rooms: tuple[int, ...] = (6, 8, 10)
     """Numbers of rooms."""
 
     systems: int = 10_000
-    """How many linear systems of walls."""
+    """Number of linear systems of walls."""
 
     furniture: int = 3000
-    """About how many of furniture, in stars and in plans each."""
+    """Approximate number of systems of furniture, in stars and in plans each."""
 
     briefs: int = 2000
-    """How many refuted ones of layouts of frozen briefs, with 5, 8 and 10 rooms."""
+    """Number of refuted systems of layouts of frozen briefs, with 5, 8 and 10 rooms."""
 
     def run(self) -> int:
-        """Print how often each combination of verdicts came; 1 where the exact one differs from HiGHS."""
+        """Print the count of each combination of verdicts. Return 1 if CLP(Q) and HiGHS differ."""
         print("system            CLP(R)  CLP(Q)  HiGHS   systems")
         wrong = False
         for name, found in self._found():
@@ -182,7 +185,7 @@ class Verdicts:
         return int(wrong)
 
     def _found(self) -> Iterator[tuple[str, Iterable[dict[str, Any]]]]:
-        """One grammar after the other: SWI-Prolog holds one at a time."""
+        """Yield the systems, grammar by grammar, because SWI-Prolog holds one grammar at a time."""
         yield "furniture, stars", furniture_systems(Builder(find(self.star)), range(self.furniture))
         yield "briefs", until_refuted(brief_systems(Builder(find("plain")), (5, 8, 10)), self.briefs)
         builder = Builder(find(self.grammar))

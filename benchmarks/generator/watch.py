@@ -20,27 +20,27 @@ from logic.errors import RequestError
 from logic.grammar import find
 
 LONGEST = 120.0
-"""Seconds for an answer."""
+"""Longest time for an answer, in seconds."""
 
 
 @dataclass(frozen=True)
 class WatchStudy:
     """Save a rule file of a copied grammar again and again, and ask for the sheet as the page does.
 
-    What the browser takes to show the plans comes on top: some hundredths of a second.
+    The browser's time to show the plans comes on top: some hundredths of a second.
     """
 
     grammar: str = "family"
-    """A shipped grammar's name, or a directory of rules."""
+    """Name of a shipped grammar, or a directory of rules."""
 
     rooms: int = 4
     """Number of secondary rooms."""
 
     houses: int = 9
-    """Houses of the sheet."""
+    """Number of houses of the sheet."""
 
     saves: int = 20
-    """How often the file is saved."""
+    """Number of saves."""
 
     pause: float = 3.0
     """Seconds between a sheet and the next save, in which spare processes start."""
@@ -56,7 +56,7 @@ class WatchStudy:
                 self._save(file, f"{text}% {each}\n", rules, address, request)
                 for each in range(self.saves + 1)
             ]
-        # The first finds the page's files and fonts not yet loaded.
+        # During the first save, the page's files and fonts are not loaded yet.
         for what, seconds in zip(
             ("first house", f"{self.houses} houses"), zip(*taken[1:], strict=True), strict=True
         ):
@@ -69,7 +69,7 @@ class WatchStudy:
     def _save(
         self, file: Path, text: str, rules: Iterator[int], address: SplitResult, request: dict[str, int]
     ) -> tuple[float, float]:
-        """Seconds from a save to the first house and to the last."""
+        """Return the seconds from a save to the first house and to the last."""
         time.sleep(self.pause)
         begun = time.perf_counter()
         file.write_text(text)
@@ -83,7 +83,7 @@ class WatchStudy:
 
 
 def _rules(address: SplitResult) -> Iterator[int]:
-    """The versions of the rules after the first, as they come."""
+    """Yield the versions of the rules after the first, as they arrive."""
     connection = _connection(address)
     connection.request("GET", f"{address.path}events")
     lines = (line for line in connection.getresponse() if line.startswith(b"data: "))
@@ -97,7 +97,7 @@ def _connection(address: SplitResult) -> http.client.HTTPConnection:
 
 @contextmanager
 def _watching(folder: Path, grammar: str) -> Iterator[tuple[Path, SplitResult]]:
-    """The command at work on a copy of a grammar: one of its rule files, and the page's address."""
+    """Run the command on a copy of a grammar. Yield one of its rule files, and the page's address."""
     rules = find(grammar)
     copy = Path(shutil.copytree(rules.directory, folder / rules.name))
     command = [sys.executable, "-m", "vitruvius.cli", "watch", str(copy)]

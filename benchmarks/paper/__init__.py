@@ -1,1 +1,1 @@
-"""The paper that this project grew from: what it claims, and what comes out here."""
+"""Study of the paper that this project grew from: its claims, and the results here."""

@@ -1,4 +1,4 @@
-"""The original's weights, random walks, our baselines and the oracle, at the paper's three tasks."""
+"""Scores of the original's weights, random walks, our baselines and the oracle at the paper's three tasks."""
 
 import json
 from collections.abc import Callable
@@ -24,13 +24,13 @@ from sim.environment.arguments import PAPER_HOUSE, house_list
 TASKS = ("paper-main", "paper-secondary", "paper-mixed")
 
 EPISODES, SEED = 100, 0
-"""Of each policy at each task; all meet the same targets."""
+"""Number of episodes of each policy at each task, and their seed; all policies meet the same targets."""
 
 
 def by_network(
     epsilon: float, homing: bool = True, avoids: bool = True
 ) -> Callable[[HouseVectorEnv], Policy]:
-    """A policy by the original's weights."""
+    """Return a function that makes a policy with the original's weights."""
 
     def make(envs: HouseVectorEnv) -> Policy:
         generator = torch.Generator().manual_seed(SEED)
@@ -53,11 +53,12 @@ POLICIES: dict[str, Callable[[HouseVectorEnv], Policy]] = {
     "explorer": lambda envs: explorer(envs, SEED),
     "oracle": lambda envs: oracle(envs, SEED),
 }
-"""By name. ``explorer`` alone is not in the simulator's preset ``paper``: its collisions end no episode."""
+"""Policies by name. Only ``explorer`` does not play in the preset ``paper``: its collisions end no
+episode."""
 
 
 def measure(out: Path) -> dict[str, Any]:
-    """Targets of each episode of each policy at each task, and the mean steps of an episode."""
+    """Return the targets of each episode of each policy at each task, and the mean steps of an episode."""
     torch.set_num_threads(1)
     file = out / "paper-agents.json"
     data: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
@@ -77,13 +78,13 @@ def measure(out: Path) -> dict[str, Any]:
 
 
 def mean(targets: list[int]) -> str:
-    """A mean with its standard error."""
+    """Return a mean with its standard error."""
     values = np.array(targets)
     return f"{values.mean():.2f} ± {values.std(ddof=1) / np.sqrt(values.size):.2f}"
 
 
 def section(data: dict[str, Any]) -> str:
-    """The table of all policies."""
+    """Return the table of all policies."""
     human = HUMAN["main"].targets
     rows = [["the paper's human", *(str(HUMAN[mode].targets) for mode in ("main", "secondary")), *"---"]]
     for name, main in data[TASKS[0]].items():

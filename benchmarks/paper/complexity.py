@@ -1,7 +1,8 @@
-"""How the work grows with the rooms: the original's placing of rooms beside this project's whole houses.
+"""Growth of the work with the number of rooms: the original's placing of rooms against our whole houses.
 
-Both make houses of the grammar ``paper`` with the same rooms of each type, in turn in one process, under the
-same limit of Prolog's inferences. It counts against the generator here that its houses are furnished.
+Both make houses of the grammar ``paper`` with the same rooms of each type, in turn in one process, with the
+same limit of Prolog's inferences. The houses of the generator here are also furnished, which counts against
+it.
 """
 
 import json
@@ -27,54 +28,57 @@ from logic.placement import prolog
 from logic.request.request import Request
 
 TYPES = ("bedroom", "bathroom", "kitchen", "hall")
-"""In turn, so that a house has one of each type before it has two: the original allows two of each."""
+"""Types of rooms in turn, so that a house has one room of each type before it has two: the original allows
+two of each."""
 SAMPLED = {1: 30, 2: 30, 3: 30, 4: 30, 5: 20, 6: 10, 7: 5, 8: 5}
-"""How many houses of each number of rooms are placed by the original's method."""
+"""Number of houses that the original's method places, for each number of rooms."""
 COMMAND = "./run bench paper complexity"
 ORIGINAL, OURS = "original", "ours"
 LABELS = {ORIGINAL: "the original: sample and test, rooms alone", OURS: "here: furnished houses"}
 
 
 class OtherMachine(VitruviusError):
-    """Times that do not compare."""
+    """Times of several machines cannot be compared."""
 
     exit_code = 1
 
 
 class StudyCell(NamedTuple):
-    """A measurement: so many houses of so many rooms."""
+    """A measurement: some houses with a number of rooms, by a method."""
 
     method: str
     rooms: int
     houses: int
     inferences: int
-    """The limit of a house."""
+    """Limit of inferences for a house."""
 
 
 @dataclass(frozen=True)
 class Complexity:
-    """Success rate and CPU time against the rooms, of the original's method and of the generator."""
+    """Success rate and CPU time against the rooms, for the original's method and for the generator."""
 
     rooms: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8, 16, 32, 64)
     """Numbers of rooms; the original's method is tried up to 8."""
 
     houses: int = 100
-    """Houses of each number that the generator makes; by the original's method, at most that many."""
+    """Number of houses that the generator makes for each number of rooms; the original's method makes at most
+    as many."""
 
     inferences: int = 200_000_000
-    """The limit of a house: about 10 s of CPU."""
+    """Limit of inferences for a house: about 10 s of CPU."""
 
     out: Path = DOCS
-    """Folder for paper-complexity.json and .png. What is there of the same limit is not measured again."""
+    """Folder for paper-complexity.json and .png. Existing measurements with the same limit are not
+    repeated."""
 
     engine: Literal["ray"] | None = None
     """Measure by Ray, here or on a cluster: each number of rooms by a method has a whole machine."""
 
     address: str | None = None
-    """Of Ray's cluster; without it, one is started here."""
+    """Address of Ray's cluster; by default the study starts one here."""
 
     def run(self) -> None:
-        """Measure what is not measured yet, draw all of it and print a table."""
+        """Run the measurements that are missing, draw all of them and print a table."""
         if self.houses < 1 or self.inferences < 1 or not self.rooms or min(self.rooms) < 1:
             raise RequestError(
                 "--rooms needs one number or more, each 1 or more, as --houses and --inferences"
@@ -98,7 +102,7 @@ class Complexity:
         print(table(study))
 
     def _measured(self, wanted: list[StudyCell]) -> Iterator[dict[str, Any]]:
-        """What is found of cells, as it is."""
+        """Yield the results of cells, as they are measured."""
         if wanted:
             with engine(self.engine, self.address) as cluster:
                 cells = enumerate(map(measured, wanted))
@@ -107,7 +111,7 @@ class Complexity:
 
 
 def measured(cell: StudyCell) -> dict[str, Any]:
-    """The CPU seconds of each house that was made, how many were not within the limit, and the machine."""
+    """Measure a cell: CPU seconds of each house, number of houses within the limit, and the machine."""
     builder = _warm(cell.inferences)
     types = list(islice(cycle(TYPES), cell.rooms))
     request = Request(cell.rooms, {type_: (number, number) for type_, number in Counter(types).items()})
@@ -135,7 +139,7 @@ def measured(cell: StudyCell) -> dict[str, Any]:
 
 @cache
 def _warm(inferences: int) -> Builder:
-    """What makes houses in this process, once what programs take at their first search is paid."""
+    """Return the builder of this process, after the costs of its programs' first searches."""
     builder = Builder(find("paper"))
     prolog.load(Path(__file__).with_name("original_rooms.pl").resolve())
     for index in range(8):
@@ -152,15 +156,16 @@ def _is_made(builder: Builder, request: Request, index: int, inferences: int) ->
 
 
 def median(entry: dict[str, Any]) -> float:
-    """Of the CPU seconds of all that were asked for; infinite where the limit stopped half of them."""
+    """Return the median CPU time of all houses; infinite if the limit stopped half of them."""
     times = [*entry["cpu_seconds"], *[np.inf] * (entry["asked"] - entry["made"])]
     return float(np.percentile(times, 50, method="lower"))
 
 
 def growth(study: dict[str, Any], method: str) -> tuple[float, float]:
-    """How the median grows: by which factor with each room, and as which power of their number.
+    """Return the growth of the median: its factor for each room, and its power of the number of rooms.
 
-    Both are least squares on logarithms from 2 rooms on. Raises ``OtherMachine`` where several have measured.
+    Both are least squares on logarithms from 2 rooms on. Raises ``OtherMachine`` for measurements of several
+    machines.
     """
     machines = sorted({e["machine"] for e in study["measured"] if e["method"] == method})
     if len(machines) > 1:
@@ -176,7 +181,7 @@ def growth(study: dict[str, Any], method: str) -> tuple[float, float]:
 
 
 def table(study: dict[str, Any]) -> str:
-    """All that is measured, as a Markdown table, with the laws that fit."""
+    """Return all measurements as a Markdown table, with the fitted laws."""
     rows = [[str(e["rooms"]), LABELS[e["method"]], *_cells(e)] for e in _ordered(study)]
     head = "| rooms | | made | CPU time, median | tries, median |\n|---|---|---|---|---|\n"
     factor, exponent = growth(study, ORIGINAL)[0], growth(study, OURS)[1]
@@ -200,7 +205,7 @@ def _row(entry: dict[str, Any]) -> str:
 
 
 def picture(study: dict[str, Any]) -> bytes:
-    """A PNG: the share of houses that were made, and their CPU time, against the rooms."""
+    """Return a PNG: the fraction of houses that were made, and their CPU time, against the rooms."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 4.2), dpi=150, layout="constrained")
@@ -229,11 +234,11 @@ def picture(study: dict[str, Any]) -> bytes:
 
 
 def measure(out: Path, **options: Any) -> dict[str, Any]:
-    """Measure what is not measured yet in a folder; all that is known there."""
+    """Run the measurements that are missing in a folder, and return all of them."""
     Complexity(out=out, **options).run()
     return json.loads((out / "paper-complexity.json").read_bytes())
 
 
 def section(data: dict[str, Any]) -> str:
-    """The table and the picture."""
+    """Return the table and the picture."""
     return f"    {data['command']}\n\n{table(data)}\n\n![CPU time against the rooms](paper-complexity.png)"

@@ -1,4 +1,4 @@
-"""docs/paper.md: a function of the parts' data alone."""
+"""docs/paper.md, as a function of the parts' data only."""
 
 from pathlib import Path
 from typing import Any
@@ -10,16 +10,17 @@ from benchmarks.paper import agents, complexity, training
 from benchmarks.paper.agents import TASKS, mean
 
 PARTS: dict[str, Any] = {"agents": agents, "training": training, "complexity": complexity}
-"""What is measured, by name: modules with ``measure(out)``, the data, and ``section(data)``, its Markdown."""
+"""Parts of the study by name: modules with ``measure(out)``, the data, and ``section(data)``, its
+Markdown."""
 
 TEMPLATE = Path(__file__).with_name("template.md")
-"""The page around the parts."""
+"""Text of the page around the parts."""
 
 UNMEASURED = "Not measured."
 
 
 def paper_page(data: dict[str, Any]) -> str:
-    """The page of the data of those parts that are measured."""
+    """Return the page with the data of the parts that are measured."""
     sections = {
         name: part.section(data[name]) if name in data else UNMEASURED for name, part in PARTS.items()
     }
@@ -27,7 +28,7 @@ def paper_page(data: dict[str, Any]) -> str:
 
 
 def _claims(played: dict[str, Any] | None) -> dict[str, str]:
-    """The figures that claims are compared with."""
+    """Return the figures for the comparison with the claims."""
     human = {f"human_{mode}": str(each.targets) for mode, each in HUMAN.items()}
     if played is None:
         return human | dict.fromkeys(("main", "secondary", "mixed", "half", "above", "off", "on"), UNMEASURED)

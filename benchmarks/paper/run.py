@@ -1,7 +1,7 @@
 """``vitruvius bench paper``: the study that makes docs/paper.md.
 
-Each part leaves its data in the folder as it goes, and goes on where it was stopped, or from what is
-published.
+Each part writes its data into the folder during the study. It continues where it was stopped, or from the
+published data.
 """
 
 import json
@@ -20,32 +20,33 @@ from logic.spelling import unknown
 
 @dataclass(frozen=True)
 class PaperStudy:
-    """Measure what the paper claims, and write the page."""
+    """Measure the paper's claims, and write the page."""
 
     parts: tyro.conf.Positional[tuple[str, ...]] = ()
-    """What to measure: agents (minutes), training (hours), complexity (an hour); by default all."""
+    """Parts to measure: agents (minutes), training (hours), complexity (an hour); by default all."""
 
     engine: Literal["ray"] | None = None
-    """Of complexity: measure by Ray, here or on a cluster; each number of rooms by a method has a whole
+    """Measure complexity by Ray, here or on a cluster; each number of rooms by a method has a whole
     machine."""
 
     address: str | None = None
-    """Of Ray's cluster: HOST:PORT, or auto for the one of this machine; without it, one is started here."""
+    """Address of Ray's cluster: HOST:PORT, or auto for the one on this machine; by default the study starts
+    one here."""
 
     again: bool = False
-    """Measure all of it, also what is published."""
+    """Measure everything, including the published parts."""
 
     publish: bool = False
-    """Write page, picture and data into docs too."""
+    """Copy page, picture and data into docs."""
 
     out: Path = Path("runs/paper")
-    """Folder for page, picture, data, and what the parts keep on the way."""
+    """Folder for page, picture, data, and intermediate files of the parts."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Measure, and write the page of all that is known."""
+        """Measure, and write the page with all known data."""
         for part in self.parts:
             if part not in PARTS:
                 raise RequestError(unknown("part", part, PARTS))
@@ -65,18 +66,18 @@ class PaperStudy:
 
 
 def published() -> dict[str, Any]:
-    """The data of all parts that are published."""
+    """Return the data of all parts that are published."""
     files = {name: DOCS / f"paper-{name}.json" for name in PARTS}
     return {name: json.loads(file.read_text()) for name, file in files.items() if file.exists()}
 
 
 def pages(data: dict[str, Any]) -> dict[str, bytes]:
-    """The page and its picture, by their names."""
+    """Return the page and its picture, by their names."""
     made = {"paper.md": paper_page(data).encode()}
     pictures = {name: PARTS[name].picture(part) for name, part in data.items() if name != "agents"}
     return made | {f"paper-{name}.png": picture for name, picture in pictures.items()}
 
 
 def as_json(data: Any) -> bytes:
-    """Data as they are published."""
+    """Return data in the published form."""
     return json.dumps(data, separators=(",", ":")).encode() + b"\n"

@@ -1,7 +1,7 @@
-"""Runs of the paper's agent side by side: each has its environments, network, memory and optimiser; one
-process steps all at once and fits all at once, which costs little more than one run.
+"""Parallel training runs of the paper's agent, each with its own environments, network, memory and optimiser.
 
-The rules are those of ``algorithms.paper``. A run waits where its episode has ended before the others'.
+One process steps all runs together and fits all networks together, which costs little more than one run. The
+rules are those of ``algorithms.paper``. A run waits if its episode ends before those of the others.
 
 Axes: N runs, E environments of a run, T steps, B samples, R rays, C channels, A actions.
 """
@@ -25,16 +25,17 @@ Layers = list[tuple[Tensor, Tensor]]
 """Weights (N, inputs, outputs) and biases (N, 1, outputs) of the dense layers, in order."""
 
 CHUNK = 100
-"""Steps for which random numbers are sampled at once."""
+"""Number of steps for which random numbers are sampled together."""
 
 NONE = np.zeros(0, np.int64)
 
 NEAR = 0.049
-"""Of the range: the avoidance layer turns the body where anything but the target is nearer."""
+"""Distance as a fraction of the range. The avoidance layer turns the body if anything but the target is
+nearer."""
 
 
 def stacked(networks: Sequence[PaperNetwork]) -> Layers:
-    """The weights of that many networks."""
+    """Return the weights of all networks as stacked layers."""
     dense = [[layer for layer in network.layers if isinstance(layer, nn.Linear)] for network in networks]
     return [
         (torch.stack([one.weight.T for one in layers]), torch.stack([one.bias[None] for one in layers]))
@@ -43,8 +44,9 @@ def stacked(networks: Sequence[PaperNetwork]) -> Layers:
 
 
 def forward(layers: Layers, s: Tensor) -> tuple[list[Tensor], Tensor]:
-    """What each layer reads, and what each network says of its own observations (N, B, R, C): (N, B, A), as
-    ``PaperNetwork`` does.
+    """Return each layer's input, and each network's values (N, B, A) for its observations (N, B, R, C).
+
+    The values equal those of ``PaperNetwork``.
     """
     read, (weight, bias) = [s], layers[0]
     x = torch.baddbmm(bias, s.flatten(1, 2), weight).relu_().view(*s.shape[:2], -1)
@@ -60,8 +62,8 @@ def forward(layers: Layers, s: Tensor) -> tuple[list[Tensor], Tensor]:
 def find_gradients(layers: Layers, pair: Tensor, a: Tensor, r: Tensor, ended: Tensor) -> None:
     """Write the gradients of ``paper.squared_loss`` at one step of each run into the layers' ``grad``.
 
-    ``pair`` (N, 2, R, C) has the states before and after, ``a``, ``r`` and ``ended`` are (N,). By hand, as
-    autograd takes twice the time here; a test compares both.
+    ``pair`` (N, 2, R, C) has the states before and after; ``a``, ``r`` and ``ended`` are (N,). The gradients
+    are computed by hand, because autograd takes twice the time here; a test compares both.
     """
     read, q = forward(layers, pair)
     q, q_t = q.unbind(1)
@@ -80,12 +82,12 @@ def find_gradients(layers: Layers, pair: Tensor, a: Tensor, r: Tensor, ended: Te
 
 
 class Actors:
-    """How networks of some configs act, each in its own environments."""
+    """Actors of networks of some configs, each in its own environments."""
 
     def __init__(
         self, configs: Sequence[PaperConfig], layers: Layers, envs: HouseVectorEnv, seed: int
     ) -> None:
-        """``envs`` has those of the first run, then those of the second, and so on."""
+        """Take ``envs``, which has the environments of the first run, then those of the second, and so on."""
         self.layers, self.envs, self.rng = layers, envs, np.random.default_rng(seed)
         self.runs, self.spacing = len(configs), envs.config.ray_spacing
         turn = (1 - configs[0].forward) / 2
@@ -99,16 +101,16 @@ class Actors:
         self.avoids = flag([config.avoidance == "paper" for config in configs])
 
     def read(self, observation: np.ndarray) -> np.ndarray:
-        """What the networks read (N * E, R, C): with whose angles is a run's own choice."""
+        """Return the input of the networks (N * E, R, C); each run chooses which rays' angles it reads."""
         read, rows = observation.copy(), self.next
         read[rows, :-1, 0] = observation[rows, 1:, 0]
         read[rows, -1, 0] = (observation[rows, -1, 0] * 359 - self.spacing) % 360 / 359
         return read
 
     def noise(self, epsilon: float) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """For one step after the other: which actions are random, random actions, and rotations (N * E,)."""
+        """Yield for each step a mask of random actions, random actions, and rotations (N * E,)."""
         shape = (CHUNK, self.envs.num_envs)
-        while True:  # many steps at once: it is faster
+        while True:  # many steps at once, which is faster
             random = self.rng.choice(ACTIONS, shape, p=self.shares)
             yield from zip(
                 self.rng.random(shape) < epsilon, random, self.rng.integers(2, size=shape), strict=True
@@ -116,9 +118,7 @@ class Actors:
 
     @torch.no_grad()
     def act(self, read: np.ndarray, noise: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
-        """Actions (N * E,) int64, as ``avoidance.PaperRule`` and ``policies.home`` would have
-        them.
-        """
+        """Return actions (N * E,) int64, equal to those of ``avoidance.PaperRule`` and ``policies.home``."""
         chosen, random, rotation = noise
         is_target = read[..., 2] > 0
         near = ((read[..., 1] < NEAR) & ~is_target).any(1) & self.avoids
@@ -130,8 +130,10 @@ class Actors:
     def play(
         self, observation: np.ndarray, epsilon: float, keep: Callable[[np.ndarray], None] = lambda _: None
     ) -> dict[str, np.ndarray]:
-        """An episode in each environment: of each step ``a``, ``r``, ``ended`` and whether it was one of the
-        episode, ``valid``: (T, N * E). ``keep`` is called with each of the T + 1 states (N * E, R, C).
+        """Play an episode in each environment.
+
+        Return ``a``, ``r``, ``ended`` and ``valid`` of each step, (T, N * E). ``valid`` is True for the steps
+        of the episode. ``keep`` is called with each of the T + 1 states (N * E, R, C).
         """
         read, steps = self.read(observation), []
         keep(read)
@@ -149,12 +151,13 @@ class Actors:
 
 
 class Replays:
-    """The last steps of each run. After the steps of an episode comes a row that is not ``valid``: the state
-    that it ended in.
+    """The last steps of each run.
+
+    After an episode's steps follows a row that is not ``valid``: its final state.
     """
 
     def __init__(self, runs: int, rows: int, rays: int, channels: int) -> None:
-        """Make room for that many rows of each run."""
+        """Allocate ``rows`` rows of each run."""
         self.s = torch.zeros(runs, rows, rays, channels, dtype=torch.half)
         self.a = torch.zeros(runs, rows, dtype=torch.int64)
         self.r = torch.zeros(runs, rows)
@@ -162,7 +165,7 @@ class Replays:
         self.rows, self.written = rows, [0] * runs
 
     def append(self, run: int, env: int, played: dict[str, np.ndarray]) -> np.ndarray:
-        """Keep an environment's episode; the rows of its rewarded steps."""
+        """Store an environment's episode. Return the rows of its rewarded steps."""
         steps = int(played["valid"][:, env].sum())
         rows = (self.written[run] + torch.arange(steps + 1)) % self.rows
         self.s[run, rows] = torch.from_numpy(played["s"][: steps + 1, env])
@@ -173,7 +176,10 @@ class Replays:
         return rows[:-1].numpy()[played["r"][:steps, env] > 0]
 
     def sample(self, run: int, first: np.ndarray, size: int, rng: np.random.Generator) -> Tensor:
-        """Rows (size,): these first, then different random steps; some repeatedly while there are fewer."""
+        """Return rows (size,): the given ones first, then different random steps.
+
+        If there are too few steps, some are repeated.
+        """
         known = np.flatnonzero(self.valid[run].numpy())
         rest = max(0, size - len(first))
         others = rng.choice(known, rest, replace=len(known) < rest)
@@ -181,7 +187,7 @@ class Replays:
 
 
 class Runs:
-    """Training runs of configs that differ in seed, angles, homing, initialisation and avoidance alone."""
+    """Training runs of configs that differ only in seed, angles, homing, initialisation and avoidance."""
 
     def __init__(self, configs: Sequence[PaperConfig], envs: HouseVectorEnv) -> None:
         """Begin; ``envs`` has the environments of all runs, and NEXT_STEP autoreset."""
@@ -202,21 +208,21 @@ class Runs:
         self.actors = Actors(configs, self.layers, envs, config.seed)
         self.memory = Replays(len(configs), config.buffer_size, envs.config.rays, envs.config.channels)
         self.rng = np.random.default_rng([config.seed, 1])
-        # Seeds of environments lie apart, so that runs share none.
+        # The seeds of environments are far apart, so that runs share none.
         seeds = [1000 * one.seed + env for one in configs for env in range(config.num_envs)]
         self.observation = envs.reset(seed=seeds)[0]
         self.episodes, self.updates = 0, 0
 
     @property
     def epsilon(self) -> float:
-        """Share of random actions now."""
+        """Current fraction of random actions."""
         return max(self.config.final_epsilon, self.config.epsilon * self.config.epsilon_decay**self.episodes)
 
     def episode(self) -> dict[str, np.ndarray]:
-        """Play an episode in each environment and learn from each; its targets and steps (N, E)."""
+        """Play an episode in each environment and learn from each. Return its targets and steps (N, E)."""
         each, count = self.config.num_envs, len(self.configs)
         states: list[np.ndarray] = []
-        # In half precision: 2 mm at the end of the range, in half the room.
+        # Half precision: an error of 2 mm at the end of the range, for half of the memory.
         played = self.actors.play(
             self.observation, self.epsilon, lambda read: states.append(read.astype(np.half))
         )
@@ -248,8 +254,9 @@ class Runs:
             self.updates += 1
 
     def spread(self) -> list[float]:
-        """How much each run's values differ between states that it remembers: 0 where its softmax is
-        saturated, so that it learns nothing more.
+        """Return the spread of each run's values between the states that it remembers.
+
+        The spread is 0 if the run's softmax is saturated, so that the run learns nothing more.
         """
         rows = torch.stack(
             [self.memory.sample(run, NONE, 1000, self.rng) for run in range(len(self.configs))]
@@ -259,7 +266,7 @@ class Runs:
             return forward(self.layers, states)[1].std(1).mean(-1).tolist()
 
     def state(self) -> dict[str, Any]:
-        """All that the next episode depends on."""
+        """Return everything that the next episode depends on."""
         return {
             "layers": [[part.detach() for part in layer] for layer in self.layers],
             "optimizer": self.optimizer.state_dict(),
@@ -271,7 +278,7 @@ class Runs:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a state."""
+        """Continue from a state."""
         with torch.no_grad():
             for mine, given in zip(self.layers, state["layers"], strict=True):
                 for part, value in zip(mine, given, strict=True):

@@ -1,7 +1,7 @@
-"""The paper's agent trained again, in the paper's house and with one thing changed at a time.
+"""Repeated training of the paper's agent, in the paper's house and with one change at a time.
 
-Each group is a process of runs side by side (``benchmarks.paper.side_by_side``), which goes on where it was
-stopped. Its data are a curve of each run, and what its weights do on the way and at the end.
+Each group of parallel runs is a process (``benchmarks.paper.side_by_side``), which continues where it was
+stopped. Its data are the curve of each run, and the scores of its weights during training and at the end.
 """
 
 import json
@@ -28,20 +28,20 @@ from sim.environment.arguments import PAPER_HOUSE, house_list
 PRESET = cast(PaperConfig, PRESETS["paper"])
 
 KEPT_EVERY, SAVED_EVERY = 100, 25
-"""Episodes between two weights that are kept, and between two states to go on from."""
+"""Episodes between two sets of weights that are kept, and between two states to continue from."""
 
 ON_THE_WAY, AT_THE_END = 20, 40
-"""Episodes that weights are measured in."""
+"""Number of episodes that evaluate weights, during training and at the end."""
 
 EPSILONS = (PRESET.final_epsilon, 0.5)
 
 SATURATED = 1e-3
-"""Values that differ by less between states say nothing of them."""
+"""Largest spread of values between states at which a network counts as saturated."""
 
 
 @dataclass(frozen=True)
 class PaperEntry:
-    """A kind of run: what is not as in the preset, and its seeds."""
+    """A kind of run: its differences from the preset, and its seeds."""
 
     name: str
     seeds: tuple[int, ...]
@@ -50,14 +50,14 @@ class PaperEntry:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs that one process makes side by side."""
+    """Parallel runs in one process."""
 
     entries: tuple[PaperEntry, ...]
     episodes: int = cast(int, PRESET.episodes)
     houses: str | dict[str, Any] = PAPER_HOUSE
 
     def configs(self) -> Iterator[tuple[str, PaperConfig]]:
-        """Each run's entry and config."""
+        """Yield each run's entry and config."""
         for entry in self.entries:
             for seed in entry.seeds:
                 yield entry.name, replace(PRESET, seed=seed, **entry.options)
@@ -88,11 +88,11 @@ GROUPS = {
         {"rooms": 4, "grammar": "family", "seed": 100, "count": 32},
     ),
 }
-"""By name: what each group changes, one thing at a time. Weights that learn nothing show it early."""
+"""Groups by name; each changes one thing. Weights that learn nothing show it early."""
 
 
 def measure(out: Path, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, Any]:
-    """Train these groups and measure them; the data of all groups that are done in the folder."""
+    """Train these groups and evaluate them. Return the data of all groups that are finished in the folder."""
     file = out / "paper-training.json"
     data: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
     torch.set_num_threads(1)
@@ -111,8 +111,10 @@ def measure(out: Path, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, Any]:
 
 
 def train(name: str, file: Path) -> dict[str, Any]:
-    """Train a group to its end, or go on with it from its file: targets and steps of each episode, a list of
-    (runs, environments), and by the episodes before the weights and the spread of their values.
+    """Train a group to its end, or continue from its file.
+
+    Return targets and steps of each episode, a list of (runs, environments); and the weights and the spread
+    of their values, by the number of episodes before.
     """
     group = GROUPS[name]
     configs = [config for _, config in group.configs()]
@@ -141,7 +143,10 @@ def train(name: str, file: Path) -> dict[str, Any]:
 
 
 def tests(group: Group, weights: dict[int, Layers]) -> dict[str, Any]:
-    """Targets of each run (N, episodes): on the way in the main room, at the end by task and epsilon."""
+    """Return targets of each run (N, episodes): during training, and at the end by task and epsilon.
+
+    During training the task is the main room.
+    """
     configs = [replace(config, homing=True, num_envs=1) for _, config in group.configs()]
 
     def found(layers: Layers, task: str, epsilon: float, episodes: int) -> list[list[int]]:
@@ -169,21 +174,21 @@ class PaperRun(NamedTuple):
     entry: str
     seed: int
     curve: list[int]
-    """Targets of each episode while learning."""
+    """Targets of each episode during training."""
     spread: float
-    """How much its values differ between states, at the end."""
+    """Spread of its values between states, at the end."""
     way: list[list[int]]
-    """Targets in the main room of its weights on the way."""
+    """Targets in the main room of its weights during training."""
     end: dict[str, list[int]]
-    """Of its last weights, by task and epsilon."""
+    """Targets of its last weights, by task and epsilon."""
 
     def found(self, epsilon: float) -> float:
-        """Its mean in the main room."""
+        """Return the run's mean in the main room."""
         return float(np.mean(self.end[f"{TASKS[0]}, {epsilon}"]))
 
 
 def runs_of(data: dict[str, Any]) -> list[PaperRun]:
-    """All runs, by entry and seed."""
+    """Return all runs, by entry and seed."""
     found = [
         PaperRun(
             made["entry"],
@@ -201,7 +206,7 @@ def runs_of(data: dict[str, Any]) -> list[PaperRun]:
 
 
 def section(data: dict[str, Any]) -> str:
-    """What all runs do at the end, and what came out of the claim."""
+    """Return the results of all runs at the end, and the verdict on the claim."""
     runs, human = runs_of(data), HUMAN["main"].targets
     by_entry: dict[str, list[PaperRun]] = {}
     for run in runs:
@@ -257,7 +262,7 @@ all rooms | epsilon 0.5 | best on the way |
 
 
 def picture(data: dict[str, Any]) -> bytes:
-    """The curves of all runs: targets of an episode while learning, means of 25, a panel an entry."""
+    """Draw the curves of all runs, a panel for each entry: targets of an episode, means of 25 episodes."""
     from matplotlib.figure import Figure
 
     curves: dict[str, list[np.ndarray]] = {}

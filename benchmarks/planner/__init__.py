@@ -1,1 +1,1 @@
-"""What the planner's numbers, its predictions and its choices are worth."""
+"""Studies of the planner's numbers, predictions and choices."""

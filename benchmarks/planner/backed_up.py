@@ -1,9 +1,9 @@
-"""A body that is led by what views are worth in the true house, backed up over the views that follow: how
-much better a label may be that looks ahead. For ``vitruvius bench learning --agent
-benchmarks.planner.backed_up:backed_up``.
+"""Agent that follows the values of views in the true house, backed up over the views that follow.
 
-From each of the places whose views are worth most by themselves it goes on, in thought, to the best view from
-there, and so on. What is found later counts less, by a discount for each step.
+It shows how much better a label may be that looks ahead: ``vitruvius bench learning --agent
+benchmarks.planner.backed_up:backed_up``. From each of the places whose own views have the highest values, it
+continues in thought to the best view from there, and so on. Later finds count less, by a discount for each
+step.
 """
 
 from functools import cache
@@ -30,20 +30,20 @@ from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from sim.world.episodes import Episodes, WorldArrays, loaded
 
 FIRST = 12
-"""Places whose best views are tried as the first one."""
+"""Number of places whose best views are tried as the first one."""
 
 AHEAD = 3
-"""Views that are looked ahead, the first one among them."""
+"""Number of views in a sequence, including the first one."""
 
 DISCOUNT = 0.99
-"""Of what is found a step later."""
+"""Discount of a find for each step."""
 
 LATER = 60.0
-"""Steps after which all is found that none of these views show."""
+"""Steps after which a target that none of these views show counts as found."""
 
 
 class ValuesAhead(ViewValues):
-    """Values of first views, each with those that follow."""
+    """Values of first views, each with the views that follow."""
 
     def __init__(self, envs: HouseVectorEnv, side: int, pitch: int) -> None:
         super().__init__(envs, side, pitch)
@@ -57,8 +57,9 @@ class ValuesAhead(ViewValues):
         self._ahead = Launch(look, self.world.arrays | self.arrays)
 
     def ahead(self, environments: np.ndarray, firsts: np.ndarray) -> np.ndarray:
-        """What first views (n, ``FIRST``, 3) int are worth, i, j and heading in the lattices of environments
-        (n,); -1 for those that the body cannot come to.
+        """Return the values of first views (n, ``FIRST``, 3) int, which have i, j and heading.
+
+        i and j are in the lattices of environments (n,). The value is -1 if the body cannot reach the view.
         """
         asked = self.arrays["asked"].view()
         asked[:] = -1
@@ -74,19 +75,19 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
 
     @ti.func
     def reached(search: ti.template(), row, base, pose):
-        """Begin a search for paths at a pose; the queue's end."""
+        """Begin a search for paths at a pose. Return the queue's end."""
         search.distance[base + pose], search.queue[base] = ti.u16(1), pose
         return 1
 
     @ti.func
     def clear(search: ti.template(), base, tail):
-        """Forget the distances of a search."""
+        """Discard the distances of a search."""
         for k in range(base, base + tail):
             search.distance[base + search.queue[k]] = ti.u16(0)
 
     @ti.func
     def strike(world: ti.template(), search: ti.template(), row, e, own, words, state, cell):
-        """What a look from a cell shows of the samples that are left, which then are not."""
+        """Remove the remaining samples that a look from a cell shows, and return their weight."""
         gain, corner = ti.f32(0.0), planner.corner(search, state.house)
         if cell[0] % ti.static(pitch) == 0 and cell[1] % ti.static(pitch) == 0:
             across = (row[LINES] + ti.static(pitch - 1)) // ti.static(pitch)
@@ -109,8 +110,9 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
 
     @ti.func
     def follow(search: ti.template(), row, base, e, slot, words, pose, left):
-        """The best view from a pose by what it shows of what is ``left`` for its cost, and its cost; -1 for
-        none.
+        """Return the best view from a pose, and its cost; -1 without a view.
+
+        The best view shows the most of the samples ``left`` for its cost.
         """
         tail, head, goal, best_, spent, searching = (
             reached(search, row, base, pose),
@@ -141,7 +143,7 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
     def ahead(
         world: WorldArrays, search: SearcherArrays, asked: Ints, firsts: Ints, spent: Floats, values: Floats
     ):
-        """Value first views, with those that follow."""
+        """Write the values of first views, each with the views that follow."""
         count = asked.shape[0]
         lanes = ti.min(ti.static(AT_ONCE), count)
         words = search.sampled.shape[0] // lanes
@@ -199,19 +201,19 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
 
 
 class ChooserAhead(TrueChooser):
-    """Goes to the view that is best with those that follow."""
+    """Chooser of the view that is best together with those that follow."""
 
     further: ValuesAhead
 
     def __call__(self, planner: Planner) -> None:
-        """See ``Chooser``."""
+        """Choose the next views: see ``Chooser``."""
         if self.truth is None:
             self.truth = TrueValues(self.envs, planner)
             self.truth.views = self.further = ValuesAhead(self.envs, PLACES, self.truth.pitch)
         super().__call__(planner)
 
     def told(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
-        """The best views by their values ahead."""
+        """Return the best views by their values ahead."""
         reader, truth = self.reader, self.truth
         assert reader is not None
         assert truth is not None
@@ -232,8 +234,9 @@ class ChooserAhead(TrueChooser):
     def poses(
         self, environments: np.ndarray, corners: np.ndarray, place: np.ndarray, look: np.ndarray
     ) -> np.ndarray:
-        """Of views at flat places (n, K) of windows with these corners: i, j and heading (n, K, 3) int in the
-        lattices of the houses.
+        """Return i, j and heading (n, K, 3) int of views, in the lattices of the houses.
+
+        ``place`` (n, K): flat places of the views in their windows. ``corners``: the corners of the windows.
         """
         truth, world = self.truth, self.envs.unwrapped.world
         assert truth is not None
@@ -251,5 +254,5 @@ class ChooserAhead(TrueChooser):
 
 
 def backed_up(envs: HouseVectorEnv) -> Explorer:
-    """The body with values that are backed up."""
+    """Return the agent with backed-up values."""
     return Explorer(shield(envs), envs.config, chooser=ChooserAhead(envs))

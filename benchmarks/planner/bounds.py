@@ -1,8 +1,8 @@
-"""What a network that searches may learn, and what it cannot know: ``vitruvius bench bounds``.
+"""Limits of a network that chooses views: ``vitruvius bench bounds``.
 
-In choices of bodies that the released network leads, views are chosen by what they show for what they cost,
-with one thing after the other as it is in the true house. The score is what the view is worth there, as a
-share of the best one that there is a known path to.
+In choices of bodies that the released network leads, views are chosen by gain over cost, with one part after
+the other taken from the true house. The score is the chosen view's value in the true house, as a fraction of
+the best view to which a path is known.
 """
 
 from dataclasses import dataclass, replace
@@ -45,27 +45,27 @@ from sim import HouseVectorEnv
 from sim.baselines.posterior import SPOT, SPOTS
 
 NOTED = 0.3
-"""Share of the choices that are judged: those of an episode are much like each other."""
+"""Fraction of the choices that are judged, because the choices of an episode are similar."""
 
 LATE = 1 / 3
-"""Share of an episode after which its choices are late: most of the house was seen."""
+"""Fraction of an episode after which its choices count as late, when most of the house was seen."""
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Choose views with parts of the truth, and tell what they are worth."""
+    """Choose views with parts of the truth, and report their values."""
 
     houses: int = 12
-    """Houses of each number of rooms, 2 to 6, of validation seeds."""
+    """Number of houses of each number of rooms, 2 to 6, of validation seeds."""
 
     choices: int = 1100
-    """That are judged: the first ones, from the beginning of an episode in each house."""
+    """Number of choices that are judged: the first ones, from the beginning of an episode in each house."""
 
     out: Path = Path("runs/bounds")
     """Folder for houses and bounds.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
         """Play, judge, and print the table."""
@@ -94,7 +94,7 @@ class Bounds:
 
 
 class Judge(LearnedSearch):
-    """Learns nothing; judges some of the choices of a network."""
+    """Learner that learns nothing, and judges some of the choices of a network."""
 
     def __init__(self, config: SearchConfig, envs: HouseVectorEnv) -> None:
         super().__init__(config, envs)
@@ -105,16 +105,16 @@ class Judge(LearnedSearch):
         self.found: dict[str, list[np.ndarray]] = {}
 
     def act(self) -> Tensor:
-        """See ``LearnedSearch``; with where maps begin."""
+        """Act as ``LearnedSearch``, and record the starts of new maps."""
         self.known.begin(np.flatnonzero(self.tracker.fresh.numpy()))
         return super().act()
 
     def learn(self) -> float:
-        """Nothing."""
+        """Learn nothing."""
         return 0.0
 
     def choose(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
-        """The network's views; some choices are judged."""
+        """Return the network's views, and judge some of the choices."""
         worth = self.truth.read(environments, self.reader.corners(environments)).clone() * views(maps)
         most = worth.flatten(1).amax(1)
         kept = ~torch.from_numpy(self.truth.known(environments)) & (most > 0)
@@ -130,7 +130,7 @@ class Judge(LearnedSearch):
         return self.chooser.greedy(environments, maps)
 
     def variants(self, environments: np.ndarray, maps: ViewMaps, worth: Tensor) -> dict[str, Tensor]:
-        """Values (n, 8, G, G) of views, by name."""
+        """Return values (n, 8, G, G) of views, by name."""
         look, turns = self.reader.looks, self.new.turns[maps.heading]
         corners = self.reader.corners(environments)
         house = self.known.read(environments, (corners - 1) / 2)
@@ -166,7 +166,7 @@ class Judge(LearnedSearch):
         }
 
     def left(self, environments: np.ndarray, corners: np.ndarray) -> Tensor:
-        """How dense the exact posterior over the target's places is in blocks (n, 2G, 2G) float32."""
+        """Return the density of the exact posterior over targets' places, in blocks (n, 2G, 2G) float32."""
         truth, houses = self.truth, self.envs.unwrapped.world.describe()[2]
         arrays = truth.views.arrays
         rows, spots = arrays["rows"].numpy(), arrays["spots"].numpy().reshape(-1, 2)

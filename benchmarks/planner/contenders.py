@@ -1,4 +1,4 @@
-"""Agents that a study compares, by name: what makes a policy of each, and what its scores depend on."""
+"""Agents that a study compares, by name: their policies, and keys for their scores."""
 
 import hashlib
 import importlib
@@ -33,10 +33,10 @@ PRIORS = {f"prior-{what}": what for what in (prior.FLOOR, prior.ROOMS)}
 """Explorers that know a part of the house from the start. They must be better: they test the study itself."""
 
 TRUTH = "truth"
-"""The explorer that foresees the truth: the most that map completion can add."""
+"""Explorer that predicts the truth: the upper limit of map completion."""
 
 SOURCES = "planner", "policies", "algorithms", "avoidance.py"
-"""Folders and files of ``agent`` that decide how its agents play."""
+"""Folders and files of ``agent`` that determine how its agents play."""
 
 Maker = Callable[[HouseVectorEnv], Policy]
 Playing = TypeVar("Playing", bound=Policy)
@@ -47,20 +47,20 @@ class Contender:
     """One run of an agent."""
 
     make: Maker
-    """Its policy for environments."""
+    """Function that makes the agent's policy for environments."""
 
     key: str
-    """A name for all that its scores depend on but for the environments."""
+    """Key for everything that the agent's scores depend on, except the environments."""
 
     config: TrainConfig | None = None
-    """That of its training run, whose sensor it plays with; None: with the simulator's own."""
+    """Config of the training run, whose sensor the agent uses; None for the simulator's default sensor."""
 
 
 def contender(name: str) -> Contender:
-    """The agent of a name: a baseline, a prior, ``truth``, ``module:function``, a released agent or a
-    checkpoint.
+    """Return the agent of a name.
 
-    ``function`` takes environments and gives a policy; its attribute ``config``, if it has one, is that of a
+    A name is a baseline, a prior, ``truth``, ``module:function``, a released agent or a checkpoint.
+    ``function`` takes environments and returns a policy; it may have an attribute ``config``, that of a
     training run. Raises ``RequestError`` and ``CheckpointError``.
     """
     if name in PRIORS:
@@ -80,7 +80,7 @@ def contender(name: str) -> Contender:
 
 
 def imported(name: str) -> Maker:
-    """The function of ``module:function``. Raises ``RequestError`` where there is none."""
+    """Return the function of ``module:function``. Raises ``RequestError`` if there is none."""
     module, _, function = name.partition(":")
     try:
         found = importlib.import_module(module)
@@ -93,17 +93,17 @@ def imported(name: str) -> Maker:
 
 
 def informed(envs: HouseVectorEnv, what: str) -> Explorer:
-    """An explorer with a prior, see ``benchmarks.planner.prior``."""
+    """Return an explorer with a prior: see ``benchmarks.planner.prior``."""
     policy = Explorer(shield(envs), envs.config)
     policy.tracker = Informed(envs, what)
     return policy
 
 
 def with_shuffled_predictions(policy: Playing, name: str) -> Playing:
-    """The same policy, each of whose environments gets the prediction of another one, in another house.
+    """Return the policy, with the prediction of another environment, in another house, for each environment.
 
-    Predictions are what its tracker's method ``predict`` returns: an array or a tuple of arrays (n, ...), a
-    row for each of n environments. Raises ``RequestError`` where there is no such method.
+    Predictions are the results of its tracker's method ``predict``: an array or a tuple of arrays (n, ...), a
+    row for each of n environments. Raises ``RequestError`` if there is no such method.
     """
     tracker: Any = getattr(policy, "tracker", None)
     if not hasattr(tracker, "predict"):
@@ -113,17 +113,18 @@ def with_shuffled_predictions(policy: Playing, name: str) -> Playing:
 
 
 class Shuffled:
-    """Gives row k what is predicted for row k - 1; the first row what was for the last one of the last call.
+    """Predictor that gives row k the prediction for row k - 1.
 
-    So a batch of one is shuffled too. In the first call the first row gets what is for its own last row.
+    The first row gets the last prediction of the last call. So a batch of one is shuffled too. In the first
+    call, the first row gets the prediction for its own last row.
     """
 
     def __init__(self, predict: Callable[..., Any]) -> None:
-        """Shuffle what ``predict`` returns."""
+        """Shuffle the results of ``predict``."""
         self._predict, self._last = predict, []
 
     def __call__(self, *given: Any) -> Any:
-        """The same with rows exchanged."""
+        """Return the predictions with exchanged rows."""
         made = self._predict(*given)
         columns = list(made) if isinstance(made, tuple) else [made]
         before, self._last = self._last, [column[-1:] for column in columns]
@@ -140,7 +141,7 @@ def _joined(first: Any, rest: Any) -> Any:
 
 
 def _key(*parts: str) -> str:
-    """A hash of the parts, and of ``SOURCES``."""
+    """Return a hash of the parts, and of ``SOURCES``."""
     root = Path(inspect.getfile(agent)).parent
     files = [file for name in SOURCES for file in sorted([root / name, *(root / name).rglob("*.py")])]
     text = [file.read_text() for file in files if file.is_file()]

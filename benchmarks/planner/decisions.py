@@ -1,9 +1,9 @@
-"""Whether an agent's choices of a viewpoint are better than the explorer's would be, from the same state.
+"""Comparison of an agent's choices of a viewpoint with those of the explorer, from the same state.
 
-An agent plays, and beside it the explorer's planner keeps the same map. Where the agent chooses a viewpoint,
-the explorer chooses one too, and the states of simulator and planner are kept. Then both choices are played
-from there: the same explorer goes to the one, or to the other, and goes on by its own choices. Targets, noise
-and map are the same, so that what differs is what the choice is worth.
+While an agent plays, the explorer's planner keeps the same map. When the agent chooses a viewpoint, the
+explorer chooses one too, and the states of simulator and planner are kept. Then both choices are played from
+there: the same explorer goes to one or the other viewpoint, and continues with its own choices. Targets,
+noise and map are the same, so only the choice makes a difference.
 """
 
 from collections.abc import Iterator
@@ -24,14 +24,14 @@ from sim import HouseVectorEnv
 from sim.world.kernels import BLOCKED
 
 MEMORY = tuple(name for name in STATE if name != "advice")
-"""The arrays of planners that their next steps depend on, wherever they went before."""
+"""Arrays of planners that determine their next steps."""
 
 LONG_AGO = 1 << 20
-"""Steps since a search for paths, after which there is another one."""
+"""Number of steps since a search for paths that is large enough to cause another search."""
 
 
 class Tracked(Policy, Protocol):
-    """A policy that chooses viewpoints by planners."""
+    """Policy that chooses viewpoints with planners."""
 
     tracker: Tracker
 
@@ -41,24 +41,24 @@ class Decisions:
     """Choices of viewpoints, (n,) each."""
 
     environment: np.ndarray
-    """In which it was made."""
+    """Environment of each choice."""
     step: np.ndarray
-    """Steps of the episode before it."""
+    """Steps of the episode before the choice."""
     differs: np.ndarray
-    """Bool: whether the explorer would have gone elsewhere, or looked elsewhere there."""
+    """Bool: True if the explorer would have gone elsewhere, or looked elsewhere from the same place."""
     targets: np.ndarray
     """(n, 2) targets found in the next steps, after the agent's choice and after the explorer's."""
 
 
 @dataclass(frozen=True)
 class Kept:
-    """The states of one environment before a decision, and both goals."""
+    """States of one environment before a decision, and both goals."""
 
     simulator: dict[str, np.ndarray]
     planner: dict[str, np.ndarray]
     action: int
     goals: tuple[tuple[int, int], tuple[int, int]]
-    """A node and a heading: the agent's, the explorer's."""
+    """A node and a heading each: the agent's goal, and the explorer's."""
 
 
 def decisions(
@@ -70,10 +70,11 @@ def decisions(
     ahead: int,
     share: float,
 ) -> Decisions:
-    """Sample a ``share`` of an agent's choices in an episode of ``steps``, and play on ``ahead`` steps.
+    """Sample a ``share`` of an agent's choices in an episode of ``steps``.
 
-    Environment i of ``envs`` is in house i modulo ``houses``; ``again`` has environments of the same
-    arguments, as many as are to be played on at once. Choices in the last ``ahead`` steps are left out.
+    Each choice is continued for ``ahead`` steps. Environment i of ``envs`` is in house i modulo ``houses``.
+    ``again`` has environments with the same arguments, as many as continue together. Choices in the last
+    ``ahead`` steps are left out.
     """
     batch, where, targets, differs = [], [], [], []
 
@@ -99,7 +100,7 @@ def decisions(
 def sampled(
     envs: HouseVectorEnv, policy: Tracked, houses: int, steps: int, share: float
 ) -> Iterator[tuple[int, int, Kept]]:
-    """Play an episode; yields (environment, step, ``Kept``) for a ``share`` of the choices."""
+    """Play an episode, and yield (environment, step, ``Kept``) for a ``share`` of the choices."""
     count, rng = envs.num_envs, np.random.default_rng(0)
     observation = reset(envs, 0, np.arange(count) % houses)
     explorer = Tracker(envs.config)
@@ -116,7 +117,7 @@ def sampled(
         own = explorer.look(now.observation, now.blocked)
         explorer.actions = now.actions
         simulator = envs.state if len(rows) else {}
-        # Where the explorer believes that it knows where the target is, there is nothing to compare.
+        # If the explorer believes that it knows the target's place, there is nothing to compare.
         both = _new(own)
         for row, memory in zip(rows, before, strict=True):
             if both[row]:
@@ -126,7 +127,10 @@ def sampled(
 
 
 def played_on(envs: HouseVectorEnv, batch: list[Kept], steps: int) -> np.ndarray:
-    """Targets (n, 2) that the explorer finds from kept states (n), by the agent's choice and by its own."""
+    """Return the targets (n, 2) that the explorer finds after the agent's choice and after its own.
+
+    It continues from kept states (n).
+    """
     count, policy = envs.num_envs, Explorer(shield(envs), envs.config)
     filled = [batch[k % len(batch)] for k in range(count)]
     found = np.zeros((2, count))
@@ -153,7 +157,7 @@ def played_on(envs: HouseVectorEnv, batch: list[Kept], steps: int) -> np.ndarray
 
 
 def _new(planner: Planner) -> np.ndarray:
-    """Where (E,) bool a viewpoint was chosen in the last step."""
+    """Return a mask (E,) bool of the environments in which a viewpoint was chosen in the last step."""
     return ((planner.read("kind") == SEARCH) & (planner.read("plan_age") == 0)).numpy()
 
 
@@ -162,7 +166,7 @@ def _goal(planner: Planner, row: int) -> tuple[int, int]:
 
 
 def _memory(planner: Planner, row: int) -> dict[str, np.ndarray]:
-    """One environment's part of a planner's memory; of arrays that are not used, none."""
+    """Return one environment's part of a planner's memory, without the arrays that are not used."""
     count, memory = len(planner.advice), {}
     for name in MEMORY:
         array = planner.arrays[name].view().reshape(-1)
@@ -172,9 +176,9 @@ def _memory(planner: Planner, row: int) -> dict[str, np.ndarray]:
 
 
 def _aim(memory: dict[str, np.ndarray], planner: Planner, row: int) -> None:
-    """Let a planner of this memory go to a given goal at once, of which it is told later.
+    """Let a planner with this memory go to a given goal at once; the goal is set later.
 
-    The eye's place must have some path, or the goal is given up before paths to it are searched.
+    The eye's place must have some path, or the planner gives up the goal before it searches for paths.
     """
     side = 1 << planner.config.map_bits
     x, y = (int(planner.read(name)[row]) for name in ("x", "y"))

@@ -1,10 +1,10 @@
-"""What the planner's numbers change: ``vitruvius bench explorers --set replan_interval=48``.
+"""Effect of the planner's numbers: ``vitruvius bench explorers --set replan_interval=48``.
 
-The explorer (``policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with
-the tuned configuration and with others: each ``--set`` is a variant, of one field of ``PlannerConfig`` or of
-several (``--set near=4,gain_most=300``). Tables show what share of the oracle's targets each picks up, and
-how that differs, house by house, from the tuned explorer. Houses and scores are kept, so that a run that was
-stopped continues; scores by the sources that made them.
+The explorer (``policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with the
+tuned configuration and with others. Each ``--set`` is a variant, of one field of ``PlannerConfig`` or of
+several (``--set near=4,gain_most=300``). Tables show each variant's fraction of the oracle's targets, and the
+difference to the tuned explorer, house by house. Houses and scores are kept, so that a stopped run can
+continue; scores are kept by the sources that made them.
 """
 
 import hashlib
@@ -49,13 +49,14 @@ from sim.baselines import oracle, searcher
 from sim.config import DEFAULT
 
 SEED = VALIDATION[len(VALIDATION) // 2]
-"""Houses with r rooms are of seed ``SEED + r``: other studies take theirs from where the range begins."""
+"""Seed of the houses: those with r rooms have ``SEED + r``. Other studies take theirs from the range's
+begin."""
 
 THIRDS = ("first third", "second", "last")
 AS_IS, ORACLE, SEARCHER = "as it is", "oracle", "searcher"
 
 SOURCES = {ORACLE: [oracle], SEARCHER: [searcher]}
-"""What a baseline's score depends on besides the environments, which tests hold to what they are."""
+"""Modules that a baseline's score depends on besides the environments, which tests keep constant."""
 
 PRIORS = {f"prior {what}": what for what in prior.PRIORS}
 """Explorers with a prior, by name."""
@@ -63,41 +64,42 @@ PRIORS = {f"prior {what}": what for what in prior.PRIORS}
 
 @dataclass(frozen=True)
 class Explorers:
-    """Measure the explorer, and variants of it, in houses of validation seeds."""
+    """Evaluate the explorer, and variants of it, in houses of validation seeds."""
 
     targets: tuple[TargetMode, ...] = ("secondary",)
-    """Where targets lie: two tables for each."""
+    """Place of the targets: two tables for each."""
 
     set: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """A variant: FIELD=NUMBER, or several with commas between them. Repeat for other variants."""
+    """A variant: FIELD=NUMBER, or several separated by commas. Repeat for other variants."""
 
     searcher: bool = False
-    """The searcher too, which knows the house, and where in it a target may still be."""
+    """Also play the searcher, which knows the house, and where in it a target may still be."""
 
     prior: tyro.conf.UseAppendAction[tuple[Literal["floor", "rooms", "walls"], ...]] = ()
     """An explorer that knows from the start which unseen ground is floor; also in which rooms targets lie;
     also where walls and furniture stand. Repeat for several."""
 
     houses: int = 64
-    """Houses of each number of rooms, 2 to 6."""
+    """Number of houses of each number of rooms, 2 to 6."""
 
     episodes: int = 4
-    """Episodes in each house, with other targets each: with one, differences below 0.01 are noise."""
+    """Number of episodes in each house, each with other targets: with one, differences below 0.01 are
+    noise."""
 
     steps: int = DEFAULT.steps
-    """Of an episode that are played."""
+    """Number of steps of an episode that are played."""
 
     world: Literal["default", "noisy"] = "default"
-    """The simulator that explorers play in. Baselines, which know where they are, play in the default."""
+    """Simulator settings for explorers. Baselines, which know their pose, play in the default."""
 
     out: Path = Path("runs/explorers")
     """Folder for houses, scores and explorers.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Play what was not played yet; print the tables."""
+        """Play the episodes that are missing, and print the tables."""
         if min(self.houses, self.episodes) < 1 or not len(THIRDS) <= self.steps <= DEFAULT.steps:
             lengths = f"--steps {len(THIRDS)} to {DEFAULT.steps}"
             raise RequestError(f"--houses and --episodes must be 1 or more, {lengths}")
@@ -110,20 +112,22 @@ class Explorers:
         rooms, page = np.array([len(house.secondary) for house in self.bank]), []
         for mode in self.targets:
             kept = {agent: np.load(self.path(mode, agent)) for agent in (ORACLE, *agents)}
-            # Where the oracle finds none, as if it found one in all of the episodes.
+            # If the oracle finds none, the score is as if it found one in all of the episodes.
             most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1 / self.episodes)
             page += sheets(mode, kept, most, rooms)
         write_tables(page, self.out / "explorers.md")
 
     @cached_property
     def bank(self) -> list[House]:
-        """The houses, made once."""
+        """Houses, made once."""
         path = self.out / f"houses-{self.houses}.jsonl"
         return kept_houses(path, lambda: by_rooms(ROOMS, self.houses, SEED))
 
     def path(self, mode: str, agent: str) -> Path:
-        """Where what a agent did is kept: its targets (3, H) of each third of an episode in each house, on
-        average, and microseconds of the planner for a step of one environment.
+        """Return the file of an agent's results.
+
+        It has the mean targets (3, H) of each third of an episode in each house, and the planner's
+        microseconds for a step of one environment.
         """
         known, name = [bank_hash(self.bank), self.episodes, self.steps], agent
         sources = SOURCES.get(agent, [*_modules(planner), policies, avoidance])
@@ -155,12 +159,12 @@ class Explorers:
 
 
 class TimedTracker(Tracker):
-    """Keeps planners, and the seconds of processor time that they took."""
+    """Tracker that also records its planners' processor time, in seconds."""
 
     seconds: tuple[float, ...] = ()
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """The planners, with what the last actions led to."""
+        """Return the planners after the last actions."""
         began = process_time()
         found = super().look(observation, blocked)
         self.seconds += (process_time() - began,)
@@ -168,14 +172,15 @@ class TimedTracker(Tracker):
 
     @property
     def microseconds(self) -> float:
-        """Of a planner's step, but for the first, which compiles; not a number where there was none."""
+        """Time of a planner's step, without the first, which compiles; NaN without a step."""
         return 1e6 * float(np.mean(self.seconds[1:])) / len(self.actions) if self.seconds else np.nan
 
 
 def variant(text: str) -> PlannerConfig:
-    """The configuration of ``replan_interval=48,gain_most=300``; a whole number stays whole.
+    """Return the configuration of ``replan_interval=48,gain_most=300``; a whole number stays whole.
 
-    Raises ``RequestError`` for an unknown field, or a value that is no number or that no planner can have.
+    Raises ``RequestError`` for an unknown field, and for a value that is no number or that no planner can
+    have.
     """
     known = {field.name: field.default for field in fields(PlannerConfig) if field.type in (int, float)}
     changes = {}
@@ -200,26 +205,27 @@ def variant(text: str) -> PlannerConfig:
 
 
 def config_of(agent: str) -> PlannerConfig:
-    """The configuration of a agent's planner."""
+    """Return the configuration of an agent's planner."""
     return TUNED if agent in (AS_IS, *SOURCES, *PRIORS) else variant(agent)
 
 
 def _modules(package: ModuleType) -> list[ModuleType]:
-    """A package's modules and itself."""
+    """Return a package and its modules."""
     names = [each.name for each in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]
     return [package, *map(importlib.import_module, names)]
 
 
 def explorer(envs: HouseVectorEnv, tracker: Tracker) -> Policy:
-    """An explorer for these environments, with what keeps its planners."""
+    """Return an explorer for these environments, with the tracker that keeps its planners."""
     policy = Explorer(shield(envs), envs.config)
     policy.tracker = tracker
     return policy
 
 
 def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np.ndarray:
-    """Targets (3, E) that a policy picks up in each third of the steps, environment i in house i modulo
-    ``houses``.
+    """Return the targets (3, E) that a policy picks up in each third of the steps.
+
+    Environment i is in house i modulo ``houses``.
     """
     observation = reset(envs, 0, np.arange(envs.num_envs) % houses)
     targets = np.zeros((len(THIRDS), envs.num_envs))
@@ -229,8 +235,9 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np
 
 
 def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterator[Table]:
-    """A mode's tables, of what agents did in houses with ``rooms`` (H,) where the oracle picks up
-    ``most`` (H,).
+    """Yield a mode's tables of the agents' results.
+
+    The houses have ``rooms`` (H,) rooms, and the oracle picks up ``most`` (H,) targets in them.
     """
     shares = {agent: cuts(each["targets"] / most, rooms) for agent, each in kept.items()}
     names = shares[AS_IS]
@@ -261,11 +268,11 @@ def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterat
 
 
 def cuts(shares: np.ndarray, rooms: np.ndarray) -> dict[str, np.ndarray]:
-    """Shares (3, H) of all houses, of those with ``rooms`` (H,), and in each third as a whole."""
+    """Return the ``shares`` (3, H) of all houses, by number of ``rooms`` (H,), and in each third."""
     by_rooms = {f"{number} rooms": shares.sum(axis=0)[rooms == number] for number in np.unique(rooms)}
     return {"mean": shares.sum(axis=0)} | by_rooms | dict(zip(THIRDS, len(THIRDS) * shares, strict=True))
 
 
 def difference(pairs: np.ndarray) -> str:
-    """A mean difference over houses (H,), with its standard error."""
+    """Return a mean difference over houses (H,), with its standard error."""
     return f"{pairs.mean():+.3f} ± {pairs.std() / max(len(pairs) - 1, 1) ** 0.5:.3f}"

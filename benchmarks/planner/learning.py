@@ -1,11 +1,12 @@
-"""What learning adds to the explorer: ``vitruvius bench learning --agent runs/mine/agent.safetensors``.
+"""Gain of learning over the explorer: ``vitruvius bench learning --agent runs/mine/agent.safetensors``.
 
 Every agent plays the same episodes as the explorer, four in each house: the same starts, and the same targets
-in the same order. Tables show what share of the oracle's targets each picks up, or its SPL in a task that
-ends with the first one; and the difference to the explorer, paired by house and episode. With ``--decisions``
-they show how many of its choices of a viewpoint are others than the explorer's, and whether those are better
-(``decisions.py``); with ``--shuffled`` what is left of a gain where each environment gets the prediction of
-another one. Scores are kept by all that made them, so that a run that was stopped continues.
+in the same order. Tables show each agent's fraction of the oracle's targets, or its SPL in a task that ends
+with the first target, and the paired difference to the explorer by house and episode. With ``--decisions``
+they show how many of its choices of a viewpoint differ from the explorer's, and if those are better
+(``decisions.py``). With ``--shuffled`` they show how much of a gain remains if each environment gets the
+prediction of another one. Scores are kept under keys of everything that they depend on, so that a stopped run
+can continue.
 """
 
 import hashlib
@@ -40,16 +41,16 @@ from sim.config import DEFAULT
 from sim.tasks.tasks import task
 
 EARLY = 500
-"""The first steps, which are shown apart."""
+"""Number of first steps that have a column of their own."""
 
 SHARE = "Share of the oracle's targets"
-"""What the score is, where it is not SPL."""
+"""Name of the score, if it is not SPL."""
 
 BANKS = {"star": ("family", range(2, 7)), "home": ("home", range(4, 11)), "large": ("family", range(12, 13))}
 """Houses of validation seeds: a grammar, and numbers of rooms."""
 
 AT_ONCE = 64
-"""Choices that are played on at once."""
+"""Number of choices that are continued together."""
 
 
 @dataclass(frozen=True)
@@ -58,45 +59,47 @@ class Learning:
 
     agent: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """A released agent, a checkpoint, ``module:function`` that makes a policy of environments, a baseline,
-    ``prior-floor`` and ``prior-rooms``, explorers that know a part of the house, or ``truth``, one that
-    foresees all that map completion could. Several training runs of one agent: NAME=FILE,FILE,FILE. Repeat
-    for other agents; by default ``prior-rooms``."""
+    ``prior-floor`` and ``prior-rooms``, explorers that know a part of the house, or ``truth``, an explorer
+    with perfect map completion. Several training runs of one agent: NAME=FILE,FILE,FILE. Repeat for other
+    agents; by default ``prior-rooms``."""
 
     bank: str = "star"
     """``star``, ``home``, ``large`` (12 rooms); or a house file, or a bank's name."""
 
     targets: str = "secondary"
-    """Where targets lie: a task's name, or JSON of a task."""
+    """Place of the targets: a task's name, or JSON of a task."""
 
     houses: int = 64
-    """Houses of each number of rooms, of those that are made; an object is sought where there is one."""
+    """Number of houses of each number of rooms, if houses are generated; an object is sought only in houses
+    that have it."""
 
     episodes: int = 4
-    """Episodes in each house, with other targets each."""
+    """Number of episodes in each house, each with other targets."""
 
     steps: int = DEFAULT.steps
-    """Of an episode that are played."""
+    """Number of steps of an episode that are played."""
 
     world: Literal["default", "noisy", "doors"] = "default"
-    """The simulator that agents play in. The oracle plays in the default one."""
+    """Simulator settings for agents. The oracle plays in the default ones."""
 
     shuffled: bool = False
-    """Also play each agent with the predictions of other environments: a gain by prediction must go."""
+    """Also play each agent with the predictions of other environments: a gain by prediction must
+    disappear."""
 
     decisions: float = 0.0
-    """Share of an agent's choices of a viewpoint that are compared with the explorer's; 0 for none."""
+    """Fraction of an agent's choices of a viewpoint that are compared with the explorer's; 0 for none."""
 
     ahead: int = 200
-    """Steps for which both choices are played on."""
+    """Number of steps for which both choices are continued."""
 
     out: Path = Path("runs/learning")
     """Folder for houses, scores and learning.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Play what was not played yet; print the tables."""
+        """Play the episodes that are missing, and print the tables."""
         if min(self.houses, self.episodes) < 1 or not 1 <= self.steps <= DEFAULT.steps:
             raise RequestError(f"--houses and --episodes must be 1 or more, --steps 1 to {DEFAULT.steps}")
         if not 0 <= self.decisions <= 1 or not 0 < self.ahead < self.steps:
@@ -121,14 +124,14 @@ class Learning:
 
     @property
     def title(self) -> str:
-        """What the tables are of."""
+        """Bank, task and size, for the titles of tables."""
         world = "" if self.world == "default" else f", {self.world}"
         houses, episodes = len(self.bank_houses), self.episodes
         return f"{self.bank}, {self.targets}{world}, {houses} houses of {episodes} episodes"
 
     @property
     def ends(self) -> bool:
-        """Whether an episode ends with its first target."""
+        """True if an episode ends with its first target."""
         try:
             return task(self.targets).ends_on_pick_up
         except ValueError as error:
@@ -136,7 +139,7 @@ class Learning:
 
     @cached_property
     def bank_houses(self) -> list[House]:
-        """The houses, made once, in which the task can be played."""
+        """Houses in which the task can be played, made once."""
         return playable(self._houses(), self.targets)
 
     def _houses(self) -> list[House]:
@@ -147,17 +150,17 @@ class Learning:
         return kept_houses(path, lambda: by_rooms(rooms, self.houses, SEED, grammar=grammar))
 
     def environments(self, number: int, world: str, agent: Contender) -> HouseVectorEnv:
-        """That many, over the houses, with the agent's sensor."""
+        """Return ``number`` environments over the houses, with the agent's sensor."""
         preset = sensor(agent.config, world) if agent.config else world
         return make_envs(self.bank_houses, number, self.targets, preset=preset)
 
     def path(self, what: str, key: str, *more: Any) -> Path:
-        """Where the result for an agent of this key is kept."""
+        """Return the file of the result for an agent with this key."""
         known = (bank_hash(self.bank_houses), self.targets, self.episodes, self.steps, key, *more)
         return self.out / f"{what}-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}.npz"
 
     def scores(self, name: str, agent: Contender, shuffled: bool = False) -> np.ndarray:
-        """Targets (2, episodes, H), or SPL: of the first ``EARLY`` steps, and of all."""
+        """Return targets (2, episodes, H), or SPL, of the first ``EARLY`` steps and of all steps."""
         world = "default" if name == ORACLE else self.world
         path = self.path("scores", agent.key, world, shuffled)
         if not path.exists():
@@ -173,7 +176,7 @@ class Learning:
         return np.load(path)["targets"]
 
     def decided(self, name: str, agent: Contender) -> Decisions:
-        """Choices of an agent beside the explorer's."""
+        """Return the choices of an agent, compared with the explorer's."""
         path = self.path("decisions", agent.key, self.world, self.decisions, self.ahead)
         if not path.exists():
             torch.set_num_threads(1)
@@ -191,7 +194,10 @@ class Learning:
 
 
 def runs_of(text: str) -> tuple[str, tuple[str, ...]]:
-    """An agent's name, and those of its training runs. Raises ``RequestError`` for none."""
+    """Return an agent's name, and the names of its training runs.
+
+    Raises ``RequestError`` if there are none.
+    """
     name, given, files = text.partition("=")
     runs = tuple(filter(None, files.split(","))) if given else (text,)
     if not name or not runs:
@@ -200,8 +206,10 @@ def runs_of(text: str) -> tuple[str, tuple[str, ...]]:
 
 
 def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int, ends: bool = False) -> np.ndarray:
-    """Targets (2, E) that a policy picks up in the first ``EARLY`` steps, and in all; where the first one
-    ``ends`` an episode, its SPL, 0 where none was found. Environment i is in house i modulo ``houses``.
+    """Return the targets (2, E) that a policy picks up in the first ``EARLY`` steps, and in all steps.
+
+    If the first target ``ends`` an episode, return its SPL, which is 0 without a target. Environment i is in
+    house i modulo ``houses``.
     """
     numbers = np.arange(envs.num_envs) % houses
     shortest = shortest_ways(envs, 0, numbers) if ends else None
@@ -216,15 +224,18 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int, ends:
 
 
 def share(targets: np.ndarray, most: np.ndarray) -> np.ndarray:
-    """Targets (S, 2, episodes, H) as shares of the oracle's (2, episodes, H) in the same house.
+    """Return targets (S, 2, episodes, H) as fractions of the oracle's (2, episodes, H) in the same house.
 
-    Where the oracle finds none, as if it found one in all of the episodes.
+    If the oracle finds none, the result is as if it found one in all of the episodes.
     """
     return targets / np.maximum(most.mean(axis=1, keepdims=True), 1 / most.shape[1])
 
 
 def scores_table(title: str, shares: dict[str, np.ndarray]) -> Table:
-    """Shares (S, 2, episodes, H) of the oracle's score by agent, less those of the explorer."""
+    """Return a table of fractions (S, 2, episodes, H) of the oracle's score, by agent.
+
+    It also has the differences to the explorer.
+    """
     headings = (
         "agent",
         "runs",
@@ -253,13 +264,13 @@ def scores_table(title: str, shares: dict[str, np.ndarray]) -> Table:
 
 
 def difference(pairs: np.ndarray) -> str:
-    """A mean difference (S, H), with its standard error over houses."""
+    """Return a mean difference (S, H), with its standard error over houses."""
     of_house = pairs.mean(axis=0)
     return f"{of_house.mean():+.3f} ± {of_house.std() / max(len(of_house) - 1, 1) ** 0.5:.3f}"
 
 
 def decisions_table(title: str, made: dict[str, list[Decisions]], houses: int, ahead: int) -> Table:
-    """How many choices differ from the explorer's, and targets found after them."""
+    """Return a table of the choices that differ from the explorer's, and of the targets found after them."""
     rows = []
     for name, runs in made.items():
         different = np.concatenate([each.differs for each in runs])
@@ -277,7 +288,7 @@ def decisions_table(title: str, made: dict[str, list[Decisions]], houses: int, a
 
 
 def clustered(values: np.ndarray, group: np.ndarray) -> str:
-    """A mean of ``values`` (n,), with its standard error where only ``group`` (n,) are independent."""
+    """Return a mean of ``values`` (n,), with its standard error if only ``group`` (n,) are independent."""
     if len(np.unique(group)) < 2:
         return "-"
     sums = np.bincount(group, values - values.mean())

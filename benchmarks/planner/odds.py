@@ -1,10 +1,10 @@
-"""How often ground that was never seen hides a target: ``vitruvius bench odds`` prints
-``PlannerConfig.floor_odds`` as they are measured, beside those of the tuned configuration.
+"""Odds that unseen ground hides a target: ``vitruvius bench odds`` prints ``PlannerConfig.floor_odds``.
 
-Explorers play in 100 houses of training seeds. At intervals each that seeks a target is asked for some of the
-candidates on its map, and the house itself shows in which a target could lie that was not seen since the last
-pick-up. An entry is the share of those among the places with one count of what surrounds them, as the belief
-counts it, over that among places that had been seen before. Errors are over houses.
+The command prints the measured odds and those of the tuned configuration. Explorers play in 100 houses of
+training seeds. At intervals, each explorer that seeks a target is asked for some of the candidates on its
+map. The house itself shows in which of them a target could lie that was not seen since the last pick-up. An
+entry is the fraction of those among the places with one count of their surroundings, as the belief counts it,
+divided by the fraction among places that had been seen before. Errors are over houses.
 """
 
 from dataclasses import dataclass, replace
@@ -36,17 +36,18 @@ from sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, ti
 SIDE = 1 << TUNED.map_bits
 
 ENTRIES = len(TUNED.floor_odds)
-"""Places that were seen before are counted behind the table's entries."""
+"""Number of the table's entries. Places that were seen before are counted after these entries."""
 
 FIRST, EVERY, PLACES = 15, 30, 8
-"""Steps until an explorer is asked, and until it is asked again; places that it is asked for."""
+"""Steps before the first question to an explorer, steps between questions, and number of places in a
+question."""
 
 BESIDE = 0.75 * PITCH
-"""Metres from a place to a spot where a target may lie that are the same place: a little more than the half
-diagonal between spots."""
+"""Largest distance in metres from a place to a spot of a target that counts as the same place: a little more
+than half the diagonal between spots."""
 
 TRIFLE = 5
-"""Entries that are less count for nothing: so much is seen amiss."""
+"""Smallest entry that counts: errors of observation are as large as smaller entries."""
 
 RESAMPLES = 2000
 
@@ -56,10 +57,11 @@ class Odds:
     """Measure the table of odds in training houses."""
 
     houses: int = 20
-    """Houses of each number of rooms, 2 to 6: the first of those that the study of agents learns in."""
+    """Number of houses of each number of rooms, 2 to 6: the first of the training houses of the study of
+    agents."""
 
     steps: int = DEFAULT.steps
-    """Of an episode that are played."""
+    """Number of steps of an episode that are played."""
 
     def run(self) -> None:
         """Measure and print."""
@@ -74,18 +76,18 @@ class Odds:
 
 
 class MapCells(NamedTuple):
-    """The part of ``agent.planner.arrays.PlannerArrays`` that is asked for here."""
+    """The part of ``agent.planner.arrays.PlannerArrays`` that this study reads."""
 
     cells: Shorts
 
 
 class MapPlaces:
-    """The candidates on maps, by what surrounds them."""
+    """Candidates on maps, by their surroundings."""
 
     def __init__(self, planner: Planner) -> None:
         self.planner, number, half = planner, len(planner.advice), SIDE // 2
         occupancy = Occupancy(planner.config)
-        # In a table of its own places the belief looks up which one it would take.
+        # In a table whose entries are their own indices, the belief looks up the entry that it would take.
         belief = Belief(replace(planner.config, floor_odds=tuple(range(ENTRIES))), occupancy)
 
         @kernel
@@ -105,8 +107,10 @@ class MapPlaces:
         self._ask = Launch(ask, self.arrays)
 
     def ask(self) -> np.ndarray:
-        """The entries (E, 128, 128) int32 of every other node along both axes, south by east of the start;
-        ``CERTAIN`` where it was seen before, -1 where it is out of reach or hides nothing.
+        """Return the entries (E, 128, 128) int32 of every other node along both axes.
+
+        Nodes are south by east of the start. An entry is ``CERTAIN`` if the place was seen before, and -1 if
+        it is out of reach or hides nothing.
         """
         number, half = len(self.planner.advice), SIDE // 2
         self.arrays["since"].view()[:] = self.planner.read("since").numpy()
@@ -116,9 +120,9 @@ class MapPlaces:
         return self.arrays["entries"].numpy().reshape(number, half, half)
 
     def within_reach(self, environment: int) -> np.ndarray:
-        """The nodes (256, 256) bool that a search from the body may come to."""
+        """Return a mask (256, 256) bool of the nodes that a search from the body may reach."""
         cells = self.planner.arrays["cells"].view().reshape(-1, SIDE, SIDE)[environment]
-        # The grid is a torus: with the body in its middle, what is near to it lies in one piece.
+        # The grid is a torus: with the body in its middle, the surroundings are contiguous.
         x, y = self.body(environment)
         shift = SIDE // 2 - y, SIDE // 2 - x
         parts, _ = label(np.roll(cells & (NEAR | SOLID) == NEAR, shift, axis=(0, 1)), np.ones((3, 3)))
@@ -126,38 +130,45 @@ class MapPlaces:
         return np.roll((parts == part) & (part > 0), (-shift[0], -shift[1]), axis=(0, 1))
 
     def body(self, environment: int) -> np.ndarray:
-        """The node (2,) int that the body is on, east and south of its start."""
+        """Return the node (2,) int that the body is on, east and south of its start."""
         return np.floor(self.planner.pose(environment)[:2]).astype(int)
 
 
 class TargetSpots:
-    """Where targets may lie in houses that explorers are in, and what they have seen of that."""
+    """Places where targets may lie in the explorers' houses, and the part that explorers have seen."""
 
     def __init__(self, envs: HouseVectorEnv, starts: np.ndarray, cell: float) -> None:
-        """Begin where the bodies are, at their ``starts`` (E, 3), for maps of such cells, metres."""
+        """Begin at the bodies' ``starts`` (E, 3), for maps with cells of ``cell`` metres."""
         self.watch, self.starts, self.cell = Coverage(envs), starts, cell
         self.watch.begin()
         self.trees = [KDTree(spots) for spots in self.watch.spots]
 
     def look(self, picked: np.ndarray) -> None:
-        """Look from where the bodies are; where a target was ``picked`` (E,) bool, the next is sought."""
+        """Look from the bodies' poses. After a pick-up (``picked`` (E,) bool), the next target is sought."""
         self.watch.forget(picked)
         self.watch.look()
 
     def where(self, environment: int, nodes: np.ndarray) -> np.ndarray:
-        """Where nodes (n, 2) of a map lie, cells east and south of its start: in the house, metres."""
+        """Return the places of nodes (n, 2) of a map in the house, metres.
+
+        Nodes are cells east and south of the start.
+        """
         return metres(self.starts[environment], nodes, self.cell)
 
     def free(self, environment: int, nodes: np.ndarray) -> np.ndarray:
-        """About which of these nodes (n, 2) a target could lie that was not seen since the last pick-up."""
+        """Return a mask of the nodes (n, 2) that may hide a target: no place near them was seen.
+
+        Only what was seen since the last pick-up counts.
+        """
         away, spot = self.trees[environment].query(self.where(environment, nodes))
         seen = np.unpackbits(self.watch.seen[environment].view(np.uint8), bitorder="little")[spot]
         return (away < BESIDE) & (seen == 0)
 
 
 def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places (H, 18) in each house by their entry, those that were seen before the last: that could hide a
-    target, and all that explorers were asked for.
+    """Return the number of places (H, 18) that could hide a target, and of all places asked for.
+
+    Places are counted in each house by their entry; those that were seen before come last.
     """
     number, chance = len(houses), np.random.default_rng(0)
     envs = make_envs(houses, number, "mixed")
@@ -183,15 +194,16 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def odds(free: np.ndarray, asked: np.ndarray) -> np.ndarray:
-    """What places (..., 17) count, of ``CERTAIN``, by such numbers (..., 18); not a number where none is."""
+    """Return the odds of places (..., 17), in units of ``CERTAIN``, from counts (..., 18); else NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = free / asked
         return CERTAIN * shares[..., :ENTRIES] / shares[..., ENTRIES:]
 
 
 def table(free: np.ndarray, asked: np.ndarray) -> tuple[int, ...]:
-    """The table by such numbers (18,): whole, rising, as more floor about a place never makes it less likely,
-    and 0 for trifles.
+    """Return the table for counts (18,): whole numbers that do not decrease, and 0 for trifles.
+
+    More floor around a place never makes a target less likely.
     """
     measured, weights = np.nan_to_num(odds(free, asked)), np.maximum(asked[:ENTRIES], 1e-6)
     rising = isotonic_regression(measured, weights=weights).x
@@ -199,7 +211,7 @@ def table(free: np.ndarray, asked: np.ndarray) -> tuple[int, ...]:
 
 
 def sheet(free: np.ndarray, asked: np.ndarray) -> Table:
-    """What was measured in H houses (H, 18), beside the tuned table."""
+    """Return the measurements in H houses (H, 18), with the tuned table."""
     drawn = np.random.default_rng(0).integers(len(free), size=(RESAMPLES, len(free)))
     others = odds(free[drawn].sum(axis=1), asked[drawn].sum(axis=1))
     errors = np.ma.masked_invalid(others).std(axis=0)

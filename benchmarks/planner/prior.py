@@ -1,6 +1,7 @@
-"""Explorers that know a part of the house from the start, to see what that knowledge changes.
+"""Explorers that know a part of the house from the start, to measure the effect of that knowledge.
 
-Each kind of ``PRIORS`` has the ones before it too. ``benchmarks.planner.explorers`` has them by ``--prior``.
+Each kind of ``PRIORS`` includes the ones before it. ``benchmarks.planner.explorers`` selects them by
+``--prior``.
 """
 
 import numpy as np
@@ -14,21 +15,26 @@ from benchmarks.planner.odds import BESIDE, SIDE, TargetSpots
 from sim import HouseVectorEnv
 
 FLOOR, ROOMS, WALLS = PRIORS = "floor", "rooms", "walls"
-"""Which of the ground that was never seen is floor, where targets may lie in some room; in which rooms they
-do lie; and what a map of the whole house shows to be occupied, solid and near, but none of it as seen."""
+"""Kinds of prior knowledge: the unseen ground that is floor, where targets may lie in some room; the rooms in
+which targets do lie; and the solid cells of a map of the whole house, with their surroundings, but no cell as
+seen."""
 
 ELSEWHERE = 15
-"""What floor in other rooms counts, of ``CERTAIN``: it may be on a path to those. 5 and 30 do as well."""
+"""Weight of floor in other rooms, in units of ``CERTAIN``: it may be on a path to the targets' rooms. 5 and
+30 do as well."""
 
 
 class Informed(Tracker):
-    """Keeps planners of environments whose prior is that of their houses, from the start of each episode."""
+    """Tracker whose planners know their houses as a prior, from the start of each episode."""
 
     microseconds = np.nan
-    """The time of these planners is not compared."""
+    """NaN, because the time of these planners is not compared."""
 
     def __init__(self, envs: HouseVectorEnv, what: str) -> None:
-        """Give one of ``PRIORS``; walls after an episode from the same starts, when asked to ``remember``."""
+        """Take one of ``PRIORS``.
+
+        Walls are known after an episode from the same starts and a call of ``remember``.
+        """
         super().__init__(envs.config, prior=True)
         self.environments, self.walls = envs.unwrapped.world, None
         anywhere = make_envs(envs.unwrapped.houses, 1, "mixed")
@@ -36,14 +42,15 @@ class Informed(Tracker):
         self.counts = [(anywhere, CERTAIN)] if what == FLOOR else [(anywhere, ELSEWHERE), (envs, CERTAIN)]
 
     def begin(self, environments: int) -> None:
-        """Forget, and look up the houses that the bodies are in."""
+        """Discard everything, and look up the houses of the bodies."""
         super().begin(environments)
         poses, _, houses = self.environments.describe()
         self.planner.arrays["prior"].fill(self.predict(poses, houses).ravel())
 
     def predict(self, poses: np.ndarray, houses: np.ndarray) -> np.ndarray:
-        """What blocks of the maps (E, SIDE / 2, SIDE / 2) uint8 count, for bodies at these poses in these
-        houses.
+        """Return the weights of blocks of the maps (E, SIDE / 2, SIDE / 2) uint8.
+
+        The bodies are at these poses, in these houses.
         """
         ground = np.zeros((len(houses), SIDE // 2, SIDE // 2), np.uint8)
         for envs, count in self.counts:
@@ -54,7 +61,7 @@ class Informed(Tracker):
         return ground
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """The planners, with what the last actions led to, and at first with the walls."""
+        """Return the planners after the last actions; the first time, add the walls."""
         first = bool(self.fresh.all())
         found = super().look(observation, blocked)
         if first and self.walls is not None:
@@ -62,12 +69,12 @@ class Informed(Tracker):
         return found
 
     def remember(self) -> None:
-        """Take the walls from the maps as they are, for episodes that begin where this one began."""
+        """Keep the walls of the current maps, for episodes with the same starts."""
         self.walls = self.planner.walls
 
 
 def _nodes() -> np.ndarray:
-    """Every other node along both axes, in the order of a map: its way (n, 2) east and south of the start."""
+    """Return every other node along both axes, in the order of a map: (n, 2) east and south of the start."""
     axis = (np.arange(0, SIDE, 2) + SIDE // 2) % SIDE - SIDE // 2
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
 

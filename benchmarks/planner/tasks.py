@@ -1,10 +1,10 @@
-"""What it is worth to know where a task puts its targets: ``vitruvius bench tasks``.
+"""Value of knowing where a task puts its targets: ``vitruvius bench tasks``.
 
 Three searchers and the explorer play the same episodes in houses of validation seeds. All searchers know the
-house. ``searcher, floor`` takes a target to be anywhere on its free floor; ``searcher, task`` knows where the
-task puts targets, and how often; ``searcher, finds`` knows a habit's shares, and learns from its finds which
-region has which. The paired difference to the first, house by house, is what that knowledge is worth before
-anything is trained. Houses and scores are kept, so that a run that was stopped continues.
+house. ``searcher, floor`` expects a target anywhere on its free floor. ``searcher, task`` knows where the
+task puts targets, and how often. ``searcher, finds`` knows a habit's shares, and learns from its finds which
+region has which share. The paired difference to the first, house by house, is the value of that knowledge
+before any training. Houses and scores are kept, so that a stopped run can continue.
 """
 
 import hashlib
@@ -41,19 +41,19 @@ from sim.tasks import furniture as furniture_tasks
 from sim.tasks.tasks import task
 
 SEED = VALIDATION[len(VALIDATION) // 2] + 100
-"""Of the houses: other studies of the planner have those before it."""
+"""Seed of the houses; other studies of the planner use smaller ones."""
 
 SIZES = {"family": range(2, 7), "home": range(4, 11)}
-"""Rooms of a grammar's houses, those of its frozen bank; of another grammar's, those of ``family``."""
+"""Numbers of rooms of a grammar's houses, as in its frozen bank; other grammars have those of ``family``."""
 
 SOURCES = [searcher, posterior, priors, view_planner, furniture_tasks]
-"""What scores of searchers depend on."""
+"""Modules that the scores of searchers depend on."""
 
 FLOOR, TASK, FINDS = "searcher, floor", "searcher, task", "searcher, finds"
 
 
 def searching(prior: PriorName) -> Callable[[HouseVectorEnv, int], Policy]:
-    """What makes a searcher with a prior."""
+    """Return a function that makes a searcher with a prior."""
 
     def make(envs: HouseVectorEnv, seed: int) -> Policy:
         found = Searcher(envs, prior)
@@ -70,7 +70,7 @@ PLAYERS = {
 
 @dataclass(frozen=True)
 class Tasks:
-    """Measure searchers with and without a task's prior, and the explorer."""
+    """Evaluate searchers with and without a task's prior, and the explorer."""
 
     tasks: tyro.conf.UseAppendAction[tuple[str, ...]] = (
         '{"task": "object", "piece": "bed"}', "habit", "secondary",
@@ -78,22 +78,23 @@ class Tasks:
     """Tasks, by name or as JSON. Repeat for several."""
 
     grammars: tuple[str, ...] = ("family", "home")
-    """Whose houses: of family with 2 to 6 rooms, of home with 4 to 10."""
+    """Grammars of the houses: family with 2 to 6 rooms, home with 4 to 10."""
 
     houses: int = 84
-    """Houses of a grammar, of all sizes in turn; object goal is played in those that have the piece."""
+    """Number of houses of a grammar, of all sizes in turn; object goal is played in those that have the
+    piece."""
 
     episodes: int = 4
-    """Episodes in each house."""
+    """Number of episodes in each house."""
 
     out: Path = Path("runs/tasks")
     """Folder for houses, scores and tasks.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Play what was not played yet; print the tables."""
+        """Play the episodes that are missing, and print the tables."""
         if min(self.houses, self.episodes) < 1:
             raise RequestError("--houses and --episodes must be 1 or more")
         torch.set_num_threads(1)
@@ -101,13 +102,13 @@ class Tasks:
         write_tables(page, self.out / "tasks.md")
 
     def bank(self, grammar: str) -> list[House]:
-        """The houses of a grammar, made once."""
+        """Return the houses of a grammar, made once."""
         path = self.out / f"{grammar}-{self.houses}.jsonl"
         sizes = SIZES.get(grammar, SIZES["family"])
         return kept_houses(path, lambda: in_turns(sizes, self.houses, grammar=grammar, seed=SEED))
 
     def sheet(self, name: str, grammar: str) -> Table:
-        """The table of a task in a grammar's houses."""
+        """Return the table of a task in a grammar's houses."""
         try:
             ends, weighted = task(name).ends_on_pick_up, hasattr(task(name), "regions")
         except ValueError as error:
@@ -142,7 +143,10 @@ class Tasks:
         self, player: str, name: str, houses: list[House], numbers: np.ndarray,
         envs: Callable[[], HouseVectorEnv],
     ) -> np.ndarray:  # fmt: skip
-        """A player's targets, steps to the first and the fewest steps to it, of each episode (3, E); kept."""
+        """Return targets, steps to the first one, and the fewest steps to it, of each episode (3, E).
+
+        Results are kept in a file.
+        """
         known = [bank_hash(houses), json.dumps(name), player, len(numbers)]
         key = hashlib.sha256(repr([*known, *map(inspect.getsource, SOURCES)]).encode()).hexdigest()
         path = self.out / f"{key[:16]}.npz"

@@ -1,6 +1,7 @@
-"""The released network that searches in tasks that it was not taught, for ``vitruvius bench learning --agent
-benchmarks.planner.taught:any_task --targets habit``: as it is, or with what the map completion of that task
-foresees in place of its own. Nothing is trained again.
+"""The released view network in tasks that it was not trained for, without any further training.
+
+``vitruvius bench learning --agent benchmarks.planner.taught:any_task --targets habit`` plays it unchanged, or
+with the predictions of that task's map completion instead of its own.
 """
 
 import numpy as np
@@ -24,42 +25,42 @@ AGENT = "search"
 
 
 def any_task(envs: HouseVectorEnv) -> Explorer:
-    """The released agent, as it is."""
+    """Return the released agent, unchanged."""
     return Explorer(
         shield(envs), envs.config, chooser=ViewChooser(checkpoint.load(AGENT).network, envs.config)
     )
 
 
 class Foreseeing:
-    """Makes the released agent with what another network foresees, of a released map completion by name."""
+    """Maker of the released agent with the predictions of another network, a released map completion."""
 
     def __init__(self, name: str) -> None:
         self.name = name
 
     @property
     def config(self) -> TrainConfig:
-        """That of the other network's run, whose sensor it plays with."""
+        """Config of the other network's run, whose sensor the agent uses."""
         return checkpoint.load(self.name).config
 
     def __call__(self, envs: HouseVectorEnv) -> Explorer:
-        """Its policy."""
+        """Return the agent's policy."""
         network = checkpoint.load(AGENT).network
         chooser = MarkedChooser(network, envs.config, checkpoint.load(self.name).network)
         return Explorer(shield(envs), envs.config, tracker=Marking(envs.config, chooser=chooser))
 
 
 class Marking(Tracker):
-    """Keeps planners in step, and shows a chooser what the bodies see."""
+    """Tracker that also shows a chooser the observations of the bodies."""
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """See ``Tracker``."""
+        """Return the planners after the last actions: see ``Tracker``."""
         if isinstance(self.chooser, MarkedChooser):
             self.chooser.observation = observation
         return super().look(observation, blocked)
 
 
 class MarkedChooser(ViewChooser):
-    """Chooses by what a network foresees that reads marks on the map too: kinds of pieces, finds."""
+    """Chooser with predictions of a network that also reads marks on the map: kinds of furniture, finds."""
 
     observation: Tensor
 
@@ -69,17 +70,17 @@ class MarkedChooser(ViewChooser):
         self.marks: Marks | None = None
 
     def __call__(self, planner: Planner) -> None:
-        """See ``Chooser``."""
+        """Choose the next views: see ``Chooser``."""
         if self.marks is None or self.marks.planner is not planner:
             self.marks = Marks(self.world, planner)
         self.marks.note(self.observation)
         super().__call__(planner)
 
     def look(self, environments: np.ndarray, maps: ViewMaps) -> ViewMaps:
-        """See ``ViewChooser``."""
+        """Return the maps with the other network's predictions: see ``ViewChooser``."""
         assert self.marks is not None
         reader = self.reader_of(self.marks.planner)
-        # A window begins two cells before its first node, a block of marks at every other one.
+        # A window begins two cells before its first node, and a block of marks at every other node.
         corners = (reader.corners(environments) - 2) // 2
         marks = torch.from_numpy(self.marks.read(environments, corners))
         planes = by_parts(

@@ -1,5 +1,4 @@
-"""A body that is led by what views are worth in the true house: the most that a network that searches can
-have."""
+"""Agent that follows the values of views in the true house: the upper limit of a view network."""
 
 import numpy as np
 import torch
@@ -16,7 +15,7 @@ from sim import HouseVectorEnv
 
 
 class TrueChooser(ViewChooser):
-    """Goes to the true best views, by labels in place of a network's values."""
+    """Chooser of the true best views, by labels instead of a network's values."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
         super().__init__(ViewNetwork((1, 1)), envs.config, self.told)
@@ -24,14 +23,14 @@ class TrueChooser(ViewChooser):
         self.truth: TrueValues | None = None
 
     def __call__(self, planner: Planner) -> None:
-        """See ``Chooser``."""
+        """Choose the next views: see ``Chooser``."""
         if self.truth is None:
             self.truth = TrueValues(self.envs, planner)
         self.truth.watch(np.flatnonzero(planner.read("time").numpy() == 1), self.reader_of(planner))
         super().__call__(planner)
 
     def told(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
-        """The best views by their labels."""
+        """Return the best views by their labels."""
         reader, truth = self.reader, self.truth
         assert reader is not None
         assert truth is not None
@@ -40,5 +39,5 @@ class TrueChooser(ViewChooser):
 
 
 def true_views(envs: HouseVectorEnv) -> Explorer:
-    """The body with the true values."""
+    """Return the agent with the true values."""
     return Explorer(shield(envs), envs.config, chooser=TrueChooser(envs))

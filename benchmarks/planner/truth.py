@@ -1,4 +1,4 @@
-"""A planner that foresees the truth: the most that map completion can add to the explorer."""
+"""Planner with perfect predictions: the upper limit of map completion for the explorer."""
 
 import numpy as np
 import torch
@@ -11,11 +11,11 @@ from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
 
 SURE = 9.0
-"""A logit that is as good as certain."""
+"""Logit that is as good as certain."""
 
 
 class TrueForesight(Foresight):
-    """Foresight that is told what there is to predict, in place of a network's prediction."""
+    """Foresight with the true map instead of a network's prediction."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
         super().__init__(envs.config, CompletionNetwork(0, len(envs.config.kinds), (1, 1)))
@@ -28,7 +28,7 @@ class TrueForesight(Foresight):
         super().foresee(environments)
 
     def predict(self, windows: np.ndarray, marks: np.ndarray, starts: np.ndarray) -> Prediction:
-        """The truth of these windows, as ``Foresight.predict`` gives a network's prediction."""
+        """Return the truth of these windows, in the form of ``Foresight.predict``."""
         floor, solid, target, _ = self.truth.read(self.asked, -starts.astype(int))
         sure = (torch.from_numpy(np.where(each, SURE, -SURE)).float() for each in (floor, solid == 0))
         nothing = torch.zeros(len(floor), 0, WINDOW // 2, WINDOW // 2)
@@ -36,5 +36,5 @@ class TrueForesight(Foresight):
 
 
 def truth(envs: HouseVectorEnv) -> Explorer:
-    """The explorer with the truth."""
+    """Return the explorer with the truth."""
     return Explorer(shield(envs), envs.config, tracker=TrueForesight(envs))

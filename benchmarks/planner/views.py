@@ -1,14 +1,14 @@
-"""What the parts of the network that searches are worth: ``vitruvius bench views``, in two ways.
+"""Value of the parts of the network that chooses views: ``vitruvius bench views``, in two ways.
 
-Trained again: each variant learns from the same choices, of bodies that the network leads before it has
-learnt anything, by as many updates. Then it is asked which view it would choose in other such choices, in
-houses of validation seeds: the score is what that view is worth in the true house, as a share of the best
-one; errors are over houses. Choices and networks are kept, so that a study that was stopped continues, and
-any network plays by ``vitruvius bench learning --agent runs/views/NETWORK.safetensors``.
+Trained again: each variant learns from the same choices with the same number of updates. The choices are
+those of bodies that the untrained network leads. Then the variant chooses views in other such choices, in
+houses of validation seeds. The score is the chosen view's value in the true house, as a fraction of the best
+view's; errors are over houses. Choices and networks are kept, so that a stopped study can continue, and any
+network plays by ``vitruvius bench learning --agent runs/views/NETWORK.safetensors``.
 
-As it plays: the released network with a part taken away, for ``vitruvius bench learning --agent
-benchmarks.planner.views:without_memory``. Nothing is trained again, so a part that others could stand in for
-may show as more than it is worth.
+Removed from play: the released network without a part, for ``vitruvius bench learning --agent
+benchmarks.planner.views:without_memory``. Nothing is trained again, so a part that others could replace may
+seem more valuable than it is.
 """
 
 import hashlib
@@ -49,13 +49,13 @@ from sim import HouseVectorEnv
 AGENT = "search"
 
 ELSEWHERE = 1e3
-"""Places to a start that is nowhere near."""
+"""Distance in places to a start that is far away."""
 
 NOTED = 0.35
-"""Share of the choices that are noted: those of an episode are much like each other."""
+"""Fraction of the choices that are recorded, because the choices of an episode are similar."""
 
 TURNS = 20
-"""Times that the learning rate falls."""
+"""Number of times that the learning rate falls."""
 
 Change = Callable[[ViewMaps], ViewMaps]
 
@@ -65,7 +65,7 @@ def _zero(name: str) -> Change:
 
 
 def _blind(maps: ViewMaps) -> ViewMaps:
-    """What who foresees nothing reads: unseen ground may be floor, as when it plays."""
+    """Return the maps without predictions: unseen ground may be floor, as in play."""
     return maps._replace(foreseen=by_parts(unforeseen, maps))
 
 
@@ -75,7 +75,7 @@ def _at_once(maps: ViewMaps) -> ViewMaps:
 
 
 def _half(maps: ViewMaps) -> ViewMaps:
-    """Windows of half as many places a side about the body."""
+    """Return the maps with windows of half as many places per side around the body."""
     inner = torch.zeros(PLACES, PLACES, dtype=torch.bool)
     inner[PLACES // 4 : -PLACES // 4, PLACES // 4 : -PLACES // 4] = True
     blocks = inner.repeat_interleave(2, 0).repeat_interleave(2, 1)
@@ -96,20 +96,20 @@ INPUTS: dict[str, Change] = {
     "planes": _blind,
     "window": _half,
 }
-"""Maps without one thing that the network reads: which views were goals, where targets were found, how long
-ago what was seen, whether since the last pick-up, where the episode began, time and number of finds, what is
-foreseen (though views show it still), and what lies in the outer half of the window's sides."""
+"""Maps without one input of the network: goals among views; places of finds; ages of observations;
+observations since the last pick-up; start of the episode; time and number of finds; predictions (views still
+show them); and the outer half of the window's sides."""
 
 
 def _shown(maps: ViewMaps) -> ViewMaps:
-    """Labels of who knows the map and what is foreseen alone: what views would show for what they cost."""
+    """Return maps with labels from the map and its predictions only: gain of views over cost."""
     shows = in_view(maps.shown.float()) * stands(maps)[:, None]
     worth = SCALE * shows / cost(maps.ways, ViewNetwork((1, 1)).turns[maps.heading])
     return maps._replace(worth=(worth * views(maps)).half())
 
 
 LABELS: dict[str, Change] = {"truth": _shown}
-"""Labels without one thing: what the house tells and the map does not."""
+"""Labels without one source: knowledge of the house that the map lacks."""
 
 CONFIGS: dict[str, dict[str, Any]] = {
     "looks": {"looks": False},
@@ -121,9 +121,9 @@ CONFIGS: dict[str, dict[str, Any]] = {
     "choice": {"loss": "value"},
     "cooling": {"final_heat": 0.2},
 }
-"""Configs without one thing: what views show, what is foreseen, the lowest scale, the two lowest, half of the
-channels; with half as many more of them; with the loss of values in place of that of choices; and with a heat
-that does not fall."""
+"""Configs without one part: gains of views; predictions; the lowest scale; the two lowest; half of the
+channels. Or with half as many more channels; with the loss of values instead of that of choices; and with
+constant heat."""
 
 PARTS = (*CONFIGS, *INPUTS, *LABELS)
 
@@ -138,22 +138,22 @@ class Views:
     """Parts that are left out, one at a time."""
 
     houses: int = 60
-    """Houses of each number of rooms, 2 to 6, to learn in, and a third as many to be asked in."""
+    """Number of training houses of each number of rooms, 2 to 6; a third as many serve for evaluation."""
 
     choices: int = 6000
-    """To learn from, and a sixth of it to be asked about."""
+    """Number of choices for training; a sixth as many serve for evaluation."""
 
     updates: int = 800
-    """Of each network."""
+    """Number of updates of each network."""
 
     seeds: int = 3
-    """Networks of which nothing is left out, that begin with other weights and learn in another order."""
+    """Number of complete networks, with different first weights and orders of training."""
 
     out: Path = Path("runs/views")
     """Folder for houses, choices, networks and views.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
         """Collect choices, train, and print the table."""
@@ -196,7 +196,7 @@ class Views:
         write_tables([Table(title, headings, rows)], self.out / "views.md")
 
     def collected(self, what: str, houses: list[House], config: SearchConfig) -> "ViewChoices":
-        """Choices in these houses, as many as the config's buffer has."""
+        """Return choices in these houses, as many as the config's buffer holds, from a file if it exists."""
         path = self.path(what, bank_hash(houses), config).with_suffix(".npz")
         if not path.exists():
             made = collected(houses, config)
@@ -209,7 +209,7 @@ class Views:
     def trained(
         self, part: str, config: SearchConfig, houses: list[House], choices: "ViewChoices"
     ) -> ViewNetwork:
-        """A network without a part that has learnt from choices."""
+        """Return a network without a part that has learnt from choices, from a file if it exists."""
         path = self.path(
             f"{part.replace(' ', '-')}-{config.seed}", config, self.choices, self.houses, self.updates
         )
@@ -221,7 +221,7 @@ class Views:
         return cast(ViewNetwork, checkpoint.load(path).network)
 
     def path(self, what: str, *known: Any) -> Path:
-        """Where something that depends on these is kept, without the suffix."""
+        """Return the file, without suffix, of a result that depends on ``known``."""
         return self.out / f"{what}-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}"
 
 
@@ -229,26 +229,26 @@ class ViewChoices(NamedTuple):
     """Choices of views."""
 
     maps: ViewMaps
-    """With what views are worth (n, ...)."""
+    """Maps with the values of views (n, ...)."""
 
     blind: Tensor
-    """(n, 8, G, G) float16: what views would show to who foresees nothing."""
+    """(n, 8, G, G) float16: gains of views without predictions."""
 
     house: np.ndarray
-    """(n,) int: the houses that they were made in."""
+    """(n,) int: house of each choice."""
 
 
 def without(part: str, config: SearchConfig, choices: ViewChoices) -> ViewMaps:
-    """Maps as a variant reads them."""
+    """Return the maps for a variant."""
     maps = choices.maps if config.foresight else _blind(choices.maps._replace(shown=choices.blind))
     return INPUTS[part](maps) if part in INPUTS else maps
 
 
 class Collector(LearnedSearch):
-    """Learns nothing, but notes some of the choices of a network that has learnt nothing."""
+    """Learner that learns nothing, but records some of the choices of an untrained network."""
 
     def choose(self, environments: np.ndarray, maps: ViewMaps) -> Tensor:
-        """The network's views; some choices are noted."""
+        """Return the network's views, and record some of the choices."""
         some = np.flatnonzero(self.random.random(len(environments)) < NOTED)
         if len(some):
             given, before = environments[some], self.made
@@ -263,7 +263,7 @@ class Collector(LearnedSearch):
         return self.chooser.greedy(environments, maps)
 
     def learn(self) -> float:
-        """Nothing."""
+        """Learn nothing."""
         return 0.0
 
     def collect(self) -> None:
@@ -275,7 +275,7 @@ class Collector(LearnedSearch):
 
 
 def collected(houses: list[House], config: SearchConfig) -> ViewChoices:
-    """Choices in houses, as many as the config's buffer has."""
+    """Return choices in houses, as many as the config's buffer holds."""
     config = replace(config, num_envs=len(houses))
     collector = Collector(config, make_envs(houses, len(houses), config.targets))
     collector.collect()
@@ -283,7 +283,7 @@ def collected(houses: list[House], config: SearchConfig) -> ViewChoices:
 
 
 def fitted(config: SearchConfig, houses: list[House], choices: ViewMaps, updates: int) -> ViewNetwork:
-    """A network that learns from choices; it plays nowhere."""
+    """Return a network that learns from choices; it does not play."""
     config = replace(config, num_envs=1, buffer_size=len(choices.blocks), steps=TURNS)
     learner = LearnedSearch(config, make_envs(houses, 1, config.targets))
     learner.buffer, learner.made = choices, len(choices.blocks)
@@ -295,7 +295,7 @@ def fitted(config: SearchConfig, houses: list[House], choices: ViewMaps, updates
 
 
 def shares(network: ViewNetwork, choices: ViewMaps) -> np.ndarray:
-    """What the views (n,) that a network would choose are worth, as shares of the best ones."""
+    """Return the values of the views (n,) that a network chooses, as fractions of the best values."""
     found = []
     with torch.inference_mode():
         for part in zip(*(field.split(16) for field in choices), strict=True):
@@ -307,7 +307,7 @@ def shares(network: ViewNetwork, choices: ViewMaps) -> np.ndarray:
 
 
 def _without(part: str) -> Maker:
-    """The released agent without an input as it plays."""
+    """Return a maker of the released agent, without an input in play."""
 
     def make(envs: HouseVectorEnv) -> Explorer:
         policy, chooser, _ = _released(envs)
@@ -324,13 +324,13 @@ without_window = _without("window")
 
 
 def untrained(envs: HouseVectorEnv) -> Explorer:
-    """The body led by a network that has learnt nothing, with the first weights of a preset's run."""
+    """Return an agent with an untrained network, with the first weights of a preset's run."""
     config = cast(SearchConfig, PRESETS[AGENT])
     return cast(Explorer, policy_of(LearnedSearch.network_of(config), config, envs))
 
 
 def again_after(steps: int) -> Maker:
-    """The released agent, which chooses again after some steps though it is not there, in place of 32."""
+    """Return a maker of the released agent that chooses again after ``steps`` steps instead of 32."""
 
     def make(envs: HouseVectorEnv) -> Explorer:
         chooser = ViewChooser(checkpoint.load(AGENT).network, envs.config)
@@ -343,7 +343,7 @@ often, seldom = again_after(12), again_after(128)
 
 
 def without_looks(envs: HouseVectorEnv) -> Explorer:
-    """The released agent, whom no view shows anything."""
+    """Return the released agent without the gains of views."""
     policy, chooser, _ = _released(envs)
     look = chooser.look
 
@@ -356,26 +356,26 @@ def without_looks(envs: HouseVectorEnv) -> Explorer:
 
 
 def foresight_elsewhere(envs: HouseVectorEnv) -> Explorer:
-    """The released agent, who gets what is foreseen on another map, mostly of another house."""
+    """Return the released agent with the predictions for another map, mostly of another house."""
     policy, _, network = _released(envs)
     network.completion = _Elsewhere(network.completion)
     return policy
 
 
 class _Elsewhere(nn.Module):
-    """What a network predicts of another row of a batch."""
+    """Network that returns the predictions for another row of a batch."""
 
     def __init__(self, network: nn.Module) -> None:
         super().__init__()
         self.network, self.shuffled = network, Shuffled(network)
 
     def forward(self, *given: Tensor) -> Any:
-        """See ``Shuffled``."""
+        """Return the shuffled predictions: see ``Shuffled``."""
         return self.shuffled(*given)
 
 
 def _released(envs: HouseVectorEnv) -> tuple[Explorer, ViewChooser, Any]:
-    """The released agent's policy, its chooser and its network."""
+    """Return the released agent's policy, its chooser and its network."""
     made = checkpoint.load(AGENT)
     policy = cast(Explorer, policy_of(made.network, made.config, envs))
     chooser = cast(ViewChooser, policy.tracker.chooser)

@@ -1,1 +1,1 @@
-"""Whether plans of two sets, generated or real, are alike; weights with which generated ones are more so."""
+"""Similarity of two sets of plans, generated or real, and weights of a grammar that increase it."""

@@ -1,4 +1,4 @@
-"""What is measured of a plan, whoever made it: rooms, doors and walls alone, by the names of types."""
+"""Figures of a plan from any source: rooms, doors and walls only, by the names of types."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -13,42 +13,42 @@ from logic.house.house import House
 from logic.request.own_plan import OwnPlan
 
 SHARED = 0.1
-"""Metres of a wall that two rooms share at least that share one."""
+"""Smallest length of wall, in metres, at which two rooms count as sharing a wall."""
 
 
 @dataclass(frozen=True)
 class PlanFigures:
-    """The figures of one plan."""
+    """Figures of one plan."""
 
     rooms: tuple[tuple[str, float, float], ...]
-    """Of each room its type, its area (m²), and its longer side over its shorter one."""
+    """For each room its type, its area (m²), and the ratio of its longer to its shorter side."""
     doors: int
-    """Between rooms."""
+    """Number of doors between rooms."""
     adjacent: Counter[tuple[str, str]]
-    """How many pairs of rooms share a wall, by their types in order."""
+    """Number of pairs of rooms that share a wall, by their types in order."""
 
     @property
     def types(self) -> Counter[str]:
-        """How many rooms there are of each type."""
+        """Number of rooms of each type."""
         return Counter(type_ for type_, *_ in self.rooms)
 
     @property
     def area(self) -> float:
-        """Square metres of all rooms."""
+        """Total area of the rooms, in square metres."""
         return sum(area for _, area, _ in self.rooms)
 
     @property
     def doors_a_room(self) -> float:
-        """Doors between rooms, over rooms."""
+        """Number of doors between rooms, per room."""
         return self.doors / len(self.rooms)
 
     def share(self, type_: str) -> float:
-        """What of the area rooms of a type have."""
+        """Return the fraction of the area that rooms of a type have."""
         return sum(area for each, area, _ in self.rooms if each == type_) / self.area
 
 
 def measured(plan: House | OwnPlan) -> PlanFigures:
-    """The figures of a house or of a given plan."""
+    """Return the figures of a house or of a given plan."""
     rooms = tuple(
         (room.type, room.area, max(room.width, room.height) / min(room.width, room.height))
         for room in plan.rooms
@@ -62,15 +62,19 @@ def measured(plan: House | OwnPlan) -> PlanFigures:
 
 
 def _shared(one: Box, other: Box) -> float:
-    """Metres of wall that two boxes share: where they touch one way, their overlap the other way."""
+    """Return the length of the wall that two boxes share, in metres.
+
+    It is their overlap along the side where they touch.
+    """
     gaps = [max(one[k], other[k]) - min(one[k + 2], other[k + 2]) for k in (0, 1)]
     return max((-gaps[1 - k] for k in (0, 1) if abs(gaps[k]) < 1e-3), default=0.0)
 
 
 def features(plans: Sequence[PlanFigures], types: Iterable[str]) -> NDArray[np.float64]:
-    """A row a plan: rooms, area, doors; of each type how many, how large, how long; pairs that share a wall.
+    """Return a row of features for each plan, (plans, features), without a unit.
 
-    ``types``: those of both sets. (plans, features), without a unit.
+    Features are rooms, area, doors; for each type number, area and proportions of its rooms; and pairs that
+    share a wall. ``types``: those of both sets.
     """
     names = sorted(types)
     pairs = [(one, other) for i, one in enumerate(names) for other in names[i:]]

@@ -1,4 +1,4 @@
-"""Weights of types with which houses of a grammar have as many rooms of each as plans of a set."""
+"""Weights of types with which houses of a grammar have as many rooms of each type as the plans of a set."""
 
 import re
 import shutil
@@ -11,24 +11,24 @@ from benchmarks.realism.figures import PlanFigures
 from logic.grammar import Grammar
 
 GREATEST = 1000
-"""A weight of the most frequent type: the others are rounded to shares of it."""
+"""Weight of the most frequent type; the other weights are rounded fractions of it."""
 WEIGHT = re.compile(r"^\s*(?:weight\([^.]*\)\.\s*)+(?=%|$)", re.MULTILINE)
-"""Lines of a rule file that state weights, and nothing else."""
+"""Pattern of lines of a rule file that state weights, and nothing else."""
 
 
 def shares(plans: Sequence[PlanFigures]) -> Counter[str]:
-    """Rooms of each type in a plan, on average."""
+    """Return the mean number of rooms of each type in a plan."""
     counts = sum((plan.types for plan in plans), Counter[str]())
     return Counter({type_: count / len(plans) for type_, count in counts.items()})
 
 
 def off(one: Mapping[str, float], other: Mapping[str, float]) -> float:
-    """How many rooms of a plan are of other types, on average."""
+    """Return the mean number of rooms of a plan that are of other types."""
     return sum(abs(one.get(each, 0.0) - other.get(each, 0.0)) for each in {*one, *other}) / 2
 
 
 def with_weights(grammar: Grammar, weights: Mapping[str, int], folder: Path) -> Path:
-    """A copy of a grammar with these weights alone."""
+    """Return a copy of a grammar with these weights only."""
     shutil.copytree(grammar.directory, folder)
     for file in folder.rglob("*.lp"):
         file.write_text(WEIGHT.sub("", file.read_text(encoding="utf-8")), encoding="utf-8")
@@ -37,7 +37,7 @@ def with_weights(grammar: Grammar, weights: Mapping[str, int], folder: Path) -> 
 
 
 def written(weights: Mapping[str, int], comment: str) -> str:
-    """The file of these weights."""
+    """Return the file of these weights."""
     facts = "".join(f"weight({type_},{weight}).\n" for type_, weight in sorted(weights.items()))
     return f"%# How often rooms are of each type{comment}.\n{facts}"
 
@@ -50,10 +50,10 @@ def fitted(
     rounds: int,
     say: Callable[[str], None],
 ) -> dict[str, int]:
-    """The weights of the round whose houses have least rooms of other types. ``stated``: those of now.
+    """Return the weights of the round whose houses have the fewest rooms of other types.
 
-    Each round a weight is multiplied by how much more often its type is wanted; a type that is not wanted
-    keeps one of the least.
+    ``stated``: the current weights. In each round, a weight is multiplied by the ratio of the wanted
+    frequency of its type to the found one. A type that is not wanted keeps one of the smallest weights.
     """
     target, weights, best = shares(wanted), dict(stated), (float("inf"), dict(stated))
     for number in range(rounds + 1):

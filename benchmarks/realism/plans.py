@@ -1,4 +1,4 @@
-"""A set that is compared: houses of a grammar, files of houses, or plans of other programs in a folder."""
+"""Sets for a comparison: houses of a grammar, files of houses, or a folder with plans of other programs."""
 
 import warnings
 from collections.abc import Iterator, Sequence
@@ -10,11 +10,11 @@ from logic.errors import HouseFileError, RequestError
 from logic.request.given_plan import read_plan
 
 HOUSES = (".jsonl", ".gz")
-"""How names of files of houses end."""
+"""File name endings of files of houses."""
 
 
 def plans_of(source: str, rooms: Sequence[int], count: int, seed: int) -> list[PlanFigures]:
-    """The plans of a file or a folder; of a grammar, a number of houses for each number of rooms."""
+    """Return the plans of a file or a folder, or ``count`` houses of a grammar for each number of rooms."""
     path = Path(source)
     if path.is_file():
         found = list(_read(path))
@@ -28,12 +28,15 @@ def plans_of(source: str, rooms: Sequence[int], count: int, seed: int) -> list[P
 
 
 def made(grammar: str | Path, rooms: Sequence[int], count: int, seed: int) -> list[PlanFigures]:
-    """Houses of a grammar: a number of them for each number of rooms."""
+    """Return ``count`` houses of a grammar for each number of rooms."""
     return [measured(house) for n in rooms for house in generate(n, grammar=grammar, seed=seed, count=count)]
 
 
 def _read(path: Path) -> Iterator[PlanFigures]:
-    """What a file holds; one that is no plan, as rooms that do not touch, is passed over and named."""
+    """Yield the plans of a file.
+
+    A file that is no plan, such as rooms that do not touch, is skipped with a message.
+    """
     if path.name.endswith(HOUSES):
         yield from map(measured, load(path))
         return

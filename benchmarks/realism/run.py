@@ -1,4 +1,4 @@
-"""``vitruvius bench realism``: whether plans of two sets are alike, and weights that make them so."""
+"""``vitruvius bench realism``: similarity of two sets of plans, and weights that increase it."""
 
 import re
 from collections import Counter
@@ -19,11 +19,11 @@ from logic.grammar import Grammar, find
 from logic.house.files import write_whole
 
 FEWEST = 20
-"""Rooms of a type in each set that are compared, and plans of a set."""
+"""Smallest number of rooms of a type in each set for a comparison, and of plans in a set."""
 FITTED_COPY = "fitted"
-"""The folder of a grammar with fitted weights."""
+"""Folder name of a grammar with fitted weights."""
 PAIRS = 12
-"""How many pairs of types are listed, those of which the sets differ most."""
+"""Number of pairs of types in the list, which has those with the largest differences."""
 
 PAGE = """{} plans of `{}`, {} of `{}`. A classifier that has not seen them tells them apart
 with an area under the curve of **{:.3f}** ± {:.3f} (one standard error; 0.5 is no better than guessing).
@@ -49,37 +49,38 @@ A plan has {:.2f} rooms of other types before, {:.2f} after.
 
 @dataclass(frozen=True)
 class Realism:
-    """Areas, proportions, doors, walls, and a two-sample classifier between two sets, into realism.md."""
+    """Compare areas, proportions, doors and walls of two sets, and classify their plans, in realism.md."""
 
     ours: str = "home"
     """A grammar, a file of houses, or a folder of plans."""
 
     other: str = "home"
-    """Likewise: the set that houses are to be like. By default the same grammar: what is no difference."""
+    """The set to compare with, in the same form. By default the same grammar, which shows the noise without a
+    difference."""
 
     rooms: tuple[int, ...] = tuple(range(4, 11))
     """Numbers of rooms of a grammar's houses."""
 
     houses: int = 30
-    """How many of each number of rooms."""
+    """Number of houses of each number of rooms."""
 
     seed: int = 0
-    """Of all random numbers; the other set's is 1 more."""
+    """Seed of all random numbers; the other set has the next seed."""
 
     fit: bool = False
-    """Fit the weights of types of the grammar --ours to the other set, into weights.lp."""
+    """Fit the weights of types of the grammar --ours to the other set, and write weights.lp."""
 
     rounds: int = 4
-    """Of the fit."""
+    """Number of rounds of the fit."""
 
     out: Path = Path("runs/bench")
-    """Folder for realism.md, and weights.lp."""
+    """Folder for realism.md and weights.lp."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
-        """Read or make both sets, compare, write; then fit, and compare again."""
+        """Read or generate both sets, compare them and write the page; then fit, and compare again."""
         if self.houses < 1 or self.rounds < 1 or not self.rooms or min(self.rooms) < 1:
             raise RequestError("--houses and --rounds need 1 or more, and each of --rooms")
         grammar = find(self.ours) if self.fit else None
@@ -115,7 +116,7 @@ class Realism:
         return lambda folder: made(folder, self.rooms, self.houses, seed)
 
     def _fitted(self, grammar: Grammar, other: Sequence[PlanFigures]) -> dict[str, int]:
-        """Houses of the fit have other seeds than those that are compared."""
+        """Fit the weights, with houses of other seeds than those of the comparison."""
         make = self._maker(self.seed + 2)
         return fitted(grammar, stated_weights(grammar), other, make, self.rounds, print)
 
@@ -123,15 +124,15 @@ class Realism:
 def _in_copy(
     grammar: Grammar, weights: dict[str, int], make: Callable[[Path], Sequence[PlanFigures]], folder: Path
 ) -> Sequence[PlanFigures]:
-    """Houses with these weights; the copy stays, to look at."""
+    """Return houses with these weights; the copy of the grammar stays for inspection."""
     return make(with_weights(grammar, weights, folder))
 
 
 def stated_weights(grammar: Grammar) -> dict[str, int]:
-    """Of each type of a grammar."""
+    """Return the weight of each type of a grammar."""
     control = Control(["--warn=none"])
     text = "\n".join(f"#program base.\n{file.read_text(encoding='utf-8')}" for file in grammar.own)
-    # A type's weight is a fact: what other programs say of it is none.
+    # A type's weight is a fact; statements of other programs about it do not count.
     control.add("base", [], re.sub(r"^\s*#include.*$", "", text, flags=re.MULTILINE))
     control.ground([("base", [])])
     atoms = control.symbolic_atoms
@@ -144,7 +145,7 @@ def stated_weights(grammar: Grammar) -> dict[str, int]:
 def compared(
     ours: Sequence[PlanFigures], other: Sequence[PlanFigures], name: str, beside: str, seed: int
 ) -> str:
-    """What both sets are like, as Markdown."""
+    """Return the comparison of both sets, as Markdown."""
     rng = np.random.default_rng(seed)
     types = sorted({type_ for plan in (*ours, *other) for type_ in plan.types})
     area = told_apart(features(ours, types), features(other, types), rng)

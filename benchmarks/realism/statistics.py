@@ -1,7 +1,7 @@
-"""How far two samples lie apart: distances with what halves of one sample have, and a two-sample classifier.
+"""Comparison of two samples: distances, with those of random halves as a scale, and a two-sample classifier.
 
-The test is that of Lopez-Paz and Oquab, "Revisiting Classifier Two-Sample Tests" (ICLR 2017); where it tells
-nothing apart the area under its curve is 0.5, with the error of Hanley and McNeil (Radiology 143, 1982).
+The test is that of Lopez-Paz and Oquab, "Revisiting Classifier Two-Sample Tests" (ICLR 2017). Without a
+difference, the area under its curve is 0.5, with the error of Hanley and McNeil (Radiology 143, 1982).
 """
 
 from typing import NamedTuple
@@ -15,28 +15,28 @@ Array = NDArray[np.float64]
 
 FOLDS = 10
 SHUFFLES = 200
-"""How often the pooled values are cut in two, to know how far apart samples of one set lie."""
+"""Number of random divisions of the pooled values, which give the distances of samples from one set."""
 PENALTY = 1.0
-"""Of the squared weights of the classifier, over all plans."""
+"""Penalty of the squared weights of the classifier, over all plans."""
 
 
 class Distance(NamedTuple):
-    """The 1-D Wasserstein distance of two samples, in their unit."""
+    """1-D Wasserstein distance of two samples, in their unit."""
 
     distance: float
     by_halves: float
-    """What 95 of 100 random cuts of both samples together stay below."""
+    """Distance that 95 of 100 random divisions of both samples together stay below."""
 
 
 class Area(NamedTuple):
-    """The area under a receiver operating characteristic, and its standard error."""
+    """Area under a receiver operating characteristic, and its standard error."""
 
     area: float
     error: float
 
 
 def distance(one: Array, other: Array, rng: np.random.Generator) -> Distance:
-    """How far two samples are apart, and how far samples of their sizes are that are of one set."""
+    """Return the distance of two samples, and the distance of samples of their sizes from one set."""
     pooled, size = np.concatenate([one, other]), len(one)
     cuts = [rng.permutation(pooled) for _ in range(SHUFFLES)]
     halves = [wasserstein_distance(cut[:size], cut[size:]) for cut in cuts]
@@ -44,14 +44,15 @@ def distance(one: Array, other: Array, rng: np.random.Generator) -> Distance:
 
 
 def told_apart(one: Array, other: Array, rng: np.random.Generator) -> Area:
-    """How well a classifier tells rows of two tables apart that it has not seen: logistic regression of the
-    features and their squares, by cross-validation.
+    """Return how well a classifier distinguishes unseen rows of two tables.
+
+    The classifier is a logistic regression of the features and their squares, with cross-validation.
     """
     table = np.vstack([one, other])
     table = np.hstack([table, table**2])
     label = np.repeat([1.0, 0.0], [len(one), len(other)])
     folds = np.empty(len(label), int)
-    for each in (0.0, 1.0):  # As many of both in each fold.
+    for each in (0.0, 1.0):  # as many of both in each fold
         (rows,) = np.nonzero(label == each)
         folds[rng.permutation(rows)] = np.arange(len(rows)) % FOLDS
     scores = np.empty(len(label))
@@ -64,7 +65,7 @@ def told_apart(one: Array, other: Array, rng: np.random.Generator) -> Area:
 
 
 def area_under(scores: Array, label: Array) -> Area:
-    """The area under the curve of scores, the higher the likelier 1."""
+    """Return the area under the curve of scores; a higher score makes 1 more likely."""
     ones, zeros = float(label.sum()), float((1 - label).sum())
     area = (rankdata(scores)[label == 1].sum() - ones * (ones + 1) / 2) / (ones * zeros)
     q1, q2 = area / (2 - area), 2 * area**2 / (1 + area)
@@ -73,7 +74,7 @@ def area_under(scores: Array, label: Array) -> Area:
 
 
 def _fitted(seen: Array, label: Array, unseen: Array) -> Array:
-    """The scores of unseen rows."""
+    """Return the scores of unseen rows."""
     mean, spread = seen.mean(axis=0), seen.std(axis=0)
     spread[spread < 1e-12] = 1.0
     table, sign = (seen - mean) / spread, 2 * label - 1

@@ -1,7 +1,7 @@
 """``vitruvius bench calls``: environments under random sequences of calls, compared with other environments.
 
-An environment answers a call, or refuses the call by an error of Gymnasium or a ``ValueError`` and changes
-nothing. The study repeats the answered calls in a second batch and in one environment alone: observations,
+An environment answers a call, or refuses the call with an error of Gymnasium or a ``ValueError`` and changes
+nothing. The study repeats the answered calls in a second batch and in a single environment: observations,
 rewards and infos are the same, bit for bit.
 """
 

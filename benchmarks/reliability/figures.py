@@ -1,4 +1,4 @@
-"""Answers to many random inputs in figures: the number of each answer, time, memory and failures."""
+"""Figures of the answers to many random inputs: number of each answer, time, memory and failures."""
 
 import resource
 import time
@@ -18,10 +18,10 @@ class AnswerFigures:
     memory: int = 0
     """Peak memory of the process that answers, in MiB."""
     failures: dict[str, str] = field(default_factory=dict)
-    """By kind of failure: the file or folder that keeps the input."""
+    """File or folder that keeps the input of each kind of failure."""
 
     def count(self, answer: str, seconds: float) -> None:
-        """Count an answer, which took these seconds of processor time."""
+        """Count an answer that took ``seconds`` of processor time."""
         self.answers[answer] += 1
         self.slowest = max(self.slowest, seconds)
 

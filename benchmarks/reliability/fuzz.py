@@ -1,8 +1,8 @@
-"""``vitruvius bench fuzz``: every reader of files from outside, with random changes of their contents.
+"""``vitruvius bench fuzz``: every reader of foreign files, with random changes of their contents.
 
 A reader returns a value or raises an error of Vitruvius in one line, within bounds of time and memory. The
-study keeps a content with any other answer. Coverage guides the changes if atheris is installed
-(``pip install atheris``); otherwise the changes are blind.
+study keeps a content with any other result. Coverage guides the changes if atheris is installed (``pip
+install atheris``); otherwise the changes are blind.
 """
 
 import json
@@ -27,13 +27,13 @@ from benchmarks.reliability.random_changes import MOST_BYTES, changed
 from benchmarks.reliability.readers import READERS, answer, begin, scratch
 
 SECONDS = 10
-"""Longest time of an answer: most take milliseconds, but the machine may be busy."""
+"""Longest time for an answer, in seconds. Most answers take milliseconds, but the machine may be busy."""
 
 MEMORY_MIB = 2048
-"""Most memory of the process that answers."""
+"""Largest memory of the process that answers, in MiB."""
 
 MOST_FAILURES = 40
-"""Most kinds of failures that the study keeps for a reader."""
+"""Largest number of kinds of failures that the study keeps for a reader."""
 
 PACKAGES = ["agent", "logic", "sim", "vitruvius", "yaml", "tomllib", "zipfile"]
 """Packages whose branches guide atheris."""
@@ -157,7 +157,7 @@ class Fuzz:
     """Folder for the contents that fail."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> int:
         """Print the figures of each reader, and return 1 if a content fails."""

@@ -26,7 +26,7 @@ from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 
 INFERENCES = 2_000_000
-"""Most inferences of Prolog for a house: most houses take some hundred thousand."""
+"""Largest number of Prolog's inferences for a house; most houses take some hundred thousand."""
 
 ANSWERS = "house", "proof", "limit", "grammar error"
 
@@ -217,7 +217,7 @@ class RandomGrammars:
     """Folder for the grammars that fail."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> int:
         """Print the number of each answer, and return 1 if there is another answer."""

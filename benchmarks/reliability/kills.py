@@ -34,42 +34,42 @@ COMMANDS = {
     "evaluate": "evaluate run/agent.safetensors --houses house.jsonl --targets main --out OUT/scores",
     "train": "train houses.jsonl --steps 4000 --num-envs 4 --out OUT/run",
 }
-"""By name: the words of a command."""
+"""Arguments of each command, by its name."""
 
 NEAR_SECONDS = 0.02
-"""Longest time from a new file to every second kill."""
+"""Longest time in seconds from a new file to every second kill."""
 
 POLL_SECONDS = 0.001
-"""Time between two looks at a command."""
+"""Time in seconds between two looks at a command."""
 
 STREAMS = re.compile(r"metrics\.jsonl|events\.out\.tfevents\..*")
-"""Files to which lines are added: a kill may tear the last one, and readers pass over it."""
+"""Files to which lines are added: a kill may truncate the last line, and readers skip it."""
 
 
 @dataclass(frozen=True)
 class Kills:
-    """Kill convert, draw, report, evaluate and train at random moments, and read every file that they left:
-    each is whole or absent.
+    """Kill convert, draw, report, evaluate and train at random moments, and read every file that they left.
+
+    Each file must be complete or absent.
     """
 
     commands: tuple[str, ...] = tuple(COMMANDS)
-    """Which commands."""
+    """Commands to kill."""
 
     kills: int = 100
-    """Kills of each command."""
+    """Number of kills of each command."""
 
     seed: int = 0
     """Seed of the moments."""
 
     out: Path = Path("runs/kills")
-    """Folder for kills.md, kills.json and the files of the commands; kills that are noted there are not
-    repeated."""
+    """Folder for kills.md, kills.json and the files of the commands; recorded kills are not repeated."""
 
     replace: bool = False
-    """Write beside files that no study wrote."""
+    """Write into the folder even if it holds files that no study wrote."""
 
     def run(self) -> int:
-        """Write the figures; 1 where a file is torn."""
+        """Write the figures, and return 1 if a file is truncated."""
         if unknown := [name for name in self.commands if name not in COMMANDS]:
             raise RequestError(f"--commands {unknown[0]}: there are {', '.join(COMMANDS)}")
         note = self.out / "kills.json"
@@ -95,22 +95,22 @@ class Kills:
 
 
 class Kill(msgspec.Struct):
-    """What was found after a kill."""
+    """Result of a kill."""
 
     seconds: float
-    """After which the command was killed."""
+    """Seconds after which the command was killed."""
     ended: bool
-    """The command had ended before."""
+    """True if the command had already ended."""
     whole: int
-    """Files that their reader takes."""
+    """Number of files that their reader accepts."""
     beside: int
-    """Files that were being written beside their place."""
+    """Number of temporary files that were being written."""
     torn: list[str]
-    """Files that their reader refuses, and why."""
+    """Files that their reader refuses, with the reasons."""
 
 
 def _prepare() -> None:
-    """Make the houses, and a run to report and to measure."""
+    """Make the houses, and a run to report and to evaluate."""
     if not Path("houses.jsonl").exists():
         _end(_started("generate --rooms 3 --count 6 --out houses.jsonl"))
     if not Path("house.jsonl").exists():
@@ -121,7 +121,7 @@ def _prepare() -> None:
 
 
 def _started(words: str) -> int:
-    """Start a command in a process of its own, forked from this one, which has imported what it needs."""
+    """Start a command in its own process, forked from this one, which has imported what it needs."""
     import agent.evaluation.protocol
     import agent.report.folder
     import agent.runs.runs
@@ -144,19 +144,19 @@ def _started(words: str) -> int:
 
 
 def _end(process: int) -> None:
-    """Wait for a command. Raises ``NotDone`` where it fails."""
+    """Wait for a command. Raises ``NotDone`` if the command fails."""
     if code := os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]):
         raise NotDone(f"a command of the study ended with exit code {code}")
 
 
 class NotDone(VitruviusError):
-    """A command that nothing disturbed ended in an error."""
+    """An undisturbed command ended in an error."""
 
     exit_code = 1
 
 
 def _undisturbed(words: str) -> float:
-    """Return the seconds that a command takes. Raises ``NotDone`` where a file that it leaves is not read."""
+    """Return the seconds that a command takes. Raises ``NotDone`` if its files cannot be read."""
     began = time.monotonic()
     shutil.rmtree("out", ignore_errors=True)
     _end(_started(words.replace("OUT", "out")))
@@ -167,9 +167,9 @@ def _undisturbed(words: str) -> float:
 
 
 def _killed(words: str, takes: float, number: int, seed: str) -> Kill:
-    """Kill a command at a random moment, every second time as a new file appears, and read what it left.
+    """Kill a command at a random moment, and read the files that it left.
 
-    Training is killed after its first save.
+    Every second kill happens when a new file appears. Training is killed after its first save.
     """
     chance, out = random.Random(seed), Path("out")
     shutil.rmtree(out, ignore_errors=True)
@@ -212,7 +212,7 @@ def _files(folder: Path) -> list[str]:
 
 
 def read_back(folder: Path) -> Iterator[tuple[Path, str]]:
-    """Yield each file of a folder but those beside their place, and why its reader refuses it, if it does."""
+    """Yield each file of a folder, except temporary files, with the reason if its reader refuses the file."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not BESIDE.fullmatch(path.name) and not STREAMS.fullmatch(path.name):
             try:
@@ -266,7 +266,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     ".pt.gz": _state,
     ".lock": Path.read_bytes,
 }
-"""By the ending of a name: what reads such a file, and raises an exception where it is torn."""
+"""Readers by file name ending; a reader raises an exception for a truncated file."""
 
 
 def _page(done: dict[str, list[Kill]]) -> str:

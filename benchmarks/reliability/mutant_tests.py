@@ -63,10 +63,11 @@ BELONGING: dict[str, tuple[str, ...]] = {
     "agent/planner/frame.py": ("agent/planner/test_frame.py",),
     "agent/policies/*": ("agent/policies", "agent/test_avoidance.py", "agent/evaluation/test_episodes.py"),
 }
-"""By pattern of files: paths below ``tests``. The first pattern that matches a file counts."""
+"""Tests of each file: by pattern of files, paths below ``tests``. The first pattern that matches a file
+counts."""
 
 LEFT_OUT = (".git", ".venv", ".local", ".cache", "runs", "__pycache__", "dist", "node_modules")
-"""Files and folders that the copy of the checkout lacks."""
+"""Files and folders that the copy of the checkout omits."""
 
 
 class MutantRow(msgspec.Struct, kw_only=True):

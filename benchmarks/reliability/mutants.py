@@ -1,7 +1,7 @@
-"""``vitruvius bench mutants``: small mistakes in code and rules, and the share that the tests notice.
+"""``vitruvius bench mutants``: small mistakes in code and rules, and the fraction that the tests notice.
 
 A mutant is a file with one change. The tests that belong to the file run against the mutant in a copy of the
-checkout until one fails. The study tries a random sample. A study that was stopped continues from its rows.
+checkout until one fails. The study tries a random sample. A stopped study continues from its rows.
 """
 
 import json
@@ -41,7 +41,7 @@ KINDS: dict[str, tuple[str, ...]] = {
 """Groups of files, each with its own sample of mutants."""
 
 ENOUGH = 0.85
-"""Least share of noticed or explained mutants of a group."""
+"""Smallest fraction of noticed or explained mutants of a group."""
 
 HEAD = Path(__file__).with_name("head.md")
 """Text at the top of the page."""
@@ -67,16 +67,16 @@ class Mutants:
     """Seed of the sample."""
 
     again: bool = False
-    """Try the survivors again with the tests of now."""
+    """Try the survivors again with the current tests."""
 
     out: Path = Path("runs/mutants")
     """Folder for rows.jsonl, tests.json and mutants.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Write the page to docs/mutants.md too."""
+    """Copy the page to docs/mutants.md."""
 
     def run(self) -> int:
         """Try mutants, print the page, and return 1 if too many survivors have no reason."""
@@ -111,7 +111,7 @@ class Mutants:
 
 
 def _current(rows: Sequence[MutantRow], seed: int) -> list[MutantRow]:
-    """Return the rows of mutants that the files still have, at the places that the mutants have now."""
+    """Return the rows of mutants that the files still have, at their current places."""
     places = {each.key: each for kind in {row.kind for row in rows} & {*KINDS} for each in sample(kind, seed)}
     return [replace(row, mutant=places[row.mutant.key]) for row in rows if row.mutant.key in places]
 

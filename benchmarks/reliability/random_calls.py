@@ -1,4 +1,4 @@
-"""Random calls of environments: the kinds of environments, and arguments, some of them wrong."""
+"""Random calls of environments: kinds of environments, and arguments, of which some are wrong."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -82,7 +82,7 @@ class Draw:
         self.points: list[np.ndarray] = []
 
     def note(self, envs: HouseVectorEnv) -> None:
-        """Keep the states, poses and targets of now for later calls."""
+        """Keep the current states, poses and targets for later calls."""
         if envs._ready:
             self.states.append(envs.state)
             info = envs.info()
@@ -150,7 +150,7 @@ class Draw:
         return found
 
     def _targets(self, envs: HouseVectorEnv, house: Any) -> np.ndarray:
-        """Return targets: as poses, and on places of the lattice inside and outside the house."""
+        """Return targets: some at earlier places, some at the lattice's places in and outside the house."""
         found = self._places(envs, house, self.points, 2)
         for e in np.flatnonzero(self.rng.random(COUNT) < 0.3):
             lattice = envs.world.lattices[0 if house is None else int(house[e])]

@@ -9,7 +9,7 @@ VALUES = (
     *(None, True, -1, 0, 1e300, 5e-324, 10**30, 10**400, "", "\x1b[2J", "<b>", "\ud800", "a\nb", "x" * 400),
     *([], {}, [[[]]], "NaN", float("nan"), float("inf"), 0.5, 2**31, 2**63, -(2**63)),
 )
-"""Values that are seldom expected."""
+"""Unusual values."""
 
 TOKENS = re.compile(rb"\w+|\s+|[^\w\s]+")
 
@@ -49,14 +49,14 @@ ODD = (
         b"..",
     ),
 )
-"""Tokens that are seldom expected."""
+"""Unusual tokens."""
 
 MOST_BYTES = 1 << 16
-"""Of a changed content."""
+"""Largest size of a changed content, in bytes."""
 
 
 def changed(content: bytes, rng: random.Random, is_json: bool = False, others: list[bytes] = ()) -> bytes:  # pyright: ignore[reportArgumentType]
-    """Return the content with some changes; tokens of ``others`` may come into it."""
+    """Return the content with some changes, which may contain tokens of ``others``."""
     kind = rng.random()
     if is_json and kind < 0.6 and (found := changed_json(content, rng)) is not None:
         content = found
@@ -68,7 +68,7 @@ def changed(content: bytes, rng: random.Random, is_json: bool = False, others: l
 
 
 def changed_bytes(text: bytes, rng: random.Random) -> bytes:
-    """Change, leave out, put in or repeat some bytes; or cut the end off."""
+    """Change, delete, insert or repeat some bytes, or truncate the content."""
     for _ in range(rng.randint(1, 4)):
         at, length = rng.randrange(len(text) + 1), rng.randint(1, 9)
         kind = rng.randrange(5)
@@ -86,7 +86,7 @@ def changed_bytes(text: bytes, rng: random.Random) -> bytes:
 
 
 def changed_tokens(text: bytes, pool: list[bytes], rng: random.Random) -> bytes:
-    """Leave out, repeat or exchange some tokens, or put others in their place."""
+    """Delete, repeat, exchange or replace some tokens."""
     tokens = TOKENS.findall(text)
     for _ in range(rng.randint(1, 4) if tokens else 0):
         at, other = rng.randrange(len(tokens)), rng.randrange(len(tokens))
@@ -103,7 +103,7 @@ def changed_tokens(text: bytes, pool: list[bytes], rng: random.Random) -> bytes:
 
 
 def changed_json(content: bytes, rng: random.Random) -> bytes | None:
-    """Change some values of JSON, or of a line of JSON Lines; None where the content is neither."""
+    """Change some values of JSON, or of a line of JSON Lines. Return None if the content is neither."""
     lines = content.splitlines()
     try:
         record = json.loads(content)
@@ -123,7 +123,7 @@ def changed_json(content: bytes, rng: random.Random) -> bytes | None:
 
 
 def changed_record(record: Any, rng: random.Random) -> None:
-    """Change some values of a record, leave them out, repeat them or give them to another key, in place."""
+    """Change, delete or repeat some values of a record, or move them to another key, in place."""
     for _ in range(rng.randint(1, 3)):
         node: Any = record
         while True:

@@ -1,4 +1,4 @@
-"""All readers of files of others, and the two right answers to any content: a value, or an error of ours."""
+"""Readers of foreign files, and the two correct answers to any content: a value, or an error of ours."""
 
 import os
 import shutil
@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 CORPUS = Path(__file__).parents[2] / "tests" / "fixtures" / "corpus"
-"""Contents to begin with, small: a folder for each reader. Contents that once failed are among them."""
+"""Small contents to begin with, in a folder for each reader. Contents that once failed are among them."""
 
 READ, REFUSED = "read", "refused"
 
 
 class WrongAnswer(Exception):
-    """An error that a user cannot act on: of another class, of several lines, or without words."""
+    """Error that a user cannot act on: of a foreign class, with several lines, or without a message."""
 
 
 class FuzzReader(NamedTuple):
@@ -24,15 +24,15 @@ class FuzzReader(NamedTuple):
     file: str
     read: Callable[[Path], Any]
     is_json: bool = False
-    """True where contents are changed as JSON too, by value."""
+    """True if contents are also changed as JSON, by value."""
     begins: tuple[str, ...] = ()
-    """Readers whose contents it begins with, in place of its own."""
+    """Readers whose contents replace the reader's own first contents."""
     refuses: tuple[type[Exception], ...] = ()
-    """Documented errors of Python's, which callers of the reader turn into lines."""
+    """Documented errors of Python, which callers of the reader turn into one-line errors."""
 
 
 def _houses(path: Path) -> None:
-    """Read houses: each is written as it was read."""
+    """Read houses, and check that each is written as it was read."""
     from logic import House
     from logic.dataset.reading import load
 
@@ -41,7 +41,7 @@ def _houses(path: Path) -> None:
 
 
 def _drawn(path: Path) -> None:
-    """Read houses, check them and draw them: a drawing is XML."""
+    """Read houses, check them and draw them, and check that a drawing is XML."""
     from xml.etree import ElementTree
 
     from logic import check, load
@@ -53,7 +53,7 @@ def _drawn(path: Path) -> None:
 
 
 def _map(path: Path) -> None:
-    """Read a map by its description; its picture lies beside it."""
+    """Read a map from its description; its picture is in the same folder."""
     shutil.copy(CORPUS / "picture" / "map.pgm", path.parent)
     _houses(path)
 
@@ -71,7 +71,7 @@ def _plan(path: Path) -> None:
 
 
 def _ifc(path: Path) -> None:
-    """Read a plan, but for what IfcOpenShell does in a process of its own: it is not there."""
+    """Read a plan without IfcOpenShell's process, which is not there."""
     from unittest.mock import patch
 
     from logic.readers import ifc
@@ -85,7 +85,7 @@ class _Done(NamedTuple):
 
 
 def _solids(path: Path) -> None:
-    """Read what the process of IfcOpenShell answers."""
+    """Read the answer of IfcOpenShell's process."""
     from unittest.mock import patch
 
     from logic.readers import ifc
@@ -105,7 +105,7 @@ def _brief(path: Path) -> None:
 
 
 def _rules(path: Path) -> None:
-    """Lint a grammar of this file and, beside it, the other files of ``family``."""
+    """Lint a grammar of this file and the other files of ``family``."""
     from logic.grammar import SHIPPED, find
     from logic.language.linter import findings
 
@@ -118,7 +118,7 @@ def _rules(path: Path) -> None:
 
 
 def _statements(path: Path) -> None:
-    """Read an answer set program as statements, and what includes and encodings there are."""
+    """Read an answer set program as statements, with its includes and encodings."""
     from logic.grammar import find
 
     (path.parent / "sizes.pl").touch()
@@ -132,7 +132,7 @@ def _looks(path: Path) -> None:
 
 
 def _promises(path: Path) -> None:
-    """Read promises as a grammar's ``promise/2`` states them."""
+    """Read promises in the form of a grammar's ``promise/2``."""
     import json
 
     from logic.house.promises import Promises, read_promises
@@ -143,7 +143,7 @@ def _promises(path: Path) -> None:
 
 
 def _set(path: Path) -> None:
-    """Read a set's description, and where it is read, how it is divided."""
+    """Read a set's description, and if it is valid, the division of the set."""
     from logic.dataset.sets import read_set
 
     if found := read_set(path.parent):
@@ -159,7 +159,7 @@ def _manifest(path: Path) -> None:
 
 
 def _rows(path: Path) -> None:
-    """Read a set by a file of rows; what rows are made of."""
+    """Read a set by a file of rows, and the parts of the rows."""
     from logic.dataset.reading import HouseSet
 
     _beside(path, "set.json", "manifest.json")
@@ -178,7 +178,7 @@ def _parquet(path: Path) -> None:
 
 
 def _beside(path: Path, *names: str) -> None:
-    """Put a set's other files beside one of them."""
+    """Copy a set's other files into the folder of one of them."""
     for name in names:
         place = path.parent / ("data" if name.endswith(".jsonl") else "") / name
         place.parent.mkdir(exist_ok=True)
@@ -217,14 +217,14 @@ def _settings(path: Path) -> None:
 
 
 def _task(path: Path) -> None:
-    """Read a task from a JSON text, as checkpoints and evaluations have them."""
+    """Read a task from a JSON text, as in checkpoints and evaluations."""
     from sim.tasks.tasks import task
 
     task(path.read_text("utf-8", "replace"))
 
 
 def _report(path: Path) -> None:
-    """Write the report of a folder with this file, and for words about a run, of a run beside it."""
+    """Write the report of a folder with this file; for a description of a run, add a run."""
     from agent.report.folder import report
 
     if path.name == "about.json":
@@ -280,11 +280,12 @@ READERS = {
     "info-agent": FuzzReader("mine.safetensors", _info, begins=("checkpoint",)),
     "info-settings": FuzzReader("mine.toml", _info, begins=("settings",)),
 }
-"""By name. The files of ``tests/fixtures/corpus/NAME`` are contents to begin with, or those of ``begins``."""
+"""Readers by name. Contents to begin with are in ``tests/fixtures/corpus/NAME``, or in those of
+``begins``."""
 
 
 def _described(picture: Path) -> Path:
-    """Put a description beside a map's picture."""
+    """Write a description for a map's picture."""
     path = picture.with_name("map.yaml")
     path.write_text(
         "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
@@ -300,7 +301,7 @@ def begin(name: str) -> list[bytes]:
 
 
 def answer(reader: FuzzReader, content: bytes, folder: Path) -> str:
-    """Return ``READ`` or ``REFUSED``, as the reader answers a file of this content in an empty folder.
+    """Return ``READ`` or ``REFUSED`` for a file with this content in an empty folder.
 
     Raises ``WrongAnswer`` for an error of several lines, and any other error that reading raises.
     """
@@ -330,7 +331,7 @@ def answer(reader: FuzzReader, content: bytes, folder: Path) -> str:
 
 @contextmanager
 def scratch() -> Iterator[Path]:
-    """Make a folder in memory, where the system has such a place, for a while."""
+    """Yield a temporary folder, in memory if the system allows it."""
     from tempfile import TemporaryDirectory
 
     memory = Path("/dev/shm")

@@ -50,7 +50,7 @@ def lp_edits(content: bytes) -> Iterator[tuple[str, int, int, str]]:
                 if node.ast_type is ASTType.Comparison:
                     left = node.term
                     for guard in node.guards:
-                        # Between two terms stand the operator, spaces and parentheses.
+                        # Between two terms are the operator, spaces and parentheses.
                         begin, end = place(left.location)[1], place(guard.term.location)[0]
                         sign = SIGN.search(content, begin, end)
                         assert sign

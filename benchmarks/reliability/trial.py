@@ -1,8 +1,8 @@
-"""The process that tries mutants: pytest collects the tests once, and then forks for each mutant.
+"""Process that tries mutants: pytest collects the tests once, and the process then forks for each mutant.
 
-The process runs in a copy of the checkout, reads a question in each line of standard input, and answers in
+The process runs in a copy of the checkout, reads a question from each line of standard input, and answers in
 JSON. In the child, a changed Python function gets the code of the mutant. If code outside functions has
-changed, the child imports all modules again. Rules need neither, for tests load the rule files.
+changed, the child imports all modules again. Rules need neither, because tests load the rule files.
 """
 
 import contextlib
@@ -29,28 +29,28 @@ OURS = ("logic", "sim", "agent", "vitruvius", "tests")
 
 
 class MutantTrial:
-    """A plugin of pytest that notes failures, or in a measurement the seconds and functions of each test."""
+    """Plugin of pytest that records failures, or in a measurement the seconds and functions of each test."""
 
     def __init__(self) -> None:
-        """Begin without notes."""
+        """Begin without records."""
         self.failed = list[str]()
         self.seconds = defaultdict[str, float](float)
         self.entered = dict[str, list[tuple[str, int]]]()
-        """By test: the functions that the test enters, as file and first line."""
+        """Functions that each test enters, as file and first line."""
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Note a test file that cannot be imported."""
+        """Record a test file that cannot be imported."""
         if report.failed:
             self.failed.append(f"{report.nodeid}: cannot be imported")
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Note the seconds of a test, and a failure."""
+        """Record the seconds of a test, and a failure."""
         self.seconds[report.nodeid] += report.duration
         if report.failed:
             self.failed.append(report.nodeid)
 
     def run(self, items: Sequence[pytest.Item], measure: float) -> None:
-        """Run tests until one fails, or for ``measure`` seconds with their functions noted."""
+        """Run tests until one fails, or for ``measure`` seconds with a record of their functions."""
         end = time.monotonic() + measure
         for item, following in zip_longest(items, items[1:]):
             if measure and time.monotonic() > end:
@@ -74,7 +74,7 @@ class MutantTrial:
 
 
 class TrialServer:
-    """A plugin of pytest that answers questions instead of running all tests."""
+    """Plugin of pytest that answers questions instead of running all tests."""
 
     def __init__(self, answers: Any) -> None:
         """Write answers to this file."""
@@ -97,7 +97,7 @@ class TrialServer:
 
 
 class ChosenTests:
-    """A plugin of pytest that runs chosen tests of a new session."""
+    """Plugin of pytest that runs chosen tests of a new session."""
 
     def __init__(self, trial: MutantTrial, order: Sequence[str]) -> None:
         """Run the tests in this order."""
@@ -189,7 +189,10 @@ def _try(session: pytest.Session, trial: MutantTrial, question: dict[str, Any]) 
 
 
 def _patched(file: Path, first: int) -> bool:
-    """Replace the code of the function at line ``first`` by that of the file; return True if it was found."""
+    """Replace the code of the function at line ``first`` by that of the file.
+
+    Return True if the function was found.
+    """
     gc.unfreeze()
     path = str(file.resolve())
     code = next(

@@ -1,1 +1,1 @@
-"""What a step of the simulator costs, beside the same step in C and other simulators."""
+"""Study of the cost of a simulator step, compared with the same step in C and with other simulators."""

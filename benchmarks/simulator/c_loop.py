@@ -1,4 +1,4 @@
-"""The step in C (``step.c``, ``free.c``), compiled on the spot and run on a world's own arrays."""
+"""The step in C (``step.c``, ``free.c``), compiled when needed and run on a world's own arrays."""
 
 import ctypes
 import shutil
@@ -24,13 +24,13 @@ LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "overlap", 
 
 
 class LoopConfig(ctypes.Structure):
-    """Lengths in metres, as ``step.c`` reads them, and the steps of an episode."""
+    """Lengths in metres, in the layout of ``step.c``, and the steps of an episode."""
 
     _fields_ = [*((name, ctypes.c_float) for name in LENGTHS), ("steps", ctypes.c_int)]
 
 
 class LoopDrive(ctypes.Structure):
-    """The limits of a body that drives, as ``free.c`` reads them: seconds, metres, radians."""
+    """Limits of a body that drives, in the layout of ``free.c``: seconds, metres, radians."""
 
     _fields_ = [
         ("step", ctypes.c_float),
@@ -43,7 +43,7 @@ class LoopDrive(ctypes.Structure):
 
 
 def compiler() -> list[str] | None:
-    """A clang: the system's, or the one that uv fetches with the package ``ziglang``."""
+    """Return the command of a clang: the system's, or the one from the package ``ziglang`` by uv."""
     if shutil.which("clang"):
         return ["clang"]
     uv = shutil.which("uv") or shutil.which("uv", path=ROOT / ".local/uv/bin")
@@ -64,18 +64,19 @@ def compiler() -> list[str] | None:
 
 
 def version(command: list[str]) -> str:
-    """What a compiler calls itself."""
+    """Return the name and version that a compiler prints."""
     done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
     return done.stdout.split("\n")[0]
 
 
 class Loop:
-    """Steps a continuous or a free world of the default kind in C, from its present state on copies of its
-    arrays.
+    """Steps in C of a continuous or a free world of the default kind.
+
+    They continue from the world's present state, on copies of its arrays.
     """
 
     def __init__(self, envs: HouseVectorEnv, folder: Path, command: list[str]) -> None:
-        """Compile into ``folder`` by a compiler's ``command``."""
+        """Compile into ``folder`` with a compiler's ``command``."""
         config, backend = envs.config, envs.backend
         assert isinstance(backend, Continuous | FreeMotion), "there is a step in C of these backends alone"
         source, library = SOURCES[type(backend)], folder / "step.so"
@@ -97,16 +98,16 @@ class Loop:
         self.arrays = [rays.table.to_numpy(), *bank, state["reals"], state["wholes"]]
         self.observation = np.zeros((count, config.rays, 2), np.float32)
         self.reward, self.flags = np.zeros(count, np.float32), np.zeros((3, count), np.uint8)
-        # Bound once: ctypes takes 4 us for each array.
+        # Bound once, because ctypes takes 4 us for each array.
         self.configured = [ctypes.byref(each) for each in self.configs]
         self.bound, self.written = map(_pointers, (self.arrays, (self.observation, self.reward, self.flags)))
 
     def step(self, action: np.ndarray) -> None:
-        """One step of all environments; ``action`` (E,) int64, or (E, 2) float32 of bodies that drive."""
+        """Step all environments; ``action`` is (E,) int64, or (E, 2) float32 for bodies that drive."""
         pointer = ctypes.c_void_p(action.ctypes.data)
         self.library.step(*self.configured, *self.bound, pointer, *self.written, ctypes.c_int(self.count))
 
 
 def _pointers(arrays: Iterable[np.ndarray]) -> list[ctypes.c_void_p]:
-    """Where arrays lie, which must be kept."""
+    """Return pointers to arrays, which the caller must keep alive."""
     return [ctypes.c_void_p(array.ctypes.data) for array in arrays]

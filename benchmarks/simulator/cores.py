@@ -1,4 +1,4 @@
-"""Keep this process, with the threads that Taichi started, to some of the processors for a while."""
+"""Temporary restriction of this process, with the threads that Taichi started, to some processors."""
 
 import os
 from collections.abc import Iterator
@@ -7,13 +7,13 @@ from pathlib import Path
 
 
 def processors() -> int:
-    """How many this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
 @contextmanager
 def confined(count: int) -> Iterator[None]:
-    """To the last ``count`` processors, as the first serves most interrupts."""
+    """Restrict the process to the last ``count`` processors, because the first serves most interrupts."""
     threads = [int(task.name) for task in Path("/proc/self/task").iterdir()]
     before = {thread: os.sched_getaffinity(thread) for thread in threads}
     if count == len(before[os.getpid()]):

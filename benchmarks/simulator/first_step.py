@@ -1,8 +1,8 @@
-"""What comes before the first step, in a new process: prints seconds by part, as JSON.
+"""Time before the first step in a new process: prints seconds by part, as JSON.
 
-``python -m benchmarks.simulator.first_step FILE``: importing, packing FILE's houses for the first time and
-again, and all the rest until the first step of 4096 environments is done. Kernels are compiled, or taken from
-Taichi's cache on the disk; ``TI_OFFLINE_CACHE=0`` forbids the cache.
+``python -m benchmarks.simulator.first_step FILE`` measures the import, packing FILE's houses for the first
+time and again, and the rest until the first step of 4096 environments is done. Kernels are compiled, or taken
+from Taichi's cache on the disk; ``TI_OFFLINE_CACHE=0`` disables the cache.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The study of the simulator as a page."""
+"""Page of the study of the simulator."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ NAMES = ("kernel", "step torch", "gymnasium step", "kernel on one core", "C on o
 
 
 def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
-    """The study of the simulator as a page: tables, and beside it what ``peers`` measured."""
+    """Return the page: tables, and the results of ``peers``."""
     entries = report["benchmarks"]
     rates = {
         (name_of(entry), entry["extra_info"]["environments"]): entry
@@ -69,7 +69,7 @@ def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
 
 
 def _rate(entry: dict[str, Any] | None) -> str:
-    """Steps a second of the median round, and in brackets of the quartiles."""
+    """Return the steps per second of the median round, with those of the quartiles in brackets."""
     if entry is None:
         return ""
     stats, rate = entry["stats"], entry["extra_info"]["steps_per_second"]
@@ -82,7 +82,7 @@ def _short(rate: float) -> str:
 
 
 def _ratio(rates: dict[tuple[str, int], Any], count: int) -> str:
-    """Ours to C's, both on one core."""
+    """Return the ratio of our rate to that of C, both on one core."""
     ours, bound = (rates.get((name, count)) for name in ("kernel on one core", "C on one core"))
     if ours is None or bound is None:
         return ""
@@ -90,7 +90,7 @@ def _ratio(rates: dict[tuple[str, int], Any], count: int) -> str:
 
 
 def _driven_ratio(entries: list[dict[str, Any]]) -> str:
-    """Of bodies that drive, ours to C's, both on one core."""
+    """Return the ratio of our rate to that of C for bodies that drive, both on one core."""
     rates = {
         e["extra_info"]["driven"]: e["extra_info"]["steps_per_second"]
         for e in entries
@@ -101,7 +101,7 @@ def _driven_ratio(entries: list[dict[str, Any]]) -> str:
 
 
 def _by(entries: list[dict[str, Any]], key: str, more: Any = None) -> str:
-    """Rows of the benchmarks that vary something: its value, (more,) and the rate."""
+    """Return the rows of the benchmarks that vary a quantity: its value, (more,) and the rate."""
     rows = []
     for entry in entries:
         extra = entry["extra_info"]
@@ -113,7 +113,7 @@ def _by(entries: list[dict[str, Any]], key: str, more: Any = None) -> str:
 
 
 def _compilers(entries: list[dict[str, Any]]) -> str:
-    """A row for each compiler, and whether all went the same way."""
+    """Return a row for each compiler, with its rates and if its results were the same."""
     found = [e["extra_info"] for e in entries if "runtime" in e["extra_info"]]
     rows = []
     for extra in found:
@@ -127,12 +127,13 @@ OURS = {
     "continuous": "A square robot that takes steps and turns by 45 degrees; exact collisions of its way",
     "free": "A round robot with limits on speed and acceleration, which slides along what it touches",
 }
-"""What a step of ours among the peers' lines is, by backend."""
+"""Descriptions of our step among the peers' lines, by backend."""
 
 
 def _peers(peers: dict[str, Any], entries: list[dict[str, Any]]) -> str:
-    """A table of ours among the same lines, of the best number of environments of each way to run each peer,
-    and what failed.
+    """Return a table of our step and of each way to run each peer, with its best number of environments.
+
+    The table is followed by the peers that failed.
     """
     best: dict[tuple[str, str], dict[str, Any]] = {}
     for row in peers["rows"]:

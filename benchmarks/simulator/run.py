@@ -1,4 +1,4 @@
-"""``vitruvius bench simulator``: the study of how fast a step is."""
+"""``vitruvius bench simulator``: the study of the speed of a step."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -13,19 +13,19 @@ from benchmarks.simulator.peers.run import Peers
 
 @dataclass(frozen=True)
 class Simulator:
-    """What a step costs: by environments, houses, segments, rays, processors, beside the same step in C."""
+    """Cost of a step by environments, houses, segments, rays and processors, compared with a step in C."""
 
     peers: bool = False
-    """Measure other simulators beside ours, each in an environment that uv makes (3 GB to download once)."""
+    """Also measure other simulators, each in an environment that uv creates (3 GB to download once)."""
 
     out: Path = Path("runs/bench")
     """Folder for simulator.json, report.html, simulator.png and simulator.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Put the page and its plot into docs too."""
+    """Copy the page and its plot into docs."""
 
     def run(self) -> None:
         """Measure, draw and write the page."""

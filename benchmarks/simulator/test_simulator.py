@@ -1,8 +1,8 @@
-"""What a step costs: by environments, houses, segments, rays and processors, beside the same step in C.
+"""Cost of a step by environments, houses, segments, rays and processors, compared with the same step in C.
 
-``vitruvius bench simulator`` runs it. Every row steps a bank of generated, furnished houses with targets in
-all rooms: dynamics, collision, 40 rays, pick-up and autoreset. A round is some steps with random actions,
-70 % forward; ``extra_info`` has the rate of the median round.
+``vitruvius bench simulator`` runs this script. Every row steps a bank of generated, furnished houses with
+targets in all rooms: dynamics, collision, 40 rays, pick-up and autoreset. A round is some steps with random
+actions, 70 % forward; ``extra_info`` has the rate of the median round.
 """
 
 import hashlib
@@ -33,16 +33,16 @@ from sim.tracing import COMPILERS, VARIABLE
 
 ENVIRONMENTS = [1, 16, 256, 4096, 65536]
 MANY = 4096
-"""Environments where something else is varied."""
+"""Number of environments if another quantity varies."""
 HOUSES = [1, 64, 512, 4096]
 ROOMS = [1, 2, 4, 8, 16]
 SPACING = [15, 9, 5, 3, 1]
-"""Degrees between the rays of a field of view of about 120 degrees."""
+"""Angles in degrees between the rays of a field of view of about 120 degrees."""
 CORES = [count for count in (1, 2, 4, 8, 16, 32, 64) if count <= processors()]
 DRIVEN = ("kernel", "step torch", "kernel on one core", "C on one core")
 ROUNDS, STEPS = 15, 32
 CELL = 0.3
-"""Metres: the cell of houses that fit both backends."""
+"""Side in metres of the cells of houses that fit both backends."""
 TERMS = {"step": -0.01, "bump": -0.1}
 PROGRESS = {"progress": 0.01}
 ASKED: dict[str, tuple[dict[str, Any], int]] = {
@@ -56,7 +56,7 @@ ASKED: dict[str, tuple[dict[str, Any], int]] = {
     "progress rewarded, in one house, all known": ({"targets": {"task": "all", "terms": PROGRESS}}, 16000),
     "distance in infos, in 64 houses, none known": ({"preset": replace(DEFAULT, geodesic=True)}, 0),
 }  # fmt: skip
-"""What environments are asked for beyond the default; and steps until all distances are known."""
+"""Options of environments beyond the default, and the number of steps until all distances are known."""
 
 BY_ENVIRONMENTS = "64 houses of 4 rooms"
 BY_OTHERS = "4,096 environments"
@@ -66,18 +66,18 @@ study = pytest.mark.benchmark(group="simulator")
 
 @cache
 def bank(count: int = 64, rooms: int = 4, cell: float = 0.0) -> list[House]:
-    """Houses 0, 1, ... of a request."""
+    """Return houses 0, 1, ... of a request."""
     return list(generate(rooms=rooms, seed=0, count=count, cell=cell, workers=processors()))
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _started() -> None:
-    """Workers for all processors; rows with fewer are confined to those."""
+    """Start workers for all processors; rows with fewer are restricted to those."""
     start()
 
 
 def ready(count: int, houses: list[House], **kinds: Any) -> HouseVectorEnv:
-    """Environments in the midst of their episodes."""
+    """Return environments in the midst of their episodes."""
     kinds = {"targets": "mixed"} | kinds
     envs = HouseVectorEnv(houses, num_envs=count, **kinds)
     envs.reset(seed=0)
@@ -88,7 +88,7 @@ def ready(count: int, houses: list[House], **kinds: Any) -> HouseVectorEnv:
 
 @cache
 def plan(count: int) -> torch.Tensor:
-    """Actions (STEPS, count); fewer steps where each is long."""
+    """Return actions (STEPS, count), with fewer steps if each step is long."""
     steps = STEPS if count <= MANY else 4
     rows = np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(steps, count))
     return torch.from_numpy(rows)
@@ -96,7 +96,7 @@ def plan(count: int) -> torch.Tensor:
 
 @cache
 def driven(count: int) -> torch.Tensor:
-    """Commands (STEPS, count, 2): v and w at random, v in the upper half of what the body can."""
+    """Return commands (STEPS, count, 2): random v and w, with v in the upper half of its range."""
     rng, drive = np.random.default_rng(0), DEFAULT.drive
     v = rng.uniform(0.5, 1, (STEPS, count)) * drive.speed
     w = rng.uniform(-1, 1, (STEPS, count)) * drive.turn_speed
@@ -112,7 +112,7 @@ def timed(
     panel: str = "",
     **extra: Any,
 ) -> None:
-    """Rounds of steps, and the rate of the median one."""
+    """Time rounds of steps, and record the rate of the median round."""
     actions = plan(count) if actions is None else actions
     made = actions.shape[0] * actions.shape[1]
 
@@ -126,7 +126,7 @@ def timed(
 
 
 def kernel(envs: HouseVectorEnv) -> Callable[[torch.Tensor], None]:
-    """A step without what surrounds the kernel, but for its launch."""
+    """Return a function that launches only the kernel of a step."""
     return lambda actions: envs.launch(actions.numpy())
 
 
@@ -147,7 +147,7 @@ def test_step_torch(benchmark, count):
 @study
 @pytest.mark.parametrize("count", ENVIRONMENTS)
 def test_gymnasium_step(benchmark, count):
-    """With its copies and its info."""
+    """Step with the copies and the info of Gymnasium's interface."""
     envs = ready(count, bank())
     timed(benchmark, lambda a: envs.step(a.numpy()), count, environments=count, panel=BY_ENVIRONMENTS)
 
@@ -163,7 +163,7 @@ def test_kernel_on_one_core(benchmark, count):
 @study
 @pytest.mark.parametrize("count", ENVIRONMENTS)
 def test_C_on_one_core(benchmark, count, c_compiler, tmp_path):
-    """The same algorithm on the same arrays, with the same results."""
+    """Run the same algorithm in C on the same arrays, with the same results."""
     envs = ready(count, bank())
     loop = Loop(envs, tmp_path, c_compiler)
     for action in plan(count):
@@ -182,7 +182,7 @@ def test_C_on_one_core(benchmark, count, c_compiler, tmp_path):
 @study
 @pytest.mark.parametrize("how", DRIVEN)
 def test_a_body_that_drives(benchmark, how, c_compiler, tmp_path):
-    """The free backend, and the same algorithm in C with the same results."""
+    """Step the free backend, and the same algorithm in C with the same results."""
     envs, rows = ready(MANY, bank(), backend="free"), driven(MANY)
     if how.startswith("C"):
         loop = Loop(envs, tmp_path, c_compiler)
@@ -202,7 +202,7 @@ def test_a_body_that_drives(benchmark, how, c_compiler, tmp_path):
 @study
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 def test_houses_of_cells(benchmark, backend):
-    """The two backends in the same houses, whose edges are multiples of a cell."""
+    """Step both backends in the same houses, whose edges are multiples of a cell."""
     envs = ready(MANY, bank(cell=CELL), backend=backend)
     timed(benchmark, kernel(envs), MANY, backend=backend)
 
@@ -218,7 +218,7 @@ def test_the_house_of_the_peers(benchmark, backend):
 @study
 @pytest.mark.parametrize("loop", ["by environment", "by ray"])
 def test_loops(benchmark, loop):
-    """One task for each environment, or for each ray as on a GPU; both on the CPU here."""
+    """Step with a task for each environment, or for each ray as on a GPU; both on the CPU here."""
     envs = ready(MANY, bank(), by_ray=loop == "by ray")
     timed(benchmark, kernel(envs), MANY, loop=loop)
 
@@ -271,7 +271,7 @@ def test_more_processors(benchmark, cores):
     ],
 )
 def test_parts(benchmark, what):
-    """Parts of a step of 4096 environments, and what is done less often."""
+    """Time parts of a step of 4096 environments, and rarer calls."""
     envs = ready(1 if what.startswith("one") else MANY, bank())
     eye, heading, still = np.full((MANY, 2), 2.0), np.zeros(MANY), np.zeros(1, int)
     work = {
@@ -288,7 +288,7 @@ def test_parts(benchmark, what):
 
 
 def processor_seconds(step: Callable[[Any], Any], actions: Any) -> float:
-    """Of this process, all threads, for these steps."""
+    """Return the processor seconds of this process, in all threads, for these steps."""
     begin = time.process_time()
     for action in actions:
         step(action)
@@ -296,7 +296,7 @@ def processor_seconds(step: Callable[[Any], Any], actions: Any) -> float:
 
 
 def beside(benchmark: Any, ours: Callable[[Any], Any], other: Callable[[Any], Any], actions: Any) -> None:
-    """Rounds of both in turn; the quartiles of ours to the other's, by processor time."""
+    """Time rounds of both in turn, and record the quartiles of the ratio of their processor times."""
     ratios = list[float]()
 
     def both() -> None:
@@ -365,7 +365,7 @@ def test_packing(benchmark, backend):
 @study
 @pytest.mark.parametrize("kernels", ["compiled", "from the cache"])
 def test_first_step(benchmark, kernels, tmp_path):
-    """In new processes; medians of the parts."""
+    """Time the parts in new processes, and record the medians."""
     file, parts = tmp_path / "house.jsonl", []
     save(bank()[:1], file)
     command = [sys.executable, "-m", "benchmarks.simulator.first_step", str(file)]
@@ -384,7 +384,7 @@ def test_first_step(benchmark, kernels, tmp_path):
 @study
 @pytest.mark.parametrize("name", COMPILERS)
 def test_compilers(benchmark, name, tmp_path):
-    """In new processes: steps of some environments, and the first step of one house without a cache."""
+    """Time steps of some environments in new processes, and the first step of one house without a cache."""
     save(bank()[:1], tmp_path / "house.jsonl")
     environment = os.environ | {VARIABLE: name, "PYTHONPATH": str(Path(__file__).parents[2])}
     uncached = environment | {"TI_OFFLINE_CACHE": "0", "QD_OFFLINE_CACHE": "0"}
@@ -417,14 +417,15 @@ def c_compiler() -> list[str]:
 
 
 def lines_listed(envs: HouseVectorEnv) -> float:
-    """How many lines a look meets: those listed for the eye's cell and its heading, on average."""
+    """Return the mean number of lines that a look tests: those listed for the eye's cell and its heading."""
     info = envs.info()
     return float(listed_at(envs.tables(), info["house"], info["pose"]).mean())
 
 
 def cast(envs: HouseVectorEnv, eye: np.ndarray, heading: np.ndarray) -> np.ndarray:
-    """Distances (E, R) from eyes (E, 2) in house 0, as most would write it: vectors over all rays, a loop
-    over boxes, the slab method.
+    """Return distances (E, R) from eyes (E, 2) in house 0, by a straightforward implementation.
+
+    It is the slab method with vectors over all rays and a loop over boxes.
     """
     solids = envs.geometries[0].solids
     boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])

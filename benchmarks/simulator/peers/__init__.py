@@ -1,1 +1,1 @@
-"""Other simulators, each by a script whose Python environment uv makes."""
+"""Other simulators, each in a script whose Python environment uv creates."""

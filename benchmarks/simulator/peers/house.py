@@ -1,4 +1,4 @@
-"""One house for the peers whose scenes are free to choose: four rooms, a door between neighbours, 12 pieces.
+"""House for the peers that accept any scene: four rooms, a door between neighbours, 12 pieces of furniture.
 
 ::
 
@@ -13,10 +13,11 @@ A robot starts in the middle of a room. Lengths are metres.
 
 HALF, DOOR = 4.0, (1.5, 2.5)
 RADIUS, RANGE, RAYS, FIELD = 0.15, 7.9, 40, 120
-"""The robot's radius, how far it sees (metres), how many rays it has, over how many degrees."""
+"""The robot's radius and the range of its rays in metres, the number of its rays, and their field of view in
+degrees."""
 
 PIECES = [((3.5, 3.5), (0.8, 0.8)), ((1.0, 3.6), (1.2, 0.6)), ((3.6, 1.0), (0.6, 1.2))]
-"""Middle and sides of the pieces of the north-eastern room; the other rooms have them mirrored."""
+"""Middle and sides of the furniture of the north-eastern room; the other rooms have it mirrored."""
 
 SIGNS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 ROOMS = [(2.0 * x, 2.0 * y) for x, y in SIGNS]
@@ -28,4 +29,4 @@ WALLS = [
     *(((a, 0.0), (b, 0.0)) for a, b in SPANS),
     *(((0.0, a), (0.0, b)) for a, b in SPANS),
 ]
-"""Lines by their ends, x then y."""
+"""Walls as lines between their ends, x then y."""

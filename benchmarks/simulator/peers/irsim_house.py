@@ -4,8 +4,8 @@
 # ///
 """IR-SIM, a robot simulator in Python: ``uv run --no-project irsim_house.py``.
 
-Set as its documentation does for training: ``headless``, a list of environments that are stepped one after
-the other (it has no batch), reset by the caller.
+The settings are those of its documentation for training: ``headless``, and a list of environments that are
+stepped one after the other, because IR-SIM has no batch. The caller resets them.
 """
 
 import json
@@ -44,11 +44,11 @@ WORLD = {
         ),
     ],
 }
-"""IR-SIM reads YAML, of which JSON is a part."""
+"""Scene of IR-SIM, which reads YAML; JSON is a part of YAML."""
 
 
 def build(environments: int) -> Play:
-    """Steps in a list of environments by random actions drawn beforehand."""
+    """Return the steps of a list of environments, with random actions drawn beforehand."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "house.yaml"
         path.write_text(json.dumps(WORLD))

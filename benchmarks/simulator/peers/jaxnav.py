@@ -4,10 +4,10 @@
 # ///
 """JaxNav, robot navigation in JAX, of JaxMARL: ``uv run --no-project jaxnav.py``.
 
-Set as JaxMARL's own training is: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled.
-What the last step gave is kept, as with the other peers. Its ``step`` resets what has ended, and to do so
-makes a new map for every environment at every step; ``reset_state`` spares it that by start states made
-before.
+The settings are those of JaxMARL's own training: ``jax.vmap`` over environments, ``lax.scan`` over steps, all
+compiled. Only the results of the last step are kept, as for the other peers. The ``step`` of JaxNav resets
+ended environments, and makes a new map for every environment at every step to do so. ``reset_state`` avoids
+this with start states made beforehand.
 """
 
 from functools import partial
@@ -21,7 +21,7 @@ ENV = JaxNav(num_agents=1, lidar_num_beams=house.RAYS, lidar_angle_factor=house.
 
 
 def build(reset: str):
-    """Steps with resets to ``new`` maps, to ``kept`` start states, or with ``none``."""
+    """Return the steps with resets to ``new`` maps, to ``kept`` start states, or with ``none``."""
 
     def step(key, states, starts, action):
         keys = jax.random.split(key, len(action) + 1)

@@ -4,8 +4,9 @@
 # ///
 """MiniGrid in Gymnasium's vector environments: ``uv run --no-project minigrid_rooms.py``.
 
-Set as its documentation does: ``ImgObsWrapper``, which leaves the mission's text out, and Gymnasium's own
-vectorisation, which resets at the step after an end. With more than one thread also in processes.
+The settings are those of its documentation: ``ImgObsWrapper``, which omits the mission's text, and
+Gymnasium's own vectorisation, which resets at the step after an end. With more than one thread it also runs
+in processes.
 """
 
 import gymnasium
@@ -19,12 +20,12 @@ gymnasium.register_envs(minigrid)
 
 
 def single():
-    """One environment without Gymnasium's checks of every step."""
+    """Return an environment without Gymnasium's checks of every step."""
     return ImgObsWrapper(gymnasium.make("MiniGrid-FourRooms-v0", disable_env_checker=True))
 
 
 def build(vectorised: type):
-    """Steps in a vector environment by random actions drawn beforehand."""
+    """Return the steps of a vector environment, with random actions drawn beforehand."""
 
     def make(environments: int) -> Play:
         envs = vectorised([single] * environments)

@@ -4,8 +4,8 @@
 # ///
 """NAVIX, MiniGrid in JAX: ``uv run --no-project navix_rooms.py``.
 
-Set as its own benchmarks are: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled;
-its ``step`` resets what has ended at the step after. The last timestep alone is kept.
+The settings are those of its own benchmarks: ``jax.vmap`` over environments, ``lax.scan`` over steps, all
+compiled. Its ``step`` resets ended environments at the step after the end. Only the last timestep is kept.
 """
 
 from functools import partial
@@ -19,12 +19,12 @@ ENV = navix.make("Navix-FourRooms-v0", observation_fn=navix.observations.symboli
 
 @partial(jax.jit, donate_argnums=0)
 def roll(now, actions):
-    """The environments after all steps, with what was seen, rewarded and ended by the last."""
+    """Return the environments after all steps, with observation, reward and end of the last step."""
     return jax.lax.scan(lambda now, action: (jax.vmap(ENV.step)(now, action), None), now, actions)[0]
 
 
 def build(environments: int) -> Play:
-    """Steps by random actions drawn beforehand."""
+    """Return the steps, with random actions drawn beforehand."""
     steps = max(32, 1024 // environments)
     key = jax.random.key(0)
     actions = jax.random.randint(key, (steps, environments), 0, len(ENV.action_set))

@@ -1,4 +1,4 @@
-"""The peers' house and robot as ours, so that a step of ours is measured among the same lines."""
+"""The peers' house and robot in our simulator, so that our step is measured among the same lines."""
 
 from dataclasses import replace
 
@@ -8,13 +8,16 @@ from logic.house.parts import Door, Piece, Room
 from sim.config import DEFAULT
 
 ROBOT = replace(DEFAULT, range=RANGE, body=(2 * RADIUS, 2 * RADIUS))
-"""Its 40 rays lie 3 degrees apart."""
+"""Robot with 40 rays that are 3 degrees apart."""
 
 NAMES = {sign: f"R{number}" for number, sign in enumerate(SIGNS)}
 
 
 def peers_house() -> House:
-    """Four rooms, a door between neighbours, 12 pieces; the origin in the north-western corner."""
+    """Return the house: four rooms, a door between neighbours, 12 pieces of furniture.
+
+    The origin is the north-western corner.
+    """
     width, doors = DOOR[1] - DOOR[0], list[Door]()
     for side, begin in ((-1, HALF - DOOR[1]), (1, HALF + DOOR[0])):
         doors.append(Door(begin, HALF, width, 0.0, (NAMES[side, -1], NAMES[side, 1])))
@@ -23,7 +26,7 @@ def peers_house() -> House:
 
 
 def _room(east: int, south: int) -> Room:
-    """The room on these sides of the middle walls, with its pieces."""
+    """Return the room on these sides of the middle walls, with its furniture."""
     left, top = max(east, 0) * HALF, max(south, 0) * HALF
     pieces = tuple(
         Piece(x + HALF - left - width / 2, y + HALF - top - height / 2, width, height, "cupboard")

@@ -1,6 +1,6 @@
-"""What the scripts of all peers share: timed rounds, their median and spread, a row of JSON for each.
+"""Code that the scripts of all peers share: timed rounds, their median and spread, a row of JSON for each.
 
-Standard library only, as each peer's script has another Python environment. Called by those scripts.
+It uses only the standard library, because each peer's script has another Python environment.
 """
 
 import json
@@ -13,7 +13,7 @@ from importlib.metadata import version
 from statistics import median
 
 Play = Callable[[], int]
-"""Makes some steps in all environments, waits until they are done, and says how many that were in all."""
+"""Function that makes some steps in all environments, waits for them, and returns their total number."""
 
 
 @dataclass(frozen=True)
@@ -21,29 +21,29 @@ class Case:
     """One way to run a peer, at several numbers of environments."""
 
     what: str
-    """What a step contains."""
+    """Contents of a step."""
 
     note: str
-    """What is and what is not comparable to a step of ours."""
+    """Differences and similarities to a step of ours."""
 
     environments: Sequence[int]
-    """How many environments, ascending."""
+    """Numbers of environments, ascending."""
 
     build: Callable[[int], Play]
-    """From how many environments to what is timed. Nothing of what it does itself is timed."""
+    """Function that prepares the timed steps for a number of environments; its own time does not count."""
 
 
 def threads() -> int:
-    """How many processors this process may use; ``run.py`` sees to that."""
+    """Return the number of processors that this process may use, which ``run.py`` sets."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[str] = ()) -> None:
-    """Print a row of JSON for each case and number of environments: steps a second of the median round.
+    """Print a row of JSON for each case and number of environments: steps per second of the median round.
 
-    ``low`` and ``high`` are of the slowest and the quickest round; ``processors`` is how many this process
-    kept busy, less than 1 where it had to wait, as on a machine that is not quiet. ``libraries`` are what
-    the peer's speed depends on, by version. Two calls before the rounds are not timed.
+    ``low`` and ``high`` are those of the slowest and the fastest round. ``processors`` is the number of
+    processors that this process kept busy, less than 1 if it had to wait on a busy machine. ``libraries`` are
+    those that the peer's speed depends on, by version. Two calls before the rounds are not timed.
     """
     parser = ArgumentParser(description=f"Environment steps a second of {peer}.")
     parser.add_argument("--rounds", type=int, default=7, help="timed rounds of a row")
@@ -56,7 +56,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
                 continue
             play = case.build(environments)
             play()
-            play()  # JAX compiles once more for what the first call gave back
+            play()  # JAX compiles once more for the results of the first call
             speeds, shares = zip(*(timed(play, args.seconds) for _ in range(args.rounds)), strict=True)
             row = {
                 "peer": peer,
@@ -76,7 +76,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
 
 
 def timed(play: Play, seconds: float) -> tuple[float, float]:
-    """Steps a second, and processors kept busy, over as many plays as fill these seconds."""
+    """Return steps per second, and processors kept busy, over as many plays as fill the seconds."""
     steps, began, busy = 0, time.perf_counter(), time.process_time()
     while (passed := time.perf_counter() - began) < seconds or not steps:
         steps += play()

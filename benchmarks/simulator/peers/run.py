@@ -1,4 +1,4 @@
-"""``vitruvius bench peers``: steps a second of other simulators, each in its Python environment."""
+"""``vitruvius bench peers``: steps per second of other simulators, each in its own Python environment."""
 
 import json
 import os
@@ -31,36 +31,36 @@ PEERS = {
 
 @dataclass(frozen=True)
 class Peers:
-    """Steps a second of other simulators; uv installs what they pin (3 GB to download once)."""
+    """Measure steps per second of other simulators; uv installs pinned packages (3 GB to download once)."""
 
     file: Path = Path("runs/bench/peers.json")
-    """Where to write ``rows``, one for each peer, way to run it and number of environments (``rounds.py``
-    says what is in a row), and ``failures``: the peers that could not be installed or measured, and why."""
+    """File for ``rows``, one for each peer, way to run it and number of environments (``rounds.py`` explains
+    a row), and for ``failures``: the peers that could not be installed or measured, with the reasons."""
 
     processors: int | None = None
-    """Processors that a peer may use; by default all."""
+    """Number of processors that a peer may use; by default all."""
 
     only: tuple[str, ...] = tuple(PEERS)
-    """These peers alone."""
+    """Peers to measure."""
 
     limit: float = 900
-    """Seconds for a peer to be measured, and twice as many for it to be installed."""
+    """Seconds for measuring a peer, and twice as many for installing it."""
 
     rounds: int = 7
-    """Timed rounds of a row, at least 5."""
+    """Number of timed rounds of a row, at least 5."""
 
     seconds: float = 1.0
-    """The least time of a round."""
+    """Shortest time of a round, in seconds."""
 
     most: int = 10**9
-    """Leave out more environments than this."""
+    """Largest number of environments."""
 
     def run(self) -> int:
-        """Measure the peers one after the other; 1 if one failed."""
+        """Measure the peers one after the other. Return 1 if a peer failed."""
         return 1 if self.measured()["failures"] else 0
 
     def measured(self) -> dict[str, Any]:
-        """What is in the file then. Raises ``MissingProgram`` without uv."""
+        """Measure the peers, and return the contents of the file. Raises ``MissingProgram`` without uv."""
         allowed = sorted(os.sched_getaffinity(0))
         count = self.processors or len(allowed)
         if wrong := set(self.only) - set(PEERS):
@@ -97,7 +97,7 @@ class Peers:
 
 
 def settings(threads: int) -> dict[str, str]:
-    """What libraries must be set to beside affinity, by which JAX and PyTorch size their pools."""
+    """Return the environment variables, besides affinity, by which JAX and PyTorch size their pools."""
     pools = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NPROC")
     found = dict.fromkeys(pools, str(threads))
     found |= {"JAX_PLATFORMS": "cpu", "CUDA_VISIBLE_DEVICES": "", "PYTHONHASHSEED": "0"}
@@ -107,8 +107,9 @@ def settings(threads: int) -> dict[str, str]:
 
 
 def call(command: list[str], processors: list[int], limit: float) -> tuple[list[str], str]:
-    """Lines printed by a command on these processors, and why it failed or ``""``. Nothing it started
-    outlives the limit.
+    """Return the lines that a command prints on these processors, and the reason of a failure or ``""``.
+
+    No process of the command outlives the limit.
     """
     with subprocess.Popen(
         command,
@@ -133,5 +134,5 @@ def call(command: list[str], processors: list[int], limit: float) -> tuple[list[
 
 
 def last(errors: str) -> str:
-    """The last lines of what a process complained of, 500 letters at most."""
+    """Return the last lines of a process's error output, at most 500 characters."""
     return " | ".join(line.strip() for line in errors.strip().splitlines()[-4:])[-500:]

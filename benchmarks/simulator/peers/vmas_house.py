@@ -4,10 +4,10 @@
 # ///
 """VMAS, multi-agent simulation in PyTorch: ``uv run --no-project vmas_house.py``.
 
-Set as its authors do: one batched world on the processor, no gradients, continuous actions, lidars cast for
-the whole batch at once, episodes cut at ``max_steps``. VMAS has no autoreset of its own; ended environments
-are reset as TorchRL's ``VmasEnv``, its authors' own adapter, does: all at once if all have ended, else one
-by one, then everything is observed once more.
+The settings are those of its authors: one batched world on the processor, no gradients, continuous actions,
+lidars cast for the whole batch at once, episodes truncated at ``max_steps``. VMAS has no autoreset of its
+own. Ended environments are reset as in TorchRL's ``VmasEnv``, its authors' own adapter: all at once if all
+have ended, else one by one; then everything is observed once more.
 """
 
 from itertools import cycle, islice
@@ -25,10 +25,10 @@ EPISODE = 500
 
 
 class VmasHouse(BaseScenario):
-    """One robot with a lidar, four rooms, a goal."""
+    """Scenario with one robot with a lidar, four rooms, and a goal."""
 
     def make_world(self, batch_dim, device, **_):
-        """Robot, goal, walls and pieces; their places are set by each reset."""
+        """Return a world with robot, goal, walls and furniture; each reset sets their places."""
         world = World(batch_dim, device)
         half = torch.pi * house.FIELD / 360
         lidar = Lidar(
@@ -58,7 +58,7 @@ class VmasHouse(BaseScenario):
         return world
 
     def reset_world_at(self, env_index=None):
-        """The robot in one room at any heading, its goal in another."""
+        """Place the robot in one room with any heading, and its goal in another."""
         count = self.world.batch_dim if env_index is None else 1
         room = torch.randint(4, (count,))
         other = (room + torch.randint(1, 4, (count,))) % 4
@@ -70,20 +70,20 @@ class VmasHouse(BaseScenario):
             landmark.set_rot(torch.tensor([turn]), batch_index=env_index)
 
     def reward(self, agent):
-        """1 at the goal."""
+        """Return 1 at the goal."""
         return self.done().float()
 
     def observation(self, agent):
-        """The rays' lengths, the goal from the robot: (E, 42) float32."""
+        """Return the rays' lengths, and the goal relative to the robot: (E, 42) float32."""
         return torch.cat([agent.sensors[0].measure(), self.goal.state.pos - agent.state.pos], dim=-1)
 
     def done(self):
-        """At the goal, (E,) bool."""
+        """Return a mask (E,) bool of the robots at the goal."""
         return (self.robot.state.pos - self.goal.state.pos).norm(dim=-1) < 0.25
 
 
 def build(scenario, **more):
-    """Steps in a batch of one scenario by random actions drawn beforehand."""
+    """Return the steps of a batch of one scenario, with random actions drawn beforehand."""
 
     def make(environments: int) -> Play:
         env = vmas.make_env(scenario, environments, max_steps=EPISODE, seed=0, **more)

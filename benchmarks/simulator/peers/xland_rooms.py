@@ -4,9 +4,9 @@
 # ///
 """XLand-MiniGrid, meta-learning gridworlds in JAX: ``uv run --no-project xland_rooms.py``.
 
-Set as its own ``scripts/benchmark_xland.py`` is: its wrapper that resets at the step of the end, ``jax.vmap``
-over environments, ``lax.scan`` over steps, the whole compiled, partitionable random numbers, up to 8192
-environments. The last timestep alone is kept, as there.
+The settings are those of its own ``scripts/benchmark_xland.py``: its wrapper that resets at the step of the
+end, ``jax.vmap`` over environments, ``lax.scan`` over steps, all compiled, partitionable random numbers, up
+to 8192 environments. Only the last timestep is kept, as there.
 """
 
 from functools import partial
@@ -20,7 +20,7 @@ jax.config.update("jax_threefry_partitionable", True)
 
 
 def build(name: str):
-    """Steps in one of its environments by random actions drawn beforehand."""
+    """Return the steps of one of its environments, with random actions drawn beforehand."""
     inner, params = xminigrid.make(name)
     env = GymAutoResetWrapper(inner)
 
