@@ -1,4 +1,4 @@
-"""Reports as pytest-benchmark writes them, small and made up."""
+"""Small made-up reports in the format of pytest-benchmark."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ def entry(name: str, seconds: float, **extra: Any) -> dict[str, Any]:
 
 
 def report() -> dict[str, Any]:
-    """A study of the generator: 2 ms a room; by rejection 7 rooms are not done in 20 s."""
+    """Return a study of the generator: 2 ms per room; by rejection, 7 rooms are not done in 20 s."""
     common = {"mean": 0.1, "p95": 0.2, "inferences": 5e4}
     benchmarks = [entry("loading", 1.5, versions={"clingo": "5.8"})]
     benchmarks += [
@@ -29,7 +29,7 @@ def report() -> dict[str, Any]:
 
 
 def simulator_report() -> dict[str, Any]:
-    """A study of the simulator: a million steps a second by one launch of 1,000 environments."""
+    """Return a study of the simulator: a million steps per second by one launch of 1,000 environments."""
     rates = {"kernel": 4e6, "C_on_one_core": 4e6, "kernel_on_one_core": 3e6}
     benchmarks = [
         entry(f"{name}[{n}]", 0.001, environments=n, steps_per_second=rate, panel="P", compiler="clang 1")

@@ -1,4 +1,4 @@
-"""What limits the network that searches: choices with parts of the truth, and views that follow."""
+"""Limits of the network that chooses views: choices with parts of the truth, and views that follow."""
 
 from pathlib import Path
 from typing import Any, cast
@@ -20,7 +20,7 @@ EVERYONE = np.arange(len(HOUSES))
 
 
 def played(maker: Any, steps: int) -> Any:
-    """A policy that has played, and the targets that it found."""
+    """Return a policy that has played, and the number of targets that it found."""
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     policy = maker(envs)
     found = sum(float(now.reward.sum()) for now in moments(envs, policy, reset(envs, 0, EVERYONE), steps))
@@ -47,7 +47,8 @@ def test_views_that_are_valued_with_those_that_follow_are_places_in_the_house() 
     found = sum(float(now.reward.sum()) for now in moments(envs, policy, reset(envs, 0, EVERYONE), 200))
     worth, ahead = (np.concatenate(each) for each in zip(*told, strict=True))
     assert worth.shape == ahead.shape == (len(worth), FIRST)
-    # What one can come to, and that alone, is valued; what shows something is worth more than what does not.
+    # Only reachable views have a value, and a view that shows something has a higher value than one that does
+    # not.
     assert (ahead[worth > 0] > 0).all()
     assert (ahead <= 1).all()
     assert np.corrcoef(worth[worth > 0], ahead[worth > 0])[0, 1] > 0.3

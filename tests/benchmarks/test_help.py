@@ -1,4 +1,4 @@
-"""Help shows how to use a script, and starts nothing."""
+"""Help explains the use of a script, and starts nothing."""
 
 import runpy
 import sys
@@ -15,7 +15,7 @@ from vitruvius.cli import COMMANDS, main
 ROOT = Path(__file__).parents[2]
 PEERS = ROOT / "benchmarks" / "simulator" / "peers"
 ABSENT = "irsim", "jax", "jaxmarl", "minigrid", "navix", "vmas", "xminigrid"
-"""What peers need, which is not installed here: anything can be imported of it, and does nothing."""
+"""Libraries of peers that are not installed here. A stub allows any import from them, and does nothing."""
 
 SCRIPTS = [
     *(
@@ -28,7 +28,7 @@ SCRIPTS = [
 
 @pytest.fixture
 def peers(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The libraries of peers, and what their scripts import from beside them."""
+    """Install stubs for the libraries of peers, and allow imports from their scripts' folder."""
     known = set(sys.modules)
     lines = "\n".join(path.read_text() for path in PEERS.glob("*.py")).splitlines()
     for name in {line.split()[1] for line in lines if line.startswith(("import ", "from "))}:

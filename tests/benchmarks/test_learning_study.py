@@ -1,4 +1,4 @@
-"""How learning is measured: pairs of episodes, shuffled predictions, and choices that are played again."""
+"""Measurement of learning: pairs of episodes, shuffled predictions, and choices that are played again."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,13 +29,13 @@ def environments(number: int) -> HouseVectorEnv:
 
 
 def explorer(envs: HouseVectorEnv) -> Policy:
-    """The explorer, by ``module:function``."""
+    """Return the explorer, for use as ``module:function``."""
     return Explorer(shield(envs), envs.config)
 
 
 @pytest.fixture
 def study(tmp_path: Path) -> Learning:
-    """A short one."""
+    """Return a short study."""
     save(HOUSES, tmp_path / "houses.jsonl")
     return Learning(
         (f"mine={__name__}:explorer,explorer",),
@@ -61,7 +61,7 @@ def test_the_explorer_by_another_name_differs_by_nothing_and_scores_are_kept(
     assert own[3:6] == ["+0.000 ± 0.000", "+0.000 to +0.000", "0.000"]
     assert int(choices[1]) > 10
     assert choices[2] == "0.000"
-    monkeypatch.setattr(learning, "episode", None)  # What is kept is not played again.
+    monkeypatch.setattr(learning, "episode", None)  # Kept results are not played again.
     monkeypatch.setattr(learning, "decisions", None)
     study.run()
     assert capsys.readouterr().out == page == (study.out / "learning.md").read_text()
@@ -73,8 +73,8 @@ def test_differences_are_paired_by_episode_and_their_error_is_over_houses() -> N
     gain = np.stack([np.full((2, 4, 50), 0.1), np.full((2, 4, 50), 0.3)])
     table = scores_table("", {EXPLORER: base, "two runs": base + gain})
     assert table.rows[1][1] == "2"
-    assert table.rows[1][3:6] == ("+0.200 ± 0.000", "+0.180 to +0.220", "0.141")  # over runs too
-    # All episodes of a house go wrong together: they count as one.
+    assert table.rows[1][3:6] == ("+0.200 ± 0.000", "+0.180 to +0.220", "0.141")  # over runs, too
+    # All episodes of a house fail together: they count as one.
     together = np.tile(rng.normal(size=(1, 1, 1, 50)), (1, 2, 4, 1))
     (row,) = scores_table("", {EXPLORER: base, "a": base + together}).rows[1:]
     assert row[3].endswith(f"± {together[0, 0, 0].std() / 7:.3f}")
@@ -82,7 +82,7 @@ def test_differences_are_paired_by_episode_and_their_error_is_over_houses() -> N
 
 def test_shares_are_of_the_oracles_targets_in_the_same_house() -> None:
     most = np.zeros((2, 4, 3))
-    most[:, :, 0], most[:, :, 1] = 5, 2  # and none in the third
+    most[:, :, 0], most[:, :, 1] = 5, 2  # and none in the third house
     shares = share(np.ones((1, 2, 4, 3)), most)
     assert shares[0, 0].T.tolist() == [[0.2] * 4, [0.5] * 4, [4.0] * 4]
 

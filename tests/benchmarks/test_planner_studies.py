@@ -1,4 +1,4 @@
-"""The planner's studies: players differ by their configuration alone, and odds are those of houses."""
+"""The planner's studies: players differ only by their configuration, and odds are those of houses."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -32,7 +32,7 @@ HOUSES = [random_house(seed) for seed in range(4)]
 
 @pytest.fixture
 def study(tmp_path: Path) -> Explorers:
-    """A short one, in houses that were made before."""
+    """Return a short study, in houses that were made before."""
     save(HOUSES, tmp_path / "houses-1.jsonl")
     return Explorers(
         ("main", "secondary"), ("replan_interval=32",), houses=1, episodes=2, steps=120, out=tmp_path
@@ -83,10 +83,10 @@ def test_a_study_that_was_killed_goes_on_where_it_was(
         study.run()
     assert len(scores(study)) == 3
     study.run()
-    assert len(played) == 3 + 1 + 3  # that it was stopped in is played again
+    assert len(played) == 3 + 1 + 3  # the interrupted one is played again
     study.run()
     assert len(played) == 7
-    assert not list(tmp_path.glob(".*"))  # nothing half written is left
+    assert not list(tmp_path.glob(".*"))  # no incomplete file is left
 
 
 def test_episodes_of_a_house_are_averaged(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,7 +140,10 @@ def test_an_unknown_name_is_one_line_before_anything_is_played(tmp_path: Path, t
 
 
 def test_differences_are_of_the_same_houses() -> None:
-    """By hand: of 10 targets in each of four houses one finds 4, 6, 4, 6, another one more in two of them."""
+    """Differences are computed by hand.
+
+    Of 10 targets in each of four houses, one agent finds 4, 6, 4, 6. The other finds one more in two houses.
+    """
     one = np.zeros((3, 4))
     one[0] = 4, 6, 4, 6
     other = one.copy()
@@ -160,7 +163,7 @@ def test_differences_are_of_the_same_houses() -> None:
 
 
 def places_of(envs: Any, house: int) -> np.ndarray:
-    """Where targets may lie in a house (n, 2), metres."""
+    """Return the possible places of targets in a house (n, 2), metres."""
     world = envs.unwrapped.world
     return world.places[house].targets * world.config.step + origins_of(world).reshape(-1, 2)[house]
 
@@ -175,7 +178,7 @@ def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
     cell = found.planner.cell
     right, floor, counts = 0, 0, set()
     for e, (x, y, heading) in enumerate(info["pose"]):
-        # Headings run counter-clockwise, y points south; a map's east is where the body looked at first.
+        # Headings are counter-clockwise and y points south; a map's east is the body's first heading.
         quarter = round(heading / (np.pi / 4)) // 2
         east, south = [((1, 0), (0, 1)), ((0, -1), (1, 0)), ((-1, 0), (0, -1)), ((0, 1), (-1, 0))][quarter]
         for i, j in np.random.default_rng(e).integers(-30, 31, size=(200, 2)) * 2:
@@ -183,7 +186,7 @@ def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
             away = [np.linalg.norm(places_of(each, e) - at, axis=1).min() for each in (envs, anywhere)]
             theirs, some = (each < BESIDE for each in away)
             count = CERTAIN * some if what == "floor" else CERTAIN if theirs else ELSEWHERE * some
-            # It knows every fourth place or so: at the edge of floor it may know none.
+            # The prior knows about every fourth place: at the edge of floor it may know none.
             assert known[e, j % 256 // 2, i % 256 // 2] in (count, ELSEWHERE * some, 0)
             if away[what == "floor"] < BESIDE / 4:
                 right, floor = right + (known[e, j % 256 // 2, i % 256 // 2] == count), floor + 1
@@ -193,7 +196,7 @@ def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
 
 
 def test_each_planner_reads_its_own_prior() -> None:
-    """Though they share a kernel: a study plays in several modes by one process."""
+    """Planners share a kernel, because a study plays in several modes by one process."""
     torch.set_num_threads(1)
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     kinds = []
@@ -228,7 +231,7 @@ def test_walls_are_known_and_nothing_counts_as_seen() -> None:
 
 
 def explored(steps: int) -> tuple[Any, Explorer, TargetSpots]:
-    """Explorers after some steps, and the truth about them."""
+    """Return explorers after some steps, and the truth about their houses."""
     torch.set_num_threads(1)
     envs = make_envs(HOUSES, len(HOUSES), "mixed")
     observation, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
@@ -290,7 +293,7 @@ def test_places_are_counted_in_the_houses_that_they_are_of() -> None:
     assert free.shape == asked.shape == (len(HOUSES), ENTRIES + 1)
     assert (free <= asked).all()
     assert asked.sum() > 50
-    assert free[:, ENTRIES].sum() > 0.5 * asked[:, ENTRIES].sum() > 0  # most floor seen is floor
+    assert free[:, ENTRIES].sum() > 0.5 * asked[:, ENTRIES].sum() > 0  # most seen floor is free
 
 
 def test_a_table_is_a_share_of_what_was_seen_before_whole_and_rising() -> None:
@@ -298,12 +301,12 @@ def test_a_table_is_a_share_of_what_was_seen_before_whole_and_rising() -> None:
     free = np.array([0, 2, 2, 0, 3, 3, 3, 9, 20, 18, 40, 45, 45, 60, 80, 80, 90, 80])
     assert odds(free, asked)[10] == CERTAIN * 0.4 / 0.8
     assert table(free, asked) == (0, 0, 0, 0, 0, 0, 0, 11, 24, 24, 50, 56, 56, 75, 100, 100, 100)
-    free[12] = asked[12] = 0  # none of its kind: as the one before
+    free[12] = asked[12] = 0  # no places of its kind: the entry equals the one before
     assert table(free, asked)[11:13] == (56, 56)
 
 
 def test_an_error_is_that_of_houses_and_an_entry_without_places_is_left_open() -> None:
-    """Half of the houses have a share of 0.6, half of 0.2: their mean has a deviation of 0.2 / root 40."""
+    """Half of the houses have a share of 0.6, half of 0.2: the mean's standard error is 0.2 / root 40."""
     asked = np.full((40, ENTRIES + 1), 100)
     free = np.tile(np.where(np.arange(40) % 2, 60, 20)[:, None], ENTRIES + 1)
     free[:, ENTRIES], asked[:, 3], free[:, 3] = 80, 0, 0

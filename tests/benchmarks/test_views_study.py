@@ -1,4 +1,4 @@
-"""What parts of the network that searches are worth: what a variant lacks, and how its choices are judged."""
+"""Value of the parts of the view network: the inputs of a variant, and the judgement of its choices."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -88,7 +88,7 @@ def test_choices_are_of_all_houses_and_of_maps_of_all_ages(choices: ViewChoices)
 
 
 class Told(torch.nn.Module):
-    """A network that knows what views are worth, or the contrary."""
+    """A network that knows the values of views, or their opposite."""
 
     def __init__(self, sign: int) -> None:
         super().__init__()
@@ -127,7 +127,7 @@ def test_the_table_has_a_row_of_each_part_less_the_whole(
 ) -> None:
     names = "finds", "foresight", "truth"
     study = Views(names, houses=3, choices=140, updates=2, seeds=2, out=tmp_path / "out")
-    for _ in range(2):  # the second time from what was kept
+    for _ in range(2):  # the second time from kept results
         study.run()
         rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
         assert [row[0].removeprefix("| ") for row in rows[-6:]] == [
@@ -150,7 +150,7 @@ def test_a_part_that_there_is_not_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("maker", [taught.any_task, taught.habit])
 def test_the_released_network_plays_a_task_that_it_was_not_taught(maker: Any) -> None:
-    """With its own foresight, and with that of the task, which reads kinds of pieces on the map."""
+    """The network plays with its own predictions, and with those of the task, which read furniture."""
     config = getattr(maker, "config", None)
     envs = make_envs(HOUSES, len(HOUSES), "habit", preset=sensor(config) if config else "default")
     policy = maker(envs)

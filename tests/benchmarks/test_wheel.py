@@ -1,4 +1,4 @@
-"""What an installed wheel can do that has no checkout beside it."""
+"""Abilities of an installed wheel without a checkout."""
 
 import os
 import shutil
@@ -16,18 +16,18 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a wheel's packages."""
+    """Return the folder of a wheel's packages."""
     folder = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
     subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
     [wheel] = folder.glob("*.whl")
-    with zipfile.ZipFile(wheel) as archive:  # what an installer does for a wheel of Python files
+    with zipfile.ZipFile(wheel) as archive:  # as an installer does for a wheel of Python files
         archive.extractall(folder / "site")
     return folder / "site"
 
 
 def in_wheel(installed: Path, folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
-    # Nothing is measured by a pytest that takes itself for one of several.
+    # Otherwise pytest would take itself for one of several workers, and measure nothing.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     environment["PYTHONPATH"] = str(installed)
     return finished([sys.executable, *command], cwd=folder, env=environment)

@@ -1,4 +1,4 @@
-"""The study of agents goes on where it was stopped, compares like with like, and hides no run."""
+"""The study of agents continues where it was stopped, compares like with like, and hides no run."""
 
 import json
 import os
@@ -37,7 +37,7 @@ HOUSES = 60
 
 
 def score(level: float, seed: int = 0) -> EpisodeScores:
-    """A policy that picks up this share of the oracle's 50 targets, more or less."""
+    """Return the scores of a policy that picks up about ``level`` of the oracle's 50 targets."""
     rng = np.random.default_rng(seed)
     targets = np.clip(np.round(50 * level + rng.normal(0, 3, HOUSES)), 0, 50)
     first = np.where(targets > 0, 40.0, np.inf)
@@ -45,7 +45,7 @@ def score(level: float, seed: int = 0) -> EpisodeScores:
 
 
 def result(targets: str = "main", **levels: tuple[float, ...]) -> Result:
-    """A measurement of policies with these levels, one for each run."""
+    """Return a result of policies with these levels, one for each run."""
     policies = {name: tuple(score(level, k) for k, level in enumerate(runs)) for name, runs in levels.items()}
     oracle = replace(score(1), targets=np.full(HOUSES, 50.0))
     rooms = np.arange(HOUSES) % 5 + 2
@@ -53,7 +53,7 @@ def result(targets: str = "main", **levels: tuple[float, ...]) -> Result:
 
 
 def written(one: Result) -> bytes:
-    """The result as a file of scores holds it."""
+    """Return the result as the content of a file of scores."""
     return scores.ScoreFile(scores.ScoredBank(""), 0, scores.modes_of([one])).json()
 
 
@@ -68,7 +68,7 @@ def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Outcom
 
 @pytest.fixture
 def study() -> Study:
-    """Two agents, a change of one, a run that failed."""
+    """Return a study with two agents, a change of one, and a failed run."""
     players = {"plain": (0.8, 0.82), "without": (0.5,), "other": (0.3, 0.3), "script": (0.6,)}
     return Study(
         share=0.2,
@@ -144,7 +144,7 @@ def test_every_external_agent_is_an_example_that_can_be_asked_for(
 
 
 def kept(training: EntryRun, steps: int) -> None:
-    """A run that has come so far."""
+    """Write a run that has seen ``steps`` steps."""
     config = training.entry.config(training.seed)
     checkpoint.save(Checkpoint(network_of(config), config, steps, training.entry.name), training.folder.agent)
     training.folder.config.write_text(json.dumps({"algorithm": config.algorithm, "config": asdict(config)}))
@@ -250,7 +250,7 @@ def test_an_external_agents_runs_are_one_policy_before_those_that_learn_nothing(
 
 
 def assert_tables(page: str) -> None:
-    """Each row has as many cells as the head of its table."""
+    """Assert that each row has as many cells as the head of its table."""
     lines = page.splitlines()
     for above, line in pairwise(lines):
         if line.startswith("|") and above.startswith("|"):
@@ -269,7 +269,7 @@ def test_the_page_names_failed_runs(study: Study) -> None:
 
 
 def test_external_agents_stand_apart_and_those_that_failed_are_named(study: Study) -> None:
-    """They learnt from far fewer steps, so no table has them beside our agents."""
+    """External agents learnt from far fewer steps, so no table has them together with our agents."""
     agent = External("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
     main = with_run(study.results["main"], agent.name, score(0.4))
     late = Outcome(agent.name, 1, False, "failed, exit code 1: no such library", (), None)
@@ -299,7 +299,7 @@ def test_the_page_shows_every_picture_that_is_drawn(study: Study) -> None:
 
 
 def test_a_study_does_what_is_left_and_writes_its_page(tmp_path: Path, monkeypatch) -> None:
-    """What trains and measures is replaced; a second call finds all done."""
+    """Replace training and evaluation; a second call finds everything done."""
     asked: list[str] = []
 
     def pretend(jobs, workers, cluster) -> None:

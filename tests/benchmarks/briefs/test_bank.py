@@ -1,4 +1,4 @@
-"""The frozen briefs, how briefs are read off plans, and the study of them, with tiny numbers."""
+"""The frozen briefs, the reading of briefs from plans, and their study, with tiny numbers."""
 
 import json
 from collections import Counter
@@ -90,7 +90,7 @@ def test_the_study_answers_scores_and_writes_its_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     some = {"kinds": ("dissection", "impossible"), "rooms": (5,), "each": 1}
-    peer = f"cat {tmp_path / 'brief-answers.jsonl'}"  # what ours has answered by then
+    peer = f"cat {tmp_path / 'brief-answers.jsonl'}"  # our answers so far
     BriefStudy(**some, out=tmp_path, peer=peer).run()
     assert "Of 1 proofs 1 (100 %) are minimal" in (tmp_path / "brief-bank.md").read_text()
     record = json.loads((tmp_path / "brief.json").read_text())

@@ -1,4 +1,4 @@
-"""The score is by geometry: of small houses with one thing wrong each, it finds that thing."""
+"""The score is computed by geometry: in small houses with one fault each, it finds that fault."""
 
 from typing import Any
 
@@ -49,7 +49,7 @@ ENTRY = BriefEntry("one", "house", "", WHOLE, "house")
 
 
 def changed(part: str, place: int, **how: Any) -> House:
-    """The house with a room or a door otherwise."""
+    """Return the house with a changed room or door."""
     record = HOUSE | {part: [{**each} for each in HOUSE[part]]}
     record[part][place] |= how
     return House.from_dict(record)

@@ -1,4 +1,4 @@
-"""The notice of licences names what is installed, and nothing else."""
+"""The notice of licences names the installed packages, and nothing else."""
 
 import re
 import subprocess
@@ -28,7 +28,7 @@ def test_the_notice_names_the_packages_and_versions_of_the_lock_and_no_others():
 
 
 def test_the_notice_is_what_the_installed_packages_say():
-    """Of other systems than Linux some packages are not for: there its rows are compared alone."""
+    """Compare the whole notice on Linux; other systems lack some packages, so there only its rows count."""
     if all(map(installed, locked().keys() - ELSEWHERE)):
         assert notice() == PAGE.read_text()
     for name in filter(installed, locked()):

@@ -1,4 +1,4 @@
-"""Studies keep what they measured, as they go and after Ctrl-C."""
+"""Studies keep their measurements, during the run and after Ctrl-C."""
 
 import csv
 import json
@@ -27,7 +27,7 @@ def test_other(benchmark):
 def test_what_was_measured_before_ctrl_c_stays_and_its_page_says_that_it_is_partial(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Nothing is measured where tests run side by side, as these may.
+    # Benchmarks measure nothing while tests run in parallel, which these tests may do.
     monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)
     script, out = tmp_path / "test_tiny.py", tmp_path / "out"
     script.write_text(STUDY)
@@ -51,7 +51,7 @@ def test_what_was_measured_before_ctrl_c_stays_and_its_page_says_that_it_is_part
     script.write_text("raise KeyboardInterrupt")
     with pytest.raises(KeyboardInterrupt):
         study(script, out, page)
-    assert json.loads((out / "tiny.json").read_text()) == report  # nothing was measured in its place
+    assert json.loads((out / "tiny.json").read_text()) == report  # no measurement replaced it
 
 
 def test_the_time_left_follows_sizes_of_the_same_measurement_and_else_the_mean() -> None:

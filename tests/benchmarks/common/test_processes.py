@@ -1,4 +1,4 @@
-"""Processes of a study keep to one processor each, and their failures are noted."""
+"""Processes of a study stay on one processor each, and their failures are recorded."""
 
 import sys
 from pathlib import Path

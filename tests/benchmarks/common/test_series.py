@@ -1,4 +1,4 @@
-"""Series and laws are read from reports of pytest-benchmark, fitted as a textbook does, and drawn."""
+"""Series and laws are read from reports of pytest-benchmark, fitted as in a textbook, and drawn."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def test_a_power_law_is_fitted() -> None:
 
 
 def test_a_power_law_has_its_exponent_and_interval() -> None:
-    """The interval against a textbook's formula, with Student's t for two degrees of freedom."""
+    """The interval equals that of a textbook's formula, with Student's t for two degrees of freedom."""
     sizes, noise = np.array(ROOMS), np.exp([0.1, -0.1, -0.1, 0.1])
     points = np.stack([sizes, 3 * sizes**1.25 * noise, sizes, sizes, 0 * sizes], axis=1)
     x = np.log(sizes) - np.log(sizes).mean()

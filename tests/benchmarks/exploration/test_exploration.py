@@ -1,4 +1,4 @@
-"""The study of exploration: what is seen, ways over what is known, and both agents on small maps."""
+"""The study of exploration: the area that is seen, paths over known cells, and both agents on small maps."""
 
 import math
 from pathlib import Path
@@ -45,7 +45,7 @@ def test_a_look_shows_what_points_along_its_beams_meet(field: float) -> None:
         angle = pose[0, 2] + field * ((beam + 0.5) / beams - 0.5)
         far = np.arange(0, 5.0 / seen.grid.cell, 0.001)
         columns = np.clip((x + far * math.cos(angle)).astype(int), 0, free.shape[1] - 1)
-        rows = np.clip((y - far * math.sin(angle)).astype(int), 0, free.shape[0] - 1)  # all edges are shut
+        rows = np.clip((y - far * math.sin(angle)).astype(int), 0, free.shape[0] - 1)  # all edges are closed
         end = int(np.argmin(free[rows, columns])) if not free[rows, columns].all() else len(far)
         expected[rows[:end], columns[:end]] = OPEN
         if end < len(far):

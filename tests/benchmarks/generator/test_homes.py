@@ -1,4 +1,4 @@
-"""The study of homes says what was measured, and beside what."""
+"""The study of homes states its measurements, and the published figures for comparison."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The page of the generator's study says what was measured, and hides no plan that was not done in time."""
+"""The page of the generator's study states its measurements, and hides no plan that was not done in time."""
 
 from pathlib import Path
 

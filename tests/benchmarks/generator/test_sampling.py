@@ -1,4 +1,4 @@
-"""Sampling is fair: gaps on their simplex, sizes in their range, layouts alike; and layouts are counted."""
+"""Sampling is fair: gaps on their simplex, sizes in their range, all layouts; and layouts are counted."""
 
 import json
 import re
@@ -21,7 +21,7 @@ from logic.placement import prolog
 from vitruvius.cli import main
 
 ALPHA = 1e-3
-"""The seeds are fixed, so a test passes always or never: this is how rare a sample it may rest on."""
+"""Significance level of the tests. The seeds are fixed, so a test passes always or never."""
 
 COINS = """
 #program coins.
@@ -53,7 +53,7 @@ def builder() -> Builder:
 
 @pytest.mark.parametrize("pieces", [1, 2, 3, 5])
 def test_gaps_on_a_chain_are_uniform_on_their_simplex(pieces: int) -> None:
-    """With k pieces of a half metre on 10 m there are k + 1 gaps: each is Beta(1, k) of what they share."""
+    """With k pieces of half a metre on 10 m there are k + 1 gaps: each is Beta(1, k) of their total."""
     gaps = on_a_chain(pieces, 2000)
     assert gaps.shape == (2000, pieces + 1)
     assert np.allclose(gaps.sum(axis=1), 1)
@@ -61,7 +61,7 @@ def test_gaps_on_a_chain_are_uniform_on_their_simplex(pieces: int) -> None:
 
 
 def test_a_sampler_with_another_law_is_found_out() -> None:
-    """The law that came to mind first, each start uniform in what is left, is not this one."""
+    """The obvious law, with each start uniform in the remaining length, is not this one."""
     rng = np.random.default_rng(0)
     starts = rng.random(2000)
     later = starts + (1 - starts) * rng.random(2000)
@@ -70,7 +70,7 @@ def test_a_sampler_with_another_law_is_found_out() -> None:
 
 @pytest.mark.parametrize("pieces", [["toilet"], ["toilet", "sink"]], ids=len)
 def test_pieces_stand_anywhere_on_their_wall(builder: Builder, pieces: list[str]) -> None:
-    """In whole rooms, apart from both ends of the wall; and a size that nothing binds is uniform."""
+    """Pieces stand anywhere between both ends of the wall, and a size without bounds is uniform."""
     shares, widths = on_a_wall(builder, pieces, 500)
     assert held("", shares).p > ALPHA
     if len(pieces) == 1:
@@ -79,7 +79,7 @@ def test_pieces_stand_anywhere_on_their_wall(builder: Builder, pieces: list[str]
 
 
 def test_rooms_stand_anywhere_along_their_side(builder: Builder) -> None:
-    """In whole houses: between the ends that their doors and the corners leave them."""
+    """Whole houses: rooms stand anywhere between the ends that their doors and the corners allow."""
     sides = along_sides(builder, 6, 50)
     assert set(sides) == {1, 2, 3}
     for shares in sides.values():
@@ -88,7 +88,7 @@ def test_rooms_stand_anywhere_along_their_side(builder: Builder) -> None:
 
 
 def test_on_a_grid_whole_gaps_come_from_the_whole_range() -> None:
-    """The law rounded down: of one piece of 1 cell on 5, every place is as likely."""
+    """The law is rounded down: for one piece of 1 cell on 5, all places are equally probable."""
     seeds = np.random.default_rng(0).integers(2**63, size=2000).tolist()
     prolog.load(CHAINS)
     prolog.run("set_cell", 1.0, module="grid")
@@ -109,7 +109,10 @@ def coins(folder: Path, arguments: Iterable[str] = ()) -> Program:
 
 
 def test_a_sample_s_entropy_is_that_of_its_law() -> None:
-    """Corrected for its size: four samples a value of an even law are short by no more than 1 %."""
+    """The entropy is corrected for the sample's size.
+
+    With four samples per value of a uniform law, it is short by at most 1 %.
+    """
     even = np.bincount(np.random.default_rng(0).integers(1000, size=4000))
     assert entropy(even) == pytest.approx(np.log(1000), rel=0.01)
     assert entropy([5, 0, 0]) == 0
@@ -124,7 +127,7 @@ def test_rejection_sampling_gives_every_layout_that_the_rules_accept_equally_oft
 
 @pytest.mark.parametrize(("piece", "most"), [("bedroom", 2), ("hall", 2)])
 def test_a_room_has_as_often_few_pieces_as_many(builder: Builder, piece: str, most: int) -> None:
-    """There are far more layouts with many; but what is sampled evenly is each choice."""
+    """There are far more layouts with many pieces, but sampling is uniform for each choice."""
     program = builder.programs.furniture(piece)
     layouts = [program.sample(np.random.default_rng([3, index])) or [] for index in range(300)]
     for name in {str(atom.arguments[0]) for layout in layouts for atom in layout if atom.name == "on"}:
@@ -138,8 +141,9 @@ def test_a_room_has_as_often_few_pieces_as_many(builder: Builder, piece: str, mo
 
 
 def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
-    """Three coins of which not all show heads: seven layouts, whatever else the model says. In no time one
-    at most, as the clock has it.
+    """Three coins of which not all show heads have seven layouts, whatever else the model has.
+
+    With no time, at most one layout is counted.
     """
     made = coins(tmp_path, EVERY)
     assert list(made.count([], 60)) == [(7, True)]
@@ -147,7 +151,7 @@ def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
 
 
 def test_a_count_says_once_a_second_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a clock that goes on by 0.4 s with each layout."""
+    """A clock advances by 0.4 s with each layout."""
     monkeypatch.setattr("logic.layout.program.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
     assert list(coins(tmp_path, EVERY).count([], 60)) == [(3, None), (6, None), (7, True)]
 
@@ -162,7 +166,7 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
         *_: object, report: Callable[[str, int], None], **__: object
     ) -> Iterator[tuple[str, int, bool]]:
         report("hall", 1234)
-        time.sleep(0.2)  # it is shown ten times a second
+        time.sleep(0.2)  # the count is shown ten times per second
         yield "hall", 5678, True
 
     monkeypatch.setattr("logic.count_layouts", counted)
@@ -175,7 +179,7 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
 
 
 def test_counts_are_those_of_brute_force(tmp_path: Path) -> None:
-    """All ways to have rooms on four sides, and one or two crates at a wall that they cannot fill."""
+    """Count all ways to have rooms on four sides, and one or two crates at a wall that they cannot fill."""
     (tmp_path / "cells.lp").write_text(CELLS)
     (tmp_path / "sizes.pl").write_text(SIZES)
     houses = 0
@@ -184,13 +188,13 @@ def test_counts_are_those_of_brute_force(tmp_path: Path) -> None:
     rooms = 0
     for crates in (1, 2):
         for _ in permutations(range(crates)):
-            for touching in product([False, True], repeat=crates + 1):  # what is before it, and the end
+            for touching in product([False, True], repeat=crates + 1):  # gaps before each crate, and the end
                 rooms += not all(touching)
     assert list(count_layouts(3, grammar=tmp_path)) == [("3 rooms", houses, True), ("cell", rooms, True)]
 
 
 def test_the_layouts_of_four_rooms_are_as_many_as_combinatorics_says() -> None:
-    """One room of each basic type at least, two rooms a side at most, an owner of each corner."""
+    """At least one room of each basic type, at most two rooms per side, and an owner of each corner."""
     types = sum(
         {"bedroom", "bathroom", "kitchen"} <= set(row)
         for row in product(["bedroom", "bathroom", "kitchen", "hall"], repeat=4)

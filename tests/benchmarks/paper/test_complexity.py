@@ -1,4 +1,4 @@
-"""The original's placing of rooms keeps to the law of its program; the study goes on where it stopped."""
+"""The original's placing of rooms follows its program's law; the study continues where it stopped."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -20,7 +20,7 @@ SIDES = {"bedroom": (12, 17), "bathroom": (8, 12), "kitchen": (10, 15)}
 
 
 def accepted(types: list[str], count: int) -> float:
-    """The share of samples that the original's program accepts, by NumPy: feet."""
+    """Return the fraction of samples that the original's program accepts, computed by NumPy in feet."""
     rng, rooms = np.random.default_rng(0), len(types)
     least, most = np.array([SIDES[type_] for type_ in types]).T
     size = rng.uniform(least, most, (2, count, rooms))
@@ -34,7 +34,7 @@ def accepted(types: list[str], count: int) -> float:
 
 
 def test_as_many_samples_are_tried_as_the_original_s_constraints_ask_for() -> None:
-    """The tries until one is accepted are geometric: their mean is 1 / share, their deviation about that."""
+    """The tries until the first accepted one are geometric: mean 1 / share, and about the same deviation."""
     prolog.load(Path(complexity.__file__).with_name("original_rooms.pl").resolve())
     prolog.run("set_random", prolog.Term("seed", 1), module="system")
     types = list(SIDES)
@@ -67,7 +67,7 @@ def test_the_study_goes_on_where_it_stopped_and_says_what_the_limit_stopped(
 def test_by_an_engine_each_cell_has_a_whole_machine_which_it_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Beside ``tests/logic/dataset/test_engine.py``, where a real one measures a cell."""
+    """``tests/logic/dataset/test_engine.py`` measures a cell with a real engine."""
 
     class Engine:
         def each(self, function: Any, items: Sequence[Any], alone: bool) -> Iterator[tuple[int, Any]]:

@@ -1,4 +1,4 @@
-"""The page of the paper is what its data say."""
+"""The page of the paper follows from its data."""
 
 import json
 

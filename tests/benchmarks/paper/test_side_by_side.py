@@ -1,4 +1,4 @@
-"""Runs of the paper's agent side by side do what one run does: its network, its updates, its actions."""
+"""Parallel runs of the paper's agent equal single runs: network, updates, actions."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -41,7 +41,7 @@ def networks() -> list[PaperNetwork]:
 
 
 def plain(network: PaperNetwork, s: torch.Tensor) -> torch.Tensor:
-    """The layers alone: angles are read before."""
+    """Return the output of the layers only, because angles are read before."""
     return network.layers(s)
 
 
@@ -87,9 +87,9 @@ def test_bodies_avoid_and_home_as_the_agents_layers_say(
         read[..., 2] = rng.random((count, 40)) < 0.02
         s = torch.from_numpy(read)
         near = ~rule(s, torch.zeros(count, dtype=torch.bool))[:, FORWARD].numpy()
-        near[2] = False  # which avoids nothing
+        near[2] = False  # a run that avoids nothing
         homes = home(torch.zeros(count, ACTIONS), s).argmax(-1).numpy() == FORWARD
-        homes[1] = False  # which does not home
+        homes[1] = False  # a run without homing
         q = [int(plain(network, s[run : run + 1]).argmax()) for run, network in enumerate(networks)]
         left, right = np.full(count, LEFT), np.full(count, RIGHT)
         assert actors.act(read, (nothing, left, right)).tolist() == np.where(near, RIGHT, q).tolist()

@@ -1,4 +1,4 @@
-"""Two sets of plans: what is measured of them, how far they lie apart, and weights that bring them nearer."""
+"""Two sets of plans: their figures, their distance, and weights that bring them closer."""
 
 import re
 from collections import Counter
@@ -23,7 +23,7 @@ ROWS = 150
 
 
 def test_rooms_doors_and_shared_walls_of_a_plan_are_counted() -> None:
-    """Two rooms side by side, and one that meets the second at a corner alone."""
+    """Two rooms are side by side, and a third touches the second only at a corner."""
     rooms = (Room(0, 0, 4, 3, "A", "den"), Room(4, 0, 2, 3, "B", "cave"), Room(6, 3, 2, 2, "C", "den"))
     doors = (Door(4, 1, 0, 0.8, ("A", "B")), Door(0, 1, 0, 0.8, ("outside", "A")))
     plan = measured(House(rooms, doors, ()))
@@ -62,7 +62,7 @@ def test_the_distance_of_samples_is_that_by_which_one_is_moved() -> None:
 def test_the_classifier_tells_apart_what_differs_and_nothing_else(
     shift: float, spread: float, least: float, most: float
 ) -> None:
-    """In a mean, or in a spread alone; the error says how far from that it may be."""
+    """Samples differ in the mean, or only in the spread; the error bounds the error of the area."""
     rng = np.random.default_rng(1)
     one, other = rng.normal(size=(ROWS, 4)), rng.normal(size=(ROWS, 4))
     other[:, 0] = shift + spread * other[:, 0]
@@ -87,7 +87,7 @@ def test_each_plan_has_a_row_with_the_same_features() -> None:
 
 
 def test_weights_are_fitted_to_how_often_types_are_wanted() -> None:
-    """Rooms by their weights alone: the fit finds the shares of the other set."""
+    """Rooms depend only on weights: the fit finds the frequencies of the other set."""
     grammar = find("home")
     stated = stated_weights(grammar)
     assert (stated["bedroom"], stated["wc"], stated["kitchen"]) == (6, 2, 1)

@@ -1,4 +1,4 @@
-"""The page of the simulator's study has its figures, their ratio to C, and other simulators beside them."""
+"""The page of the simulator's study has its figures, their ratio to C, and those of other simulators."""
 
 import numpy as np
 
