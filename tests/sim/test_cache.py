@@ -1,4 +1,4 @@
-"""The folder where Taichi keeps compiled kernels, by what the environment names and what can be written."""
+"""The folder of Taichi's compiled kernels, for all environment variables and permissions."""
 
 import os
 import tempfile
@@ -11,7 +11,7 @@ from sim.cache import VARIABLE, provide
 
 @pytest.fixture
 def own(tmp_path, monkeypatch):
-    """The folder of this user among the temporary files, where no other can be written."""
+    """Return the folder of this user among the temporary files, when no other folder is writable."""
     (tmp_path / "file").touch()
     monkeypatch.setenv(VARIABLE, str(tmp_path / "file" / "cache"))
     monkeypatch.setenv("HOME", str(tmp_path / "home"))

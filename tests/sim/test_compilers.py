@@ -1,4 +1,4 @@
-"""Taichi and Quadrants, its maintained fork: the same bits from both, and what is said of another name."""
+"""Taichi and Quadrants, its maintained fork: the same bits from both, and an error for another name."""
 
 import json
 import os
@@ -51,7 +51,7 @@ print(json.dumps([compiler.NAME, hashes]))
 
 
 def test_simulator_and_planner_go_the_same_way_on_taichi_and_on_its_fork() -> None:
-    """All backends, and the explorer, whose map is kernels too."""
+    """All backends agree, and so does the explorer, whose map consists of kernels, too."""
     played = {}
     for name in COMPILERS:
         done = finished([sys.executable, "-c", PLAYED], env=os.environ | {VARIABLE: name})

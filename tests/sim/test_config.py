@@ -1,4 +1,4 @@
-"""The limits, defaults and derived numbers of configurations and of how bodies drive."""
+"""Limits, defaults and derived numbers of configurations and of the limits of driving bodies."""
 
 import re
 from dataclasses import fields, replace
@@ -44,7 +44,7 @@ LIMITS: dict[str, tuple[list[Any], dict[Any, str]]] = {
         },
     ),
 }
-"""By field the values at its limits, and those beyond with words of the error."""
+"""For each field the values at its limits, and those beyond, with words of the error."""
 
 DRIVES: dict[str, tuple[list[Any], dict[Any, str]]] = {
     "time_step": ([0.001, 1.0], {0: "time_step 0 s, speed 0.7 m/s: both above 0", inf: "both above 0"}),

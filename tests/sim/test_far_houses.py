@@ -1,4 +1,4 @@
-"""Houses up to 512 m from the origin: as exact as float32 is there, and near the origin as small ones are."""
+"""Houses up to 512 m from the origin: exact up to float32, and near the origin equal to small houses."""
 
 import numpy as np
 import pytest
@@ -13,17 +13,17 @@ from tests.plans import PLANS
 from tests.reference import Reference, cast, sides
 
 AWAY = 489.9
-"""Metres, and a multiple of the plans' cells of 0.3 m."""
+"""Distance in metres, a multiple of the plans' cells of 0.3 m."""
 
 ERROR = 8e-5
-"""Metres across a line by which a ray may be off: rounding of the line and of the eye, and the overlap."""
+"""Largest error of a ray in metres across a line: rounding of the line and of the eye, and the overlap."""
 
 EACH = 1000
 BACKENDS = "continuous", "grid", "free"
 
 
 def moved(house: House, east: float, south: float) -> House:
-    """A house somewhere else."""
+    """Return a house at another place."""
 
     def there(part):
         return structs.replace(part, x=round(part.x + east, 9), y=round(part.y + south, 9))
@@ -38,7 +38,7 @@ WING = Room(400.2, 0.0, 3.0, 3.0, "WING", "hall")
 
 
 def angles(envs: HouseVectorEnv, pose: np.ndarray) -> np.ndarray:
-    """Radians of all rays (E, R), from exact headings."""
+    """Return the directions of all rays (E, R) in radians, from exact headings."""
     return np.round(4 / np.pi * pose[:, 2:].astype(float)) * (np.pi / 4) + envs.config.ray_angles
 
 
@@ -46,7 +46,7 @@ def angles(envs: HouseVectorEnv, pose: np.ndarray) -> np.ndarray:
 def test_rays_and_moves_far_from_the_origin_are_those_of_the_reference_in_float64(backend: str) -> None:
     envs = HouseVectorEnv([FAR], EACH, backend=backend, targets="all")
     reference, rng = Reference(FAR), np.random.default_rng(0)
-    side = envs.config.body[0] - (2e-3 if backend == "grid" else 0)  # there bodies touch walls
+    side = envs.config.body[0] - (2e-3 if backend == "grid" else 0)  # bodies on the grid touch walls
     lattice = envs.world.lattices[0]
     spots = lattice.origin.astype(float) + lattice.pitch * np.argwhere(np.ones(lattice.shape, bool))
     if backend != "grid":
@@ -82,7 +82,7 @@ def test_rays_and_moves_far_from_the_origin_are_those_of_the_reference_in_float6
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_lines_cover_their_ends_however_far_they_are(axis: int) -> None:
-    """In float32, and by as much as rays may be rounded by; near the origin they are as they always were."""
+    """Lines are extended in float32 by the rounding error of rays, and near the origin by a constant."""
     rng = np.random.default_rng(1)
     ends = np.sort(rng.uniform(-512, 512, (100_000, 2)))
     at = rng.uniform(-512, 512, len(ends))
@@ -97,7 +97,7 @@ def test_lines_cover_their_ends_however_far_they_are(axis: int) -> None:
 
 @pytest.mark.parametrize("backend", ["continuous", "free"])
 def test_rays_at_far_corners_do_not_leak(backend: str) -> None:
-    """Eyes are put where a ray meets a corner of their room."""
+    """Eyes are placed where a ray meets a corner of their room."""
     envs = HouseVectorEnv([FAR], EACH, backend=backend, targets="all")
     rng, corners = np.random.default_rng(1), np.array([np.reshape(room.box, (2, 2)) for room in FAR.rooms])
     reference, poses, rays, ways = Reference(FAR), [], [], []
@@ -144,7 +144,7 @@ def test_a_house_with_a_far_wing_is_near_the_origin_bit_for_bit_the_house_withou
 
 
 def test_walls_at_an_angle_do_not_leak_far_from_the_origin() -> None:
-    """Four walls in a ring, turned by some degrees, each ending on the next one's line."""
+    """Four walls form a ring, turned by some degrees, and each ends on the next one's line."""
     middle, turn = np.array([503.0, 503.0]), np.radians(20)
     ring = middle + 2 * np.array(
         [[np.cos(turn + k * np.pi / 2), np.sin(turn + k * np.pi / 2)] for k in range(4)]

@@ -1,4 +1,4 @@
-"""Pictures show what is there; films hold every frame."""
+"""Pictures show the state; films contain every frame."""
 
 import itertools
 
@@ -111,7 +111,7 @@ def test_an_mp4_has_all_frames_in_order_and_the_last_for_a_second(tmp_path):
 
 
 def test_all_of_the_outer_walls_is_in_the_picture() -> None:
-    """Of a house whose outer walls are half a metre thick, as of one with thin ones."""
+    """This holds for outer walls of half a metre and for thin ones."""
     thick = structs.replace(HOUSE, wall_thickness=Thickness(0.1, 0.5))
     for house in (HOUSE, thick):
         west, north, east, south = drawn_extent(house)

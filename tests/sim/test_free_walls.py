@@ -1,4 +1,4 @@
-"""Walls that stand by themselves: those along an axis stop bodies and rays in every backend. 12 s."""
+"""Free-standing walls: those along an axis stop bodies and rays in every backend. 12 s."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ SLANTED = structs.replace(PLAIN, topology="own", free_walls=(FreeWall(1, 1, 2, 1
 
 
 def walk(house: House, backend: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What is seen in all steps, poses and which steps are blocked."""
+    """Return the observations of all steps, the poses, and a mask of blocked steps."""
     plan = np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(60, 100))
     envs = HouseVectorEnv(
         [house], num_envs=100, backend=backend, targets="all", preset=replace(DEFAULT, sees_kind=True)

@@ -1,4 +1,4 @@
-"""A house's walls and pieces, in both conventions of files."""
+"""Walls and furniture of a house, in both conventions of files."""
 
 from itertools import combinations
 
@@ -70,7 +70,7 @@ def test_a_closed_door_of_a_thick_wall_is_at_the_face_in_the_room_that_it_names_
 
 
 def test_a_closed_door_of_a_room_in_parts_is_at_the_face_of_the_part_beside_it():
-    """The room's own rectangle has a face as near to the door's line, elsewhere."""
+    """Another face of the room's own rectangle is as near to the door's line."""
     parts = (
         Room(0, 0, 2, 2, "A", "hall"),
         Room(0, 2.3, 2, 2, "A2", "hall", part_of="A"),

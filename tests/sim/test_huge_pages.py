@@ -1,4 +1,4 @@
-"""Large arrays are asked for in huge pages; they hold what they held."""
+"""Large arrays are requested in huge pages, and keep their contents."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from sim.runtime import Array, start, ti
 
 
 def flags(address: int) -> list[str]:
-    """What Linux notes of the memory at an address: VmFlags of its mapping."""
+    """Return Linux's flags of the memory at an address: VmFlags of its mapping."""
     lines, here = Path("/proc/self/smaps").read_text().splitlines(), False
     for line in lines:
         first = line.split()[0]

@@ -1,4 +1,4 @@
-"""Houses that are no stars: rooms with several doors, rooms behind rooms, an entrance that is shut."""
+"""Houses that are no stars: rooms with several doors, rooms behind rooms, a closed entrance."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ HOUSES = list(PLANS.values())
 
 
 def room_of(house: House, places: np.ndarray) -> list[str]:
-    """The type of the room that each of the places (n, 2) is in."""
+    """Return the type of the room that contains each of the places (n, 2)."""
     boxes = np.array([room.box for room in house.rooms])
     inside = ((boxes[:, :2] < places[:, None]) & (places[:, None] < boxes[:, 2:])).all(axis=2)
     return [house.rooms[k].type for k in inside.argmax(axis=1)]

@@ -1,4 +1,4 @@
-"""Taichi's cache of kernels, records of arrays, and the threads that environments are made in."""
+"""Taichi's kernel cache, records of arrays, and the threads in which environments are created."""
 
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 
@@ -15,7 +15,7 @@ from tests.programs import finished
 
 
 def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(tmp_path):
-    drop_stale_lock(tmp_path)  # there is none
+    drop_stale_lock(tmp_path)  # no lock exists
     lock = tmp_path / compiler.LOCK
     lock.touch()
     drop_stale_lock(tmp_path)
@@ -73,7 +73,7 @@ def test_a_kernel_has_arrays_together_as_a_record_and_takes_them_by_its_fields()
 
     @kernel
     def areas(scale: Numbers, sides: Sides, found: Numbers):
-        """Of boxes, all at one scale."""
+        """Compute the areas of boxes, all at one scale."""
         for k in range(found.shape[0]):
             found[k] = scale[0] * area(sides, k)
 

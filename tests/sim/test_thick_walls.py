@@ -1,4 +1,4 @@
-"""Walls with a thickness stop bodies and rays at their faces, in both backends; doorways have jambs. 15 s."""
+"""Thick walls stop bodies and rays at their faces, in both backends, and doorways have jambs. 15 s."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -22,14 +22,14 @@ EACH = 200
 
 
 def lines_of(house: House) -> np.ndarray:
-    """All that stops a ray, (S, 2, 2)."""
+    """Return all lines that stop a ray, (S, 2, 2)."""
     pieces = [shapely.box(*piece.box).boundary for room in house.rooms for piece in room.pieces]
     parts = [faces(house), *pieces]
     return np.array([pair for each in shapely.get_parts(parts) for pair in pairwise(each.coords)])
 
 
 def poses(house: House) -> np.ndarray:
-    """Places that are free, some of them in doorways, and headings."""
+    """Return free places, some of them in doorways, and headings."""
     rng, reference, found = np.random.default_rng(0), Reference(house), list[list[float]]()
     doors = [door for door in house.doors if not door.is_entrance]
     while len(found) < EACH:
@@ -60,7 +60,7 @@ def test_moves_and_rays_are_those_of_the_edge_of_rooms_and_doorways(number: int)
     for e in range(EACH):
         expected = np.minimum(cast(lines, start[e, :2], start[e, 2] + angles), far)
         ours = seen[e, :, 0] * far
-        # A ray that just passes the end of a line may be decided either way; a target may be nearer.
+        # A ray that just passes the end of a line may go either way; a target may be nearer.
         assert (np.abs(ours - expected) < 1e-3).mean() > 0.9 or seen[e, :, 1].any()
     reference, decided = Reference(house), 0
     *_, after = envs.step(np.full(EACH, FORWARD))

@@ -1,4 +1,4 @@
-"""Sources of kernels as the compiler reads them."""
+"""Source code of kernels, as the compiler reads it."""
 
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 

@@ -1,4 +1,4 @@
-"""Houses on a grid in MiniGrid, by MiniGrid itself: its ways are ours, its checks and wrappers take them."""
+"""Houses on a grid in MiniGrid: its paths equal ours, and its checks and wrappers accept them."""
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
@@ -22,11 +22,11 @@ from tests.sim.backends.test_grid import CELL
 from tests.thick import thickened
 
 LEFT, RIGHT, FORWARD, PICK_UP, TOGGLE = 0, 1, 2, 3, 5
-"""MiniGrid's actions, as its documentation numbers them."""
+"""Actions of MiniGrid, with the numbers of its documentation."""
 
 
 def cells(x: float, y: float, width: float, height: float) -> tuple[float, float, float, float]:
-    """A rectangle in cells, in metres."""
+    """Return a rectangle, given in cells, in metres."""
     return x * CELL, y * CELL, width * CELL, height * CELL
 
 
@@ -55,7 +55,7 @@ EACH_HOUSE = pytest.mark.parametrize("number", range(len(HOUSES)))
 
 
 def made(**arguments: Any) -> MiniGridHouseEnv:
-    """The environment without the wrappers of ``gymnasium.make``."""
+    """Return the environment without the wrappers of ``gymnasium.make``."""
     env = gymnasium.make("sim:Vitruvius/MiniGrid-v0", houses=HOUSES, targets="all", **arguments).unwrapped
     assert isinstance(env, MiniGridHouseEnv)
     return env
@@ -67,26 +67,27 @@ def env() -> MiniGridHouseEnv:
 
 
 def open_to(env: MiniGridHouseEnv, place: Tile) -> bool:
-    """Whether MiniGrid's agent can be on a tile."""
+    """Return True if MiniGrid's agent can be on a tile."""
     found = env.grid.get(*place)
     return found is None or found.can_overlap()
 
 
 def front(env: MiniGridHouseEnv) -> Tile:
-    """The tile in front of MiniGrid's agent."""
+    """Return the tile in front of MiniGrid's agent."""
     x, y = env.front_pos
     return int(x), int(y)
 
 
 def kind(env: MiniGridHouseEnv, place: Tile) -> str:
-    """What MiniGrid has on a tile."""
+    """Return the type of MiniGrid's object on a tile, or an empty text."""
     found = env.grid.get(*place)
     return found.type if found else ""
 
 
 def shortest_actions(env: MiniGridHouseEnv, turns_anywhere: bool = True) -> list[int]:
-    """The fewest actions to the goal, by breadth-first search in MiniGrid's grid alone; or of those paths
-    that turn in tiles of cells and nowhere else.
+    """Return the fewest actions to the goal, by breadth-first search in MiniGrid's grid only.
+
+    Without ``turns_anywhere``, paths turn only in tiles of cells.
     """
 
     def following(state: tuple[int, int, int]) -> Iterator[tuple[int, tuple[int, int, int]]]:
@@ -113,7 +114,7 @@ def shortest_actions(env: MiniGridHouseEnv, turns_anywhere: bool = True) -> list
 
 
 def steps_from(start: Tile, neighbours: Callable[[int, int], Iterable[Tile]]) -> dict[Tile, int]:
-    """The fewest steps from a place to each that can be reached."""
+    """Return the fewest steps from a place to each reachable place."""
     steps, queue = {start: 0}, deque([start])
     while queue:
         place = queue.popleft()
@@ -128,7 +129,7 @@ def steps_from(start: Tile, neighbours: Callable[[int, int], Iterable[Tile]]) ->
 def test_every_cell_is_twice_as_many_tiles_away_as_steps_of_our_grid(
     env: MiniGridHouseEnv, number: int
 ) -> None:
-    """Along the axes, as MiniGrid's agent goes; what the simulator looks up says where our body can go."""
+    """Distances along the axes in MiniGrid equal twice the steps that the simulator's table allows."""
     _, info = env.reset(seed=number, options={"house": number})
     house = Cells(env.envs.geometries[number], CELL)
 
@@ -179,7 +180,7 @@ def test_doors_are_minigrids_and_furniture_stays_where_it_is() -> None:
     options = {"house": 2, "pose": [*cells(1.5, 2.5, 0, 0)[:2], 0.0], "target": cells(2.5, 4.5, 0, 0)[:2]}
     env.reset(seed=0, options=options)
     kinds = Counter((each.type, each.color) for each in env.grid.grid if each)
-    assert kinds["door", "yellow"] == 9  # of two cells each, and the corner between them
+    assert kinds["door", "yellow"] == 9  # two cells each, and the corner between them
     assert shortest_actions(env) == []
     assert [kind(env, (x, 0)) for x in range(8, 13)] == ["wall", "door", "door", "door", "wall"]
     for action in (RIGHT, TOGGLE):

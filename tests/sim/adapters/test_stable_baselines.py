@@ -1,4 +1,4 @@
-"""Environments as those of Stable-Baselines3."""
+"""Our environments as environments of Stable-Baselines3."""
 
 import pytest
 from gymnasium import Wrapper
@@ -23,7 +23,7 @@ def test_options_may_be_one_for_each():
 
 
 class Worth(VectorWrapper):
-    """A wrapper with an attribute and a method of its own."""
+    """A wrapper with its own attribute and method."""
 
     worth = 7
 
@@ -32,7 +32,7 @@ class Worth(VectorWrapper):
 
 
 class Unused(VectorWrapper):
-    """Around no environment."""
+    """A wrapper around no environment."""
 
 
 def test_attributes_and_methods_are_those_of_the_outermost_layer_that_has_them():

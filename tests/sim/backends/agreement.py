@@ -1,4 +1,4 @@
-"""Backends that must show the same where a body stands at the same place."""
+"""Comparison of backends that must show the same from the same place."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from sim import HouseVectorEnv
 
 
 def require_equal_rays(houses: Sequence[House], count: int, targets: str) -> None:
-    """Hold that at the grid's poses both backends see the same distances and the same targets."""
+    """Require the same distances and the same targets from both backends at the grid's poses."""
     grid, continuous = (
         HouseVectorEnv(houses, num_envs=count, backend=backend, targets=targets)
         for backend in ("grid", "continuous")

@@ -1,8 +1,8 @@
-"""The free backend beside shapely: ``python -m tests.sim.backends.free_study --cases 1000000``.
+"""The free backend compared with shapely: ``python -m tests.sim.backends.free_study --cases 1000000``.
 
-Houses as shapely has them, in float64, by other code than the simulator's. Rays: where a line from the eye
-first meets a wall or a piece. Moves: a disc goes on until its distance to all of them is its radius, found by
-bisection, and then along what it touches.
+Shapely has the houses in float64, computed by other code than the simulator's. A ray ends where a line from
+the eye first meets a wall or furniture. A disc moves until its distance to all of them is its radius, which
+bisection finds, and then along the obstacle.
 """
 
 import argparse
@@ -22,17 +22,18 @@ from tests.reference import walls
 from tests.thick import thickened
 
 WAY = 2e-5
-"""Metres: a difference that float32 can make, of a distance and of a place."""
+"""Difference in metres that float32 can make, for a distance and for a place."""
 
 SAMPLES = 201
-"""Of a way of up to 0.4 m: between two of them a disc dips no deeper than 4e-6 m into a corner."""
+"""Number of samples of a path of up to 0.4 m: between two samples a disc enters a corner by at most 4e-6
+m."""
 
 BRISK = Drive(time_step=0.1, speed=4.0, reverse=2.0, turn_speed=8.0, acceleration=1e9, turn_acceleration=1e9)
-"""Steps of up to 0.4 m, so that many meet something."""
+"""Limits with steps of up to 0.4 m, so that many steps meet an obstacle."""
 
 
 def with_slanted_walls(seed: int) -> House:
-    """A room with a dozen walls at any angle, some thin, some thick, a few along an axis, and pieces."""
+    """Return a room with furniture and a dozen walls at any angle: thin, thick, and a few along an axis."""
     rng = np.random.default_rng(seed)
     size = rng.uniform(5, 9, 2)
     free = []
@@ -54,7 +55,7 @@ def with_slanted_walls(seed: int) -> House:
 
 
 def houses(count: int, seed: int = 0) -> list[House]:
-    """Houses of all kinds, half of them with walls at an angle."""
+    """Return houses of all kinds, half of them with walls at an angle."""
     plans = [*PLANS.values(), *map(thickened, PLANS.values())]
     straight = [
         sample_houses.random_house(seed + k, k % 2 == 1)
@@ -66,10 +67,10 @@ def houses(count: int, seed: int = 0) -> list[House]:
 
 
 class Solids:
-    """What stops rays and bodies in a house."""
+    """Obstacles for rays and bodies in a house."""
 
     def __init__(self, house: House) -> None:
-        """By shapely's set operations."""
+        """Build the obstacles by shapely's set operations."""
         parts = [walls(house), *(shapely.box(*piece.box) for room in house.rooms for piece in room.pieces)]
         for wall in house.free_walls:
             line = shapely.LineString([(wall.x1, wall.y1), (wall.x2, wall.y2)])
@@ -82,17 +83,17 @@ class Solids:
         shapely.prepare(self.lines)
 
     def seen(self, eye: np.ndarray, angle: np.ndarray, reach: float) -> np.ndarray:
-        """How far rays (N,) go from eyes (N, 2)."""
+        """Return the lengths of rays (N,) from eyes (N, 2)."""
         ends = eye + reach * np.column_stack([np.cos(angle), -np.sin(angle)])
         met = shapely.intersection(shapely.linestrings(np.stack([eye, ends], axis=1)), self.lines)
         return np.nan_to_num(np.asarray(shapely.distance(shapely.points(eye), met)), nan=reach)
 
     def away(self, place: np.ndarray) -> np.ndarray:
-        """How far places (N, 2) are from everything."""
+        """Return the distances of places (N, 2) from all obstacles."""
         return np.asarray(shapely.distance(shapely.points(place), self.all))
 
     def leaning(self, place: np.ndarray) -> np.ndarray:
-        """Unit vectors (N, 2) to places from the nearest point of anything."""
+        """Return unit vectors (N, 2) from the nearest point of any obstacle to places."""
         coords = shapely.get_coordinates(shapely.shortest_line(self.all, shapely.points(place))).reshape(
             -1, 2, 2
         )
@@ -100,9 +101,10 @@ class Solids:
         return way / np.linalg.norm(way, axis=1, keepdims=True)
 
     def gone(self, place: np.ndarray, way: np.ndarray, radius: float) -> np.ndarray:
-        """The share of its way (N, 2) that a disc goes until it touches something, at most 1: the first of
-        ``SAMPLES`` places on it where it would be inside, and bisection. What it touches less deep than a
-        millionth of a metre does not stop it.
+        """Return the fraction of its path (N, 2) that a disc moves before it touches an obstacle, at most 1.
+
+        The fraction is the first of ``SAMPLES`` places at which the disc would be inside, refined by
+        bisection. Contact of less than a millionth of a metre does not stop the disc.
         """
         share = np.linspace(0, 1, SAMPLES)
 
@@ -122,26 +124,29 @@ class Solids:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What differs between the simulator and shapely, of a number of cases."""
+    """Differences between the simulator and shapely in a number of cases."""
 
     rays: int
     wrong_rays: int
     grazing: int
-    """Rays that shapely, too, sees end elsewhere if they point a hair's breadth aside."""
+    """Rays that shapely, too, sees end elsewhere after a tiny change of their direction."""
     moves: int
     met: int
-    """Moves in which something was in the way."""
+    """Moves with an obstacle in the way."""
     wrong_moves: int
     close: int
-    """Moves that shapely, too, ends elsewhere with a disc a hair's breadth larger or smaller."""
+    """Moves that shapely, too, ends elsewhere with a slightly larger or smaller disc."""
     furthest: float
-    """Metres: the greatest difference of a distance that is not grazing."""
+    """Largest difference of a distance that is not grazing, in metres."""
 
 
 def compare(
     bank: Sequence[House], each: int, at_contact: str = "slide", seed: int = 0, sideways: float = 0.0
 ) -> Outcome:
-    """So many bodies in each house: what they see, and where a step takes them; ``sideways`` m/s at most."""
+    """Compare the rays and a step of ``each`` bodies in each house.
+
+    ``sideways``: largest sideways speed, m/s.
+    """
     drive = replace(BRISK, at_contact=at_contact, sideways=sideways)
     config = replace(DEFAULT, drive=drive, rays=40, ray_spacing=9.0, first_ray=175.0)
     count, rng = each * len(bank), np.random.default_rng(seed)
@@ -153,13 +158,13 @@ def compare(
         found = np.zeros((0, 2))
         while len(found) < each:
             some = rng.uniform((west, north), (east, south), (4 * each, 2)).astype(np.float32).astype(float)
-            # Half of the bodies begin near something.
+            # Half of the bodies begin near an obstacle.
             far = solids[k].away(some)
             limit = np.where(np.arange(len(some)) % 2, radius + 0.2, np.inf)
             found = np.vstack([found, some[shape.holds(some) & (far > radius + 1e-4) & (far < limit)]])
         pose[house == k, :2] = found[rng.permutation(len(found))[:each]]
     pose[:, 2] = rng.uniform(0, 2 * np.pi, count)
-    corner = np.tile([[90.0, 90.0]], (count, 1))  # a target that nobody sees
+    corner = np.tile([[90.0, 90.0]], (count, 1))  # a target out of sight
     seen, info = envs.reset(seed=seed, options={"house": house, "pose": pose, "target": corner})
     pose = info["pose"].astype(float)
     v, w = rng.uniform(-drive.reverse, drive.speed, count), rng.uniform(-8, 8, count)
@@ -192,13 +197,13 @@ def compare(
 def _rays(
     solids: Solids, pose: np.ndarray, angle: np.ndarray, ours: np.ndarray, reach: float
 ) -> tuple[int, int, float]:
-    """Wrong and grazing rays, and the greatest difference of the others."""
+    """Return the numbers of wrong and grazing rays, and the largest difference of the other rays."""
     eye = np.repeat(pose[:, :2], angle.shape[1], axis=0)
     angle, ours = angle.ravel(), ours.astype(float).ravel()
     theirs = solids.seen(eye, angle, reach)
     off = np.abs(ours - theirs)
     other = off > WAY
-    # As far aside as a line reaches beyond its end, and float32 can turn a ray.
+    # Sideways by the extension of a line beyond its end, and by the float32 error of a ray's direction.
     side = 4e-5 / np.maximum(0.1, np.minimum(ours, theirs)[other]) + 1e-6
     near = [solids.seen(eye[other], angle[other] + share * side, reach) for share in (-1, -0.3, 0, 0.3, 1)]
     fine = (ours[other] >= np.min(near, axis=0) - WAY) & (ours[other] <= np.max(near, axis=0) + WAY)
@@ -214,7 +219,7 @@ def _moves(
     radius: float,
     at_contact: str,
 ) -> tuple[int, int, int, int]:
-    """Moves that met something, wrong ones, close ones, and those that ended too near to something."""
+    """Return the numbers of moves that met an obstacle, wrong moves, close ones, and ends too near to one."""
     ends = [_moved(solids, place, way, radius + slack, at_contact) for slack in (0.0, -WAY, WAY)]
     met = np.linalg.norm(ends[0] - place - way, axis=1) > WAY
     off = np.linalg.norm(ours - ends[0], axis=1)
@@ -231,7 +236,7 @@ def _moves(
 
 
 def _moved(solids: Solids, place: np.ndarray, way: np.ndarray, radius: float, at_contact: str) -> np.ndarray:
-    """Where discs come to that would go some way."""
+    """Return the end places of discs that try to move along their paths."""
     at, left, last = place.copy(), way.copy(), np.zeros_like(way)
     for _ in range(4):
         share = solids.gone(at, left, radius)
@@ -249,7 +254,7 @@ def _moved(solids: Solids, place: np.ndarray, way: np.ndarray, radius: float, at
 
 
 def main() -> None:
-    """Print what differs."""
+    """Print the differences."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=100_000, help="rays in all; a move for each 40 of them")
     parser.add_argument("--seed", type=int, default=0)

@@ -1,4 +1,4 @@
-"""A user's backend: the documentation's example runs as it stands, and what is none is refused."""
+"""A user's backend: the documentation's example runs unchanged, and invalid backends are refused."""
 
 import importlib
 import re
@@ -20,12 +20,12 @@ DOCS = Path(__file__).parents[3] / "docs"
 NAME = "main_room:MainRoom"
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 EMPTY = [House.of_star(Star(house.star.floor)) for house in HOUSES]
-"""Their main rooms alone."""
+"""Houses with only their main rooms."""
 
 
 @pytest.fixture(scope="module", autouse=True)
 def folder(tmp_path_factory):
-    """Where the page's class is, saved as the page says."""
+    """Save the class of the documentation page, and yield its folder."""
     path = tmp_path_factory.mktemp("backends")
     code = re.search(r"```python\n(.*?)```", (DOCS / "tutorials" / "backend.md").read_text(), re.DOTALL)
     assert code
@@ -53,7 +53,7 @@ def test_its_autoreset_modes_give_the_same_episodes():
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.parametrize("by_ray", [False, True])
 def test_it_equals_the_continuous_backend_in_a_house_of_a_main_room_alone(preset, by_ray):
-    """Rays within 1e-5 m, moves, starts and targets the same, in both shapes of the loop."""
+    """Rays agree within 1e-5 m; moves, starts and targets are equal, in both shapes of the loop."""
     arguments = {"num_envs": 200, "houses": EMPTY, "preset": preset, "by_ray": by_ray}
     ours, theirs = make(**arguments), make(**arguments | {"backend": "continuous"})
     (seen, info), (their_seen, their_info) = ours.reset(seed=0), theirs.reset(seed=0)

@@ -1,4 +1,4 @@
-"""Closed doors: what they stop, how they open, and that the oracle's paths through them are the shortest."""
+"""Closed doors: they block bodies and rays, they open, and the oracle's paths through them are shortest."""
 
 from collections import deque
 from dataclasses import replace
@@ -18,7 +18,7 @@ from tests.reference import Boxes, sights, stopped
 
 
 def squares(side: int) -> House:
-    """Rooms of 2.4 m in a square, a door wherever two share a wall."""
+    """Return rooms of 2.4 m in a square, with a door wherever two share a wall."""
     rooms = [
         Room(2.4 * i, 2.4 * j, 2.4, 2.4, f"R{i}-{j}", "bedroom") for i in range(side) for j in range(side)
     ]
@@ -36,19 +36,20 @@ def squares(side: int) -> House:
 
 
 HOUSES = [*map(sample_houses.random_house, range(100, 104)), *PLANS.values(), squares(5)]
-"""The last one has more than 32 doors."""
+"""Test houses; the last one has more than 32 doors."""
 
 CELL = 0.45
 TWO_ROOMS = sample_houses.drawn("aaaaa.bbb\naAaaa.bbb\naa+aa.bBb\n......+bb\n......bbb\n......bbb", cell=CELL)
 TWO_WAYS = sample_houses.drawn("aaa.bbb\naa+.+bb\naaa.bbb\n.......\n.......", cell=0.9)
 LOOP = random_plan(4, 4)
-"""Rooms about a cycle: a way round may cost less than a door."""
+"""Rooms in a cycle, so that a detour may cost less than a door."""
 EACH = 20
 
 
 def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.ndarray, np.ndarray]:
-    """Environments at sampled poses, half of them less than a step from a door, each door open or not at
-    random: with the poses (E, 3) and which doors are closed (E, D) bool.
+    """Return environments at sampled poses, with the poses (E, 3) and a mask (E, D) bool of closed doors.
+
+    Half of the bodies are less than a step from a door. Each door is open or closed at random.
     """
     rng, count = np.random.default_rng(seed), EACH * len(houses)
     envs = HouseVectorEnv(houses, num_envs=count, backend=backend, preset=DOORS, targets="all")
@@ -56,7 +57,7 @@ def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.nda
     for k, lattice in enumerate(envs.world.lattices):
         shape = envs.geometries[k]
         spots = lattice.origin + lattice.pitch * np.argwhere(np.ones(lattice.shape, bool))
-        half = envs.config.body[0] / 2 - (2e-3 if backend == "grid" else 0)  # there bodies touch walls
+        half = envs.config.body[0] / 2 - (2e-3 if backend == "grid" else 0)  # bodies on the grid touch walls
         free = spots[shape.holds(spots) & Boxes.of(shape).clear(spots, half)]
         gap = (np.abs(free[:, None] - shape.doors[:, :2]) - shape.doors[:, 2:]).max(axis=2) - half
         near = free[((gap > 0) & (gap < envs.config.step)).any(axis=1)]
@@ -75,7 +76,7 @@ def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.nda
 
 @pytest.mark.parametrize(("backend", "houses"), [("continuous", HOUSES), ("grid", [TWO_ROOMS] * 4)])
 def test_rays_and_moves_meet_closed_doors_and_no_open_ones(backend, houses):
-    """Against all walls, pieces and closed doors of a house in float64."""
+    """Compare with all walls, furniture and closed doors of a house in float64."""
     config = replace(DOORS, closed_doors=1)
     for action in (0, 2):
         envs, pose, closed = posed(backend, houses, seed=action)
@@ -122,7 +123,7 @@ def test_rays_and_moves_meet_closed_doors_and_no_open_ones(backend, houses):
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 def test_a_door_opens_after_its_steps_and_is_closed_again_in_the_next_episode(backend, mode):
-    """A body walks straight at a door, whatever follows an episode's end."""
+    """A body walks straight at a door, in each autoreset mode."""
     steps, config = 12, replace(DOORS, closed_doors=3)
     envs = HouseVectorEnv(
         [TWO_ROOMS],
@@ -170,7 +171,7 @@ def test_a_state_that_is_restored_goes_on_bit_for_bit_also_in_another_environmen
 
 
 def test_open_doors_are_the_house_without_doors():
-    """With all doors open, what is seen and done is what it is in the default world."""
+    """With all doors open, observations and moves equal those of the default world."""
     plan = np.random.default_rng(1).choice(3, p=[0.2, 0.1, 0.7], size=(200, 32))
     both = []
     for config in (replace(DEFAULT, sees_kind=True), DOORS):
@@ -209,8 +210,9 @@ def test_a_world_where_doors_cannot_be_walked_at_is_refused(config, changes):
 
 
 def moves_of(house, origin, config):
-    """What each action does from every pose of a lattice with all doors open, and the doors that a step
-    meets: by asking environments, and by boxes in float64.
+    """Return the effect of each action from every pose of a lattice with all doors open.
+
+    It includes the doors that a step meets. The effects are computed with boxes in float64.
     """
     west, north, east, south = geometry(house).bounds
     i = np.arange(np.ceil((west - origin[0]) / config.step), (east - origin[0]) / config.step).astype(int)
@@ -237,8 +239,9 @@ def moves_of(house, origin, config):
 
 
 def fewest(moved, start, pushes, goal, steps):
-    """Forward breadth-first search over poses and how far each door is opened: the fewest actions that lead
-    from a start to one of the places ``goal``.
+    """Return the fewest actions from a start to one of the places ``goal``, or None.
+
+    Forward breadth-first search over poses and the number of pushes of each door.
     """
     seen, queue = {(start, pushes)}, deque([(start, pushes, 0)])
     while queue:
@@ -259,7 +262,7 @@ def fewest(moved, start, pushes, goal, steps):
 
 @pytest.mark.parametrize(("backend", "steps"), [("continuous", 1), ("continuous", 6), ("grid", 5)])
 def test_paths_of_the_oracle_through_closed_doors_are_shortest(backend, steps):
-    """From any pose, with any doors opened any part: against a search over poses and doors."""
+    """Compare with a search over poses and doors, from any pose, with any number of pushes."""
     house = LOOP if backend == "continuous" else TWO_ROOMS
     config, rng, count = replace(DEFAULT, step=0.15, closed_doors=steps), np.random.default_rng(steps), 8
     envs = HouseVectorEnv([house], num_envs=count, backend=backend, targets="all", preset=config)
@@ -272,7 +275,7 @@ def test_paths_of_the_oracle_through_closed_doors_are_shortest(backend, steps):
     wholes[:, :3] = cells
     pushes = rng.integers(0, steps + 1, (count, len(geometry(house).doors)))
     for e, cell in enumerate(cells):
-        for heading in range(8):  # a door that a body stands in is open
+        for heading in range(8):  # a door that contains a body is open
             back = moved[(*cell[:2], heading), 2][1]
             pushes[e, list(back)] = steps
     envs.state = state | {"wholes": wholes, "pushes": pushes.astype(np.uint8).ravel()}

@@ -1,4 +1,4 @@
-"""What must hold whatever the house: mirrored and turned houses, walls at any speed, checked memory."""
+"""Invariants of any house: mirrored and turned houses, walls at any speed, memory bounds."""
 
 import os
 import sys
@@ -27,7 +27,7 @@ Placed = TypeVar("Placed", bound=Rect)
 
 
 def mirrored(rect: Placed) -> Placed:
-    """A rectangle with all that it holds, as it is in a mirror: x becomes -x."""
+    """Return the mirror image of a rectangle and its contents: x becomes -x."""
     changes: dict = {"x": -rect.x - rect.width}
     if isinstance(rect, StarRoom | Piece):
         changes["children"] = tuple(mirrored(child) for child in rect.children)
@@ -42,7 +42,7 @@ def mirrored_house(house: House) -> House:
 
 
 class Change:
-    """What becomes of a house, and with it of places (..., 2), headings, actions and rays."""
+    """Transformation of a house, and of places (..., 2), headings, actions and rays in it."""
 
     def __init__(self, mirror: bool, quarters: int) -> None:
         self.mirror, self.quarters = mirror, quarters
@@ -78,7 +78,7 @@ CHANGES = {
 
 
 def walk(envs: HouseVectorEnv, house: np.ndarray, pose: np.ndarray, target: np.ndarray, plan: np.ndarray):
-    """The outputs of each step of a plan (T, E): seen, poses, blocked; and if a target was picked up."""
+    """Return the outputs of each step of a plan (T, E): observations, poses, blocked, and pick-ups."""
     seen, info = envs.reset(seed=0, options={"house": house, "pose": pose, "target": target})
     rows = [(seen, info["pose"], info["blocked"], np.zeros(len(pose), bool))]
     for actions in plan:
@@ -94,7 +94,7 @@ def envs():
 
 @pytest.fixture(scope="module")
 def walked(envs):
-    """Walks in the houses as they are, along walls and into them."""
+    """Return walks in the unchanged houses, along walls and into them."""
     rng = np.random.default_rng(0)
     envs.set_houses(HOUSES)
     pose = np.concatenate([sample_houses.free_poses(house, EACH, seed=5) for house in HOUSES])
@@ -118,24 +118,24 @@ def test_rays_and_moves_mirror_and_turn_with_the_house(envs, walked, name):
     turn = np.round((theirs[1][..., 2] - there[..., 2]) / (np.pi / 4)) % 8
     assert not turn.any()
     np.testing.assert_array_equal(theirs[3][0], picked[0])
-    # The next target is drawn on the house's own lattice: until then all that is seen is the same.
+    # The next target is drawn on the house's own lattice; until then all observations are the same.
     before = picked.cumsum(axis=0) == 0
     assert picked.any()
     np.testing.assert_array_equal(theirs[3] & before, picked & before)
     ours, theirs = change.seen(seen)[before], theirs[0][before]
-    # Of rays that graze an end of a line, some meet it in one house and miss it in the other.
+    # Of the rays that graze an end of a line, some meet the line in one house and miss it in the other.
     same = np.abs(ours - theirs).max(axis=-1) < 1e-6
     assert (~same).mean() < 1e-4
 
 
 @pytest.fixture(scope="module")
 def fast():
-    """Bodies with steps of a metre and more."""
+    """Return environments of bodies with steps of more than a metre."""
     return HouseVectorEnv(HOUSES, num_envs=EACH, preset=replace(DEFAULT, body=(0.1, 0.1), step=1.1))
 
 
 def crossed(boxes: Boxes, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Whether straight ways (N,) cross a wall or the sides of a piece: by signs of areas."""
+    """Return a mask of the straight paths (N,) that cross walls or sides of furniture, by signs of areas."""
     lines = np.concatenate([sides(boxes.walls), sides(boxes.pieces).reshape(-1, 2, 2)])
 
     def side(a, b, c):
@@ -205,7 +205,7 @@ except (AssertionError, RuntimeError) as error:
 
 
 def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
-    """With Taichi's own checks on, in both backends and both shapes of the loop; they are seen to be on."""
+    """Taichi's own checks are on, for both backends and both loops; a deliberate fault shows it."""
     program = tmp_path / "checked.py"
     program.write_text(CHECKED)
     root = str(Path(__file__).parents[3])

@@ -1,4 +1,4 @@
-"""Configurations as each backend takes them for a bank, or refuses them."""
+"""Configurations that each backend accepts or refuses for a bank."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def test_cells_narrower_than_the_body_are_refused(house, message):
 
 
 def made_for(cell, house=ON_GRID):
-    """A house that says that it was made for a grid."""
+    """Return a house that states the side of its grid's cells."""
     return structs.replace(house, provenance=Provenance("drawn", "", {"cell": cell}, 0, 0, {}))
 
 

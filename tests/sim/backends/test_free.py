@@ -1,4 +1,4 @@
-"""The free backend: exact beside shapely, the same in any batch, and what it refuses. 100 s."""
+"""The free backend: it equals shapely, it is the same in any batch, and it refuses invalid use. 100 s."""
 
 import re
 from dataclasses import replace
@@ -33,7 +33,7 @@ def make(**arguments) -> HouseVectorEnv:
 
 
 def plan(envs: HouseVectorEnv, steps: int, seed: int = 0) -> np.ndarray:
-    """Actions (T, E, 2): mostly forward."""
+    """Return actions (T, E, 2), mostly forward."""
     rng, space = np.random.default_rng(seed), envs.single_action_space
     assert isinstance(space, gymnasium.spaces.Box)
     v = rng.uniform(0.4, 1, (steps, envs.num_envs)) * space.high[0]
@@ -42,7 +42,7 @@ def plan(envs: HouseVectorEnv, steps: int, seed: int = 0) -> np.ndarray:
 
 
 def walked(envs: HouseVectorEnv, actions: np.ndarray, seed: int = 0) -> list[np.ndarray]:
-    """All that comes out of a walk: observations, poses, rewards, and what is blocked."""
+    """Return all outputs of a walk: observations, poses, rewards, and blocked."""
     seen, info = envs.reset(seed=seed)
     rows = [(seen, info["pose"], np.zeros(envs.num_envs, np.float32), info["blocked"])]
     for action in actions:
@@ -54,7 +54,7 @@ def walked(envs: HouseVectorEnv, actions: np.ndarray, seed: int = 0) -> list[np.
 @pytest.mark.parametrize("sideways", [0.0, 3.0])
 @pytest.mark.parametrize("at_contact", ["slide", "stop"])
 def test_rays_and_contacts_are_those_of_shapely(at_contact, sideways):
-    """A sample of ``free_study``, which a command runs with a million cases."""
+    """Run a sample of ``free_study``, which can run a million cases as a command."""
     found = compare(houses(12, seed=7), 25, at_contact, 7, sideways)
     assert (found.wrong_rays, found.wrong_moves) == (0, 0)
     assert found.met > 20
@@ -120,7 +120,7 @@ def test_tensors_and_arrays_are_the_same_actions():
 
 
 def test_speeds_come_as_near_to_what_is_told_as_the_limits_let_them():
-    """In an empty room, beside the same in float64."""
+    """Compare with the same motion in float64, in an empty room."""
     drive = Drive(
         time_step=0.05, speed=0.8, reverse=0.3, turn_speed=2.0, acceleration=1.5, turn_acceleration=8.0
     )
@@ -136,7 +136,7 @@ def test_speeds_come_as_near_to_what_is_told_as_the_limits_let_them():
         seen, _, _, _, info = envs.step(told)
         v += np.clip(told[:, 0] - v, -1.5 * 0.05, 1.5 * 0.05)
         w += np.clip(told[:, 1] - w, -8 * 0.05, 8 * 0.05)
-        # An arc, or where it does not turn a line.
+        # An arc, or without a turn a line.
         end, turns = heading + w * 0.05, np.abs(w) > 1e-6
         radius = v / np.where(turns, w, 1)
         x += np.where(turns, radius * (np.sin(end) - np.sin(heading)), v * 0.05 * np.cos(heading))
@@ -163,9 +163,7 @@ def test_what_a_body_touches_takes_its_speed():
 
 
 def test_lists_lose_no_line_at_any_heading():
-    """Rays over 120 degrees, whose lists are by sectors of headings, are among those all around, bit for
-    bit.
-    """
+    """Rays over 120 degrees, whose lists are by sectors, equal those among rays all around, bit for bit."""
     wide = replace(DEFAULT, rays=120, first_ray=178.5, ray_spacing=3)
     narrow, around = make(num_envs=400), make(num_envs=400, preset=wide)
     actions = plan(narrow, 30)
@@ -194,7 +192,7 @@ def test_late_rays_are_those_of_some_steps_before_on_a_lattice_too():
 
 
 def test_noise_of_directions_is_normal_and_cut():
-    """By where rays meet a long wall: to four standard errors."""
+    """Compare the places where rays meet a long wall, within four standard errors."""
     config = replace(DEFAULT, rays=1, first_ray=0.0, angle_noise=2.0)
     envs = make(houses=[EMPTY], num_envs=20_000, preset=config)
     pose = np.tile([4.5, 4.5, 0.0], (20_000, 1))

@@ -1,4 +1,4 @@
-"""The grid backend: what is looked up is what the continuous one computes, and moves go from cell to cell."""
+"""The grid backend: its tables equal the continuous backend's results, and moves go from cell to cell."""
 
 import re
 from dataclasses import replace
@@ -23,7 +23,7 @@ HOUSES = [
 
 @pytest.fixture(scope="module")
 def pair():
-    """The same bank in both backends, a body in each cell at each heading."""
+    """Return the same bank in both backends, with a body in each cell at each heading."""
     count = 1000
     return [
         HouseVectorEnv(HOUSES, num_envs=count, backend=backend, targets="mixed")
@@ -32,7 +32,7 @@ def pair():
 
 
 def test_rays_on_the_grid_equal_those_of_the_continuous_backend(pair):
-    """At poses that both have, within 1e-5 m, and they hit the same things."""
+    """At common poses, rays agree within 1e-5 m and hit the same things."""
     grid, continuous = pair
     for seed in range(4):
         ours, info = grid.reset(seed=seed)
@@ -44,7 +44,7 @@ def test_rays_on_the_grid_equal_those_of_the_continuous_backend(pair):
 
 
 def brute(text: str, place: tuple[int, int], way: tuple[int, int]) -> bool:
-    """Whether a body goes from a cell of a drawing to the next: all cells that it touches are open to it."""
+    """Return True if a body can go from a cell of a drawing to the next: all touched cells are open."""
     letters = np.array([list(row) for row in text.split("\n")])
 
     def at(x: int, y: int) -> str:
@@ -70,7 +70,7 @@ def brute(text: str, place: tuple[int, int], way: tuple[int, int]) -> bool:
 
 
 def test_moves_on_the_grid_follow_the_drawn_walls_and_pieces():
-    """From every cell at every heading: one cell, or blocked; a diagonal needs both cells beside it."""
+    """From every cell, a move is one cell or blocked; a diagonal move needs both cells beside it."""
     poses, expected = [], []
     for y, row in enumerate(ROOMS.split("\n")):
         for x, letter in enumerate(row):

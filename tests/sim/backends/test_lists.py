@@ -1,4 +1,4 @@
-"""Lists of what can be seen and touched lose nothing: looks and moves, against all boxes of a house."""
+"""Lists of visible and reachable things omit nothing: results equal those with all boxes of a house."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ HOUSES = [
     random_map(3, 0.3),
 ]
 EACH = 100
-"""Poses in each house."""
+"""Number of poses in each house."""
 
 SMALL = Config(body=(0.02, 0.02))
 CONFIGS = {
@@ -39,8 +39,9 @@ def envs(request):
 
 @pytest.fixture(scope="module")
 def posed(envs):
-    """Poses where a body can be, half of them on the very edges of the lists' cells: houses, origins, cells,
-    targets.
+    """Return possible poses of a body, half of them exactly on the edges of the lists' cells.
+
+    The result is houses, origins, cells, targets.
     """
     config, rng, found = envs.config, np.random.default_rng(7), []
     for shape in envs.world.bank.geometries:
@@ -62,17 +63,17 @@ def posed(envs):
 
 
 def shift(config: Config, heading: np.ndarray) -> np.ndarray:
-    """From a body's place to its eye, metres: (n, 1)."""
+    """Return the offset from a body's place to its eye, metres: (n, 1)."""
     return np.where(heading % 2, config.eye[1] - config.eye[0], 0.0)[:, None]
 
 
 def half_side(config: Config, heading: np.ndarray) -> np.ndarray:
-    """Half of a body's side, metres: (n,)."""
+    """Return half of a body's side, metres: (n,)."""
     return np.where(heading % 2, config.body[1], config.body[0]) / 2
 
 
 def put(envs: HouseVectorEnv, posed) -> tuple[np.ndarray, np.ndarray]:
-    """Put the bodies there: what they see, and their poses."""
+    """Place the bodies, and return their observations and their poses."""
     house, origin, heading, target = posed
     pose = np.column_stack([origin + shift(envs.config, heading), heading * np.pi / 4])
     seen, info = envs.reset(seed=0, options={"house": house, "pose": pose, "target": target})

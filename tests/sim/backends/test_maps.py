@@ -1,4 +1,4 @@
-"""Maps in both backends: rays and moves by the cells themselves, targets on floor that is reached."""
+"""Maps in both backends: rays and moves follow the cells, and targets lie on reachable floor."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ def free(house: House) -> np.ndarray:
 
 
 def cells_of(house: House, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns of places (n, 2)."""
+    """Return rows and columns of places (n, 2)."""
     west, north, _, _ = house.rooms[0].box
     column, row = np.floor((places - (west, north)) / CELL).astype(int).T
     return row, column
@@ -34,7 +34,7 @@ def envs(request) -> HouseVectorEnv:
 
 
 def test_rays_end_in_the_first_cell_that_is_not_free(envs) -> None:
-    """Marched a millimetre at a time: the place of the end is free just before it and not just beyond."""
+    """March a millimetre at a time: the end of a ray is free just before it, and not just beyond it."""
     seen, info = envs.reset(seed=1, options={"target": np.full((300, 2), 90.0)})
     angle = info["pose"][:, 2:] + envs.config.ray_angles
     way = np.stack([np.cos(angle), -np.sin(angle)], axis=-1)
@@ -50,7 +50,7 @@ def test_rays_end_in_the_first_cell_that_is_not_free(envs) -> None:
         ends = distance < envs.config.range - 1e-3
         beyond = (eye + way[here] * (distance[..., None] + 2e-3))[ends]
         shut = ~free(house)[cells_of(house, beyond)]
-        assert shut.mean() > 0.995  # a ray may end at a corner, beyond which it would be free again
+        assert shut.mean() > 0.995  # a ray may end at a corner, with free space beyond it
         assert ends.sum() > 1000
 
 
@@ -72,7 +72,7 @@ def test_bodies_stay_on_free_cells_wherever_they_walk(envs) -> None:
 
 
 def flooded(open_: np.ndarray, start: tuple[int, int]) -> np.ndarray:
-    """Cells (H, W) that a body a cell wide reaches, by a search in plain Python."""
+    """Return the cells (H, W) that a body one cell wide reaches, by a search in plain Python."""
     reached, todo = np.zeros(open_.shape, bool), [start]
     reached[start] = True
     while todo:

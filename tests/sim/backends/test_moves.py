@@ -1,4 +1,4 @@
-"""What bodies do, against the float64 reference."""
+"""Moves of bodies compared with the float64 reference."""
 
 from dataclasses import replace
 
@@ -15,12 +15,12 @@ ROOM = sample_houses.drawn("a+a\n...\n...", cell=1.0)
 WALKED = [*sample_houses.RANDOM, PLANS["living"], random_plan(1), random_plan(2)]
 HOUSES = [*WALKED, ROOM]
 EACH = 100
-"""Poses in each house."""
+"""Number of poses in each house."""
 
 
 @pytest.fixture(scope="module")
 def stepped():
-    """Step from poses (n, 3) in one house: poses before and after, and what was blocked."""
+    """Return a function that steps from poses (n, 3) in one house: poses before and after, and blocked."""
     made = {}
 
     def step(house, pose, actions, config=DEFAULT):
@@ -38,7 +38,7 @@ def stepped():
 
 @pytest.mark.parametrize("step", [DEFAULT.step, 0.3, 3.0])
 def test_moves_equal_those_of_the_reference(stepped, step):
-    """At steps of any length: a swept body tunnels through nothing."""
+    """Steps have any length: a swept body tunnels through nothing."""
     config, decided = replace(DEFAULT, step=step), 0
     for house in WALKED:
         reference, pose = Reference(house), sample_houses.free_poses(house, EACH, seed=1)

@@ -1,4 +1,4 @@
-"""The original's collision rule, at every state that its body can come to, against one in whole pixels."""
+"""The original's collision rule compared with one in whole pixels, in every reachable state."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,21 +12,22 @@ from sim.config import PIXEL
 from tests import sample_houses
 
 STATES = {"example1": ((185, 190), 74_882), "2019-2-15": ((198, 268), 98_703)}
-"""By house: the pixel where the body starts, its north-west corner, and how many states it can come to."""
+"""For each house: the start of the body's north-west corner in pixels, and the number of reachable states."""
 
 STEPS = [(2, 0), (2, -2), (0, -2), (-2, -2), (-2, 0), (-2, 2), (0, 2), (2, 2)]
-"""Pixels east and south that a step forward makes at each heading, an eighth of a turn to the left each."""
+"""Pixels east and south of a step forward at each heading; each next heading is an eighth of a turn to the
+left."""
 
 NORTH: int = 2
 BATCH = 32_768
 
 State = tuple[int, int, int]
-"""The body's north-west corner, pixels, and its heading."""
+"""Pixels of the body's north-west corner, and its heading."""
 
 
 @dataclass(frozen=True)
 class Box:
-    """A rectangle in whole pixels, as pygame's Rect tests it."""
+    """A rectangle in whole pixels, tested like pygame's Rect."""
 
     x: int
     y: int
@@ -52,8 +53,10 @@ class Box:
 
 
 class Original:
-    """The rule: a body that overlaps a room without being inside it must be within the span of its door; one
-    inside a room must not touch furniture; one inside no room must be inside the main room's rectangle.
+    """The original's rule.
+
+    A body that overlaps a room without being inside it must be within the span of the room's door. A body
+    inside a room must not touch furniture. A body inside no room must be inside the main room's rectangle.
     """
 
     def __init__(self, house: House) -> None:
@@ -80,7 +83,7 @@ class Original:
         )
 
     def moves(self, corner: tuple[int, int]) -> dict[tuple[State, int], bool]:
-        """Whether each action collides in each state that the body can come to from its start."""
+        """Return for each action in each reachable state True if it collides."""
         first: State = (*corner, NORTH)
         found, waiting, moves = {first}, [first], {}
         while waiting:

@@ -1,4 +1,4 @@
-"""What rays see, against the float64 reference: two million of them."""
+"""Two million rays compared with the float64 reference."""
 
 import shutil
 from dataclasses import replace
@@ -15,13 +15,13 @@ from tests.reference import Boxes, sights
 
 SEEING = replace(DEFAULT, sees_kind=True)
 WALL, PIECE, TARGET = 1, 2, 3
-"""Columns of what a ray sees, after the distance."""
+"""Columns of a ray's observation, after the distance."""
 
 EACH = 8000
-"""Looks at a time: of 40 rays each."""
+"""Number of looks at a time, of 40 rays each."""
 
 WORST = 4e-6
-"""Metres: the error that a ray may have."""
+"""Largest allowed error of a ray, in metres."""
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "family-4-rooms.json"
 MIRROR = sample_houses.drawn("a+a\n...\n...\n...", cell=1.0)
@@ -62,8 +62,9 @@ def envs():
 def look(
     envs: HouseVectorEnv, house: int | np.ndarray, pose: np.ndarray, target: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What is seen from poses (n, 3), at most ``EACH``, with targets (n, 2): observations and the eyes
-    (n, 2), just as the kernel has them.
+    """Return the observations from poses (n, 3), at most ``EACH``, with targets (n, 2), and the eyes (n, 2).
+
+    The eyes are those of the kernel.
     """
     count, numbers = len(pose), np.resize(np.arange(len(pose)), envs.num_envs)
     house = np.broadcast_to(house, count)[numbers]
@@ -74,13 +75,13 @@ def look(
 
 
 def angles(heading: np.ndarray, rays: np.ndarray) -> np.ndarray:
-    """Radians, from exact degrees: the kernel knows headings exactly."""
+    """Return directions in radians, from exact degrees: the kernel knows headings exactly."""
     config = SEEING
     return np.deg2rad(45.0 * heading + config.first_ray - config.ray_spacing * rays)
 
 
 def places(envs: HouseVectorEnv, k: int, rng: np.random.Generator, count: int) -> np.ndarray:
-    """Places (count, 2) in house k where the body surely stands."""
+    """Return places (count, 2) in house k where the body certainly can be."""
     shape = envs.world.bank.geometries[k]
     west, north, east, south = shape.bounds
     found, half = np.zeros((0, 2)), max(envs.config.body) / 2
@@ -92,14 +93,14 @@ def places(envs: HouseVectorEnv, k: int, rng: np.random.Generator, count: int) -
 
 
 class Tally:
-    """Compares what is seen with the reference, house by house."""
+    """Comparison of observations with the reference, house by house."""
 
     def __init__(self) -> None:
         self.rays = self.sure = 0
         self.worst = 0.0
 
     def add(self, boxes: Boxes, eye: np.ndarray, angle: np.ndarray, target: np.ndarray, seen: np.ndarray):
-        """Rays (n,) and what they saw, (n, 4): distance, is wall, is piece, is target."""
+        """Compare rays (n,) with their observations, (n, 4): distance, is wall, is piece, is target."""
         for part in np.array_split(np.arange(len(eye)), max(1, len(eye) // 4000)):
             distance, kind, near, sure = sights(
                 boxes, eye[part], angle[part], target[part], SEEING.target, SEEING.range
@@ -113,7 +114,7 @@ class Tally:
 
 
 SHARES = {"random": 0.4, "drawn": 0.2, "generated": 0.2, "golden": 0.1, "plans": 0.1}
-"""Of a million rays each."""
+"""Number of rays in each bank, in millions."""
 
 
 @pytest.mark.parametrize("bank", BANKS)
@@ -142,7 +143,7 @@ def test_a_million_random_rays_equal_those_of_the_reference(envs, bank):
 
 @pytest.mark.parametrize("bank", BANKS)
 def test_a_million_rays_aimed_at_corners_equal_those_of_the_reference_and_none_leaks(envs, bank):
-    """At the ends of lines: each stops there or before, and no later than the reference says."""
+    """Aim rays at the ends of lines: each ends there or before, and no later than in the reference."""
     envs.set_houses(BANKS[bank]())
     rng, tally = np.random.default_rng(1), Tally()
     world, total = envs.world, int(SHARES[bank] * 1e6)
@@ -153,7 +154,7 @@ def test_a_million_rays_aimed_at_corners_equal_those_of_the_reference_and_none_l
             [boxes.all[:, [0, 1]], boxes.all[:, [2, 3]], boxes.pieces[:, [0, 3]], boxes.pieces[:, [2, 1]]]
         )
         while done < each:
-            # What lies in the way is as good as what does not: rays must stop all the same.
+            # Corners behind an obstacle count, too: rays must stop all the same.
             corner = corners[rng.integers(len(corners), size=4 * EACH)]
             heading, ray = rng.integers(8, size=len(corner)), rng.integers(40, size=len(corner))
             angle, away = angles(heading, ray), rng.uniform(0.2, 5.0, len(corner))

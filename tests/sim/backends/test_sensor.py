@@ -1,4 +1,4 @@
-"""Noise and drop-outs: their law, and what they leave alone; and the columns of an observation."""
+"""Sensor noise and drop-outs: their distribution and their independence; and observation columns."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ HOUSES = sample_houses.RANDOM[:4]
 
 
 def outputs(envs: HouseVectorEnv, seed: int = 0, first: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What is seen in all steps, poses and targets and rewards: (T, E, ...) each."""
+    """Return observations, poses with targets, and rewards of all steps: (T, E, ...) each."""
     plan = np.random.default_rng(0).choice(3, p=[0.2, 0.2, 0.6], size=(STEPS, COUNT))
     seen, info = envs.reset(seed=seed + first)
     rows = [(seen, np.hstack([info["pose"], info["target"]]), np.zeros(envs.num_envs, np.float32))]
@@ -42,7 +42,7 @@ def test_a_noisy_sensor_changes_only_observations(exact, rough):
 
 
 def test_noise_is_normal_and_drop_outs_are_as_frequent_as_stated(exact, rough):
-    """To four standard errors, over half a million rays."""
+    """Compare half a million rays, within four standard errors."""
     true, seen = exact[0], rough[0][..., 1:]
     sure = (true[..., 0] * EXACT.range > 0.5) & (true[..., 0] * EXACT.range < EXACT.range - 0.5)
     lost = sure & ~seen[..., 1:].any(axis=-1)
@@ -100,7 +100,7 @@ def test_columns_are_the_angle_the_distance_and_what_is_hit(exact, rough):
     np.testing.assert_allclose(seen[..., 0] * 359, degrees % 360, atol=1e-3)
     kinds = exact[0][..., 1:]
     assert set(np.unique(kinds)) == {0, 1}
-    # One of a wall, a piece and the target where something is in range, else none of them.
+    # One of wall, furniture and target if something is in range, else none of them.
     np.testing.assert_array_equal(kinds.sum(axis=-1), exact[0][..., 0] < 1)
     assert (kinds.mean(axis=(0, 1, 2)) > 0.01).all()
 
@@ -109,5 +109,5 @@ def test_without_kinds_the_distances_are_the_same(exact):
     seen, poses, _ = outputs(HouseVectorEnv(HOUSES, num_envs=COUNT))
     np.testing.assert_array_equal(seen[..., 0], exact[0][..., 0])
     np.testing.assert_array_equal(poses, exact[1])
-    # Of hits at one distance the target comes last where kinds are observed and where not.
+    # Of hits at the same distance, the target comes last, with and without observed kinds.
     np.testing.assert_array_equal(seen[..., 1], exact[0][..., 3])

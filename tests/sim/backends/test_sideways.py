@@ -1,6 +1,6 @@
-"""Bodies that drive in all directions: limits, contacts, batches, states and what is refused. 40 s.
+"""Bodies that drive in all directions: limits, contacts, batches, states and refusals. 40 s.
 
-That contacts and rays are exact is compared in ``test_free``.
+``test_free`` compares contacts and rays with shapely.
 """
 
 import re
@@ -39,12 +39,12 @@ def make(**arguments: Any) -> HouseVectorEnv:
 
 
 def plan(steps: int, count: int = 32, seed: int = 0) -> np.ndarray:
-    """Actions (T, E, 3)."""
+    """Return actions (T, E, 3)."""
     return np.random.default_rng(seed).uniform(LOW, HIGH, (steps, count, 3)).astype(np.float32)
 
 
 def walked(envs: HouseVectorEnv, actions: np.ndarray, seed: int = 0) -> list[np.ndarray]:
-    """All that comes out of a walk: rays, speeds, odometry, poses, and what is blocked."""
+    """Return all outputs of a walk: rays, speeds, odometry, poses, and blocked."""
     seen, info = envs.reset(seed=seed)
     rows = [(*seen.values(), info["pose"], info["blocked"])]
     for action in actions:
@@ -54,7 +54,7 @@ def walked(envs: HouseVectorEnv, actions: np.ndarray, seed: int = 0) -> list[np.
 
 
 def test_each_speed_comes_as_near_to_what_is_told_as_its_limit_lets_it():
-    """In an empty room, beside the same in float64: speeds are constant for a step."""
+    """Compare with the same motion in float64, in an empty room; speeds are constant during a step."""
     envs = make(houses=[EMPTY])
     rng, dt = np.random.default_rng(0), DRIVE.time_step
     pose = np.column_stack([rng.uniform(3, 6, (32, 2)), rng.uniform(0, 2 * np.pi, 32)])
@@ -63,7 +63,7 @@ def test_each_speed_comes_as_near_to_what_is_told_as_its_limit_lets_it():
     limits = np.array([1.5, 1.5, 8.0]) * dt
 
     def moved(place: np.ndarray, up: int) -> np.ndarray:
-        """Places (E, 3) after a step, where turns to the left lead to y, or ``up`` = -1 away from it."""
+        """Return places (E, 3) after a step; left turns lead to y, or with ``up`` = -1 away from it."""
         middle = place[:, 2] + speeds[:, 2] * dt / 2
         way = dt * np.sinc(speeds[:, 2] * dt / 2 / np.pi)
         x = speeds[:, 0] * np.cos(middle) - speeds[:, 1] * np.sin(middle)
@@ -86,7 +86,7 @@ def test_each_speed_comes_as_near_to_what_is_told_as_its_limit_lets_it():
 def test_it_slides_along_a_wall_to_its_side_and_keeps_the_speed_that_it_makes():
     drive = replace(DRIVE, acceleration=float("inf"))
     envs = make(houses=[EMPTY], num_envs=2, preset=replace(CONFIG, drive=drive))
-    at = DEFAULT.body[0] / 2 + 0.01  # it looks east, and the wall is to its left
+    at = DEFAULT.body[0] / 2 + 0.01  # it looks east, with the wall on its left
     envs.reset(seed=0, options={"house": [0, 0], "pose": [[4.5, at, 0.0], [4.5, 4.5, 0.0]]})
     seen, _, _, _, info = envs.step(np.array([[0.6, 0.5, 0.0]] * 2, np.float32))
     assert info["blocked"].tolist() == [True, False]

@@ -1,4 +1,4 @@
-"""The oracle's ways are shortest: against searches of what the environments themselves do."""
+"""The oracle's paths are shortest, compared with searches over the environments' own moves."""
 
 from collections import deque
 from dataclasses import replace
@@ -17,7 +17,7 @@ COARSE = replace(DEFAULT, step=0.15)
 
 
 def transitions(house, origin, config):
-    """What each action does from every pose of a lattice, by asking the environment: a table of poses."""
+    """Return the effect of each action from every pose of a lattice, by stepping the environment."""
     west, north, east, south = 0.0, 0.0, 2.7, 4.5
     step = config.step
     i = np.arange(np.ceil((west - origin[0]) / step), (east - origin[0]) / step).astype(int)
@@ -26,7 +26,7 @@ def transitions(house, origin, config):
     place = origin + step * cells[:, :2]
     pose = np.column_stack([place, cells[:, 2] * np.pi / 4])
     envs = HouseVectorEnv([house], num_envs=len(pose), preset=config)
-    # A lattice through one origin, as the body has it: float32 sums of origin and steps.
+    # A lattice through one origin, as for the body: float32 sums of origin and steps.
     at = np.full((len(pose), 4), np.nan, np.float32)
     at[:, :2] = origin
     options = np.column_stack([np.zeros(len(pose)), cells]).astype(np.int32)
@@ -43,7 +43,7 @@ def transitions(house, origin, config):
 
 
 def standing(envs, origin, cells):
-    """Whether the body can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
+    """Return a mask of the cells (n, 4) (house, i, j, heading) at origins (n, 2) in which the body can be."""
     arrays = envs.world.arrays | {
         "origins": Array.of(np.ascontiguousarray(origin.ravel())),
         "cells": Array.of(cells.ravel()),
@@ -54,13 +54,13 @@ def standing(envs, origin, cells):
 
 
 def picks(cell, origin, target, config):
-    """Whether a body at a cell overlaps the target."""
+    """Return True if a body at a cell overlaps the target."""
     centre = np.asarray(origin) + config.step * np.array(cell[:2])
     return np.abs(centre - target).max() < (config.body[0] + config.target) / 2 - 1e-5
 
 
 def fewest(moved, start, goal):
-    """Forward breadth-first search: the fewest actions (at least one) to a pose where ``goal`` holds."""
+    """Return the fewest actions, at least one, to a pose where ``goal`` holds (breadth-first search)."""
     seen, queue = {start}, deque([(start, 0)])
     while queue:
         cell, actions = queue.popleft()
@@ -76,7 +76,7 @@ def fewest(moved, start, goal):
 
 @pytest.fixture(scope="module")
 def coarse():
-    """What every action does in ``HOUSE``, through the origin that its episodes have."""
+    """Return the effects of all actions in ``HOUSE``, on the lattice of its episodes."""
     envs = HouseVectorEnv([HOUSE], targets="secondary", preset=COARSE)
     envs.reset(seed=1)
     origin = envs.world.state["reals"][0, :2]
@@ -84,7 +84,7 @@ def coarse():
 
 
 def test_paths_of_the_oracle_are_shortest(coarse):
-    """Each leg of an episode takes exactly as many steps as an exhaustive search says."""
+    """Each leg of an episode takes exactly as many steps as an exhaustive search finds."""
     envs, origin, moved = coarse
     oracle, world = Oracle(envs), envs.world
     for seed in range(6):
@@ -101,7 +101,7 @@ def test_paths_of_the_oracle_are_shortest(coarse):
 
 
 def test_paths_from_any_pose_are_shortest_and_lead_to_the_target(coarse):
-    """From poses anywhere, in a batch: paths take no step of the environment, and end with the pick-up."""
+    """From any poses, in a batch: paths take no step of the environment, and end with the pick-up."""
     _, origin, moved = coarse
     rng, count = np.random.default_rng(0), 40
     envs = HouseVectorEnv([HOUSE], num_envs=count, targets="mixed", preset=COARSE)
@@ -143,7 +143,7 @@ def test_an_episode_played_is_the_same_as_stepped(config):
 
 
 def test_the_oracle_finds_the_path_from_wherever_the_body_is():
-    """Off the house's own lattice too, and when the agent wanders off between two questions."""
+    """The body may be off the house's own lattice, and an agent may move it between two questions."""
     envs = HouseVectorEnv([HOUSE], num_envs=4, targets="secondary", preset=replace(DEFAULT, steps=2000))
     rng = np.random.default_rng(0)
     pose = np.column_stack([rng.uniform(0.4, 2.3, 4), rng.uniform(3.1, 4.2, 4), np.zeros(4)])
@@ -158,7 +158,7 @@ def test_the_oracle_finds_the_path_from_wherever_the_body_is():
 
 
 def test_shortest_path_answers_for_one_pose_and_target():
-    """Straight ahead the number of actions is plain; behind a wall there is none."""
+    """Straight ahead the number of actions is obvious; behind a wall there is no path."""
     house = sample_houses.drawn("a+a\n...\n...\n...", cell=1.2)
     reach = (DEFAULT.body[0] + DEFAULT.target) / 2
     path = found(shortest_path(house, (1.8, 3.3, np.pi / 2), (1.8, 1.9)))
@@ -171,13 +171,13 @@ def test_shortest_path_answers_for_one_pose_and_target():
 
 
 def found(path: np.ndarray | None) -> np.ndarray:
-    """A path that is there."""
+    """Return a path that must exist."""
     assert path is not None
     return path
 
 
 def replace_door(house):
-    """The house with the first room's door too narrow for the body."""
+    """Return the house with a first room's door that is too narrow for the body."""
     room = house.star.rooms[0]
     narrow = msgspec.structs.replace(room, door=msgspec.structs.replace(room.door, width=0.1))
     return sample_houses.changed_star(house, rooms=(narrow, *house.star.rooms[1:]))
@@ -206,7 +206,7 @@ def test_an_oracle_plays_more_episodes_than_it_searches_at_once(monkeypatch):
 
 
 def test_on_a_grid_an_episode_played_equals_one_stepped():
-    """The grid's own body, step and lattice."""
+    """The grid has its own body, step and lattice."""
     cell = 0.3
     house = sample_houses.drawn("aaaa\naAaa\na+aa\n....\n....", cell=3 * cell)
     envs = HouseVectorEnv(

@@ -1,4 +1,4 @@
-"""What a searcher believes before it looks: the task's places and shares, all floor, or what finds tell."""
+"""Priors of a searcher: the task's places and shares, all floor, or the posterior from finds."""
 
 from itertools import permutations
 
@@ -16,7 +16,7 @@ HALL = {"points": [[1.0, 1.0]]}
 
 
 def believed(searcher: Searcher, e: int) -> np.ndarray:
-    """An environment's weights by region."""
+    """Return an environment's weights by region."""
     return searcher.arrays["weights"].view().reshape(searcher.world.num_envs, -1)[e]
 
 
@@ -28,7 +28,7 @@ def test_the_priors_of_a_weighted_task_have_its_shares():
         searcher.act()
         for e, here in enumerate(envs.world.places):
             shares = [region.share for region in here.regions]
-            if prior == "finds":  # not known yet which region has which
+            if prior == "finds":  # the shares of the regions are not known yet
                 shares = [np.mean(shares)] * len(shares)
             found = believed(searcher, e)
             assert found[: len(shares)] == pytest.approx(shares, abs=0.03 if prior == "finds" else 1e-6)

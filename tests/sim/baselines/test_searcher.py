@@ -1,4 +1,4 @@
-"""The searcher: what counts as seen is what environments show, and it never rules out where the target is."""
+"""The searcher: seen spots are those that environments show, and it never excludes the target's place."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ GRID = sample_houses.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)
 
 
 def bits(words, count):
-    """The first ``count`` bits of words."""
+    """Return the first ``count`` bits of words."""
     words = words[: -(-count // WORD)].astype("<u8")
     return np.unpackbits(words.view(np.uint8), bitorder="little")[:count].astype(bool)
 
@@ -48,7 +48,7 @@ def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend,
         if backend == "free":
             under = np.hypot(*np.maximum(0, away - half).T) < body - 1e-5
         seen = bits(coverage.seen[0], number)
-        assert (seen == (shown | under)).mean() > 0.998  # but for a ray along a target's edge
+        assert (seen == (shown | under)).mean() > 0.998  # except for a ray along a target's edge
         assert 0.02 < seen.mean() < 1
         assert coverage.share()[0] == seen.sum() / number
 
@@ -100,7 +100,7 @@ def test_a_room_counts_once_the_eye_is_in_it():
 
 
 def played(envs, seed, steps):
-    """The searcher's actions (steps, E), the targets it picked up (E,), and how often it was blocked."""
+    """Return the searcher's actions (steps, E), its targets (E,), and the number of blocked moves."""
     envs.reset(seed=seed, options={"house": np.arange(envs.num_envs) % len(envs.houses)})
     searcher, actions, targets, blocked = Searcher(envs), [], np.zeros(envs.num_envs), 0
     for _ in range(steps):
@@ -173,7 +173,7 @@ def test_places_of_the_target_between_those_that_viewpoints_are_judged_by_are_lo
     alone = np.zeros_like(left)
     alone[last // WORD] = 1 << int(last % WORD)
     searcher.arrays["left"].fill(alone)
-    searcher.arrays["notes"].view()[0, DONE:] = 0  # it plans again
+    searcher.arrays["notes"].view()[0, DONE:] = 0  # so that it plans again
     made = []
     for _ in range(9):
         made.append(searcher.act()[0])

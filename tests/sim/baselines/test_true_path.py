@@ -1,4 +1,4 @@
-"""Claims about the body that drives along the shortest path, beside paths on a fine grid by SciPy. 5 s."""
+"""The body that drives along the shortest path, compared with paths on a fine grid by SciPy. 5 s."""
 
 from dataclasses import replace
 
@@ -18,11 +18,11 @@ from tests.sim.backends.free_study import Solids, houses
 HALL = Room(0, 0, 9, 9, "R0", "hall")
 RADIUS, SPEED, TIME_STEP = DEFAULT.body[0] / 2, DEFAULT.drive.speed, DEFAULT.drive.time_step
 PITCH = 0.06
-"""Metres between places of the grid."""
+"""Distance between places of the grid, in metres."""
 
 
 def by_grid(house: House, start: np.ndarray, target: np.ndarray) -> float:
-    """Return the metres along which a disc reaches a target on a grid with eight directions."""
+    """Return the length of a disc's path to a target on a grid with eight directions, in metres."""
     solids = Solids(house)
     west, north, east, south = shapely.total_bounds(solids.lines)
     x, y = np.arange(west, east, PITCH), np.arange(north, south, PITCH)
@@ -49,7 +49,7 @@ def by_grid(house: House, start: np.ndarray, target: np.ndarray) -> float:
     [
         (DEFAULT, 1.0),
         (replace(DEFAULT, drive=Drive(acceleration=float("inf"), turn_acceleration=float("inf"))), 1.0),
-        # A body that stops at what it touches may be stuck there.
+        # A body that stops at obstacles may be stuck there.
         (replace(DEFAULT, drive=Drive(at_contact="stop", reverse=0.5)), 0.75),
         (DRIVE, 1.0),
     ],

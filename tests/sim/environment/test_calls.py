@@ -1,4 +1,4 @@
-"""Random sequences of calls: what is refused changes nothing, and the same calls have the same answers."""
+"""Random sequences of calls: refused calls change nothing, and repeated calls have the same answers."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A GPU does what the CPU does. What can be held without one is held everywhere."""
+"""A GPU gives the results of the CPU. Some of it is tested without a GPU."""
 
 import sys
 from types import SimpleNamespace
@@ -27,7 +27,7 @@ def test_what_happens_on_a_gpu_is_what_happens_on_the_cpu(tmp_path):
     differences = compared(*trails)
     assert {preset: each["events"] for preset, each in differences.items()} == dict.fromkeys(differences, 0)
     for preset, each in differences.items():
-        # Where a body drives, an error of its heading grows with the way.
+        # For driving bodies, an error of the heading grows along the path.
         assert each["places"] < (1e-3 if preset == "drive" else 1e-5)
         assert each["distances"] < 1e-4
         assert each["elsewhere"] < 1e-4
@@ -74,7 +74,7 @@ def test_a_gpus_memory_is_not_looked_into(monkeypatch):
 @pytest.mark.parametrize("clips", [False, True])
 @pytest.mark.parametrize("number", [np.nan, 0.71, -0.01, np.inf, 0.7])
 def test_speeds_are_checked_where_they_are(number, clips):
-    """The same is refused of a tensor as of an array: on a GPU it is not copied."""
+    """Tensors are refused for the same reasons as arrays, without a copy from the GPU."""
     orders, said = Commands(Drive(clips=clips)), []
     actions = np.zeros((5, 2), np.float32)
     actions[3, 0] = number
@@ -90,6 +90,6 @@ def test_speeds_are_checked_where_they_are(number, clips):
 
 
 def python(*arguments: str) -> None:
-    """Run a Python of its own: Taichi runs on one device a process."""
+    """Run a separate Python process, because Taichi runs on one device per process."""
     done = finished([sys.executable, *arguments])
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,4 @@
-"""Other people's libraries run on our vector environment, in the modes that they expect."""
+"""Other libraries run on our vector environment, in the modes that they expect."""
 
 import re
 import sys
@@ -30,9 +30,10 @@ NEXT, SAME, DISABLED = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, Autores
 def houses(
     mode: AutoresetMode = SAME, preset: str = "default", render_mode: str | None = None
 ) -> HouseVectorEnv:
-    """Episodes are truncated after 20 steps; with the ``paper`` preset collisions end them too.
+    """Return environments that are truncated after 20 steps.
 
-    Each is made once, as compiling takes seconds: so nobody closes them.
+    With the preset ``paper``, collisions end episodes, too. Environments are created once, because compiling
+    takes seconds, so no test closes them.
     """
     return HouseVectorEnv(
         HOUSES,
@@ -46,14 +47,14 @@ def houses(
 
 
 class Unclosed(VectorWrapper):
-    """Left open by who should close it."""
+    """Wrapper that ignores ``close``."""
 
     def close(self, **kwargs):
         pass
 
 
 def plan(steps: int) -> np.ndarray:
-    """Random actions (steps, COUNT), forward rather than round, so that there are collisions."""
+    """Return random actions (steps, COUNT), mostly forward, so that there are collisions."""
     return np.random.default_rng(0).choice(3, (steps, COUNT), p=[0.1, 0.1, 0.8])
 
 
@@ -154,7 +155,7 @@ def test_gymnasiums_wrappers_give_tensors_and_lists_of_infos(mode):
 
 @pytest.fixture
 def moviepy(monkeypatch):
-    """In place of moviepy, which pins another Pillow: its clips are written by our own ``film``."""
+    """Replace moviepy, which pins another Pillow, by a stub that writes clips with our own ``film``."""
 
     class Clip:
         def __init__(self, frames, fps):
@@ -293,7 +294,7 @@ def test_torchrl_refuses_the_next_step_mode_by_name():
 
 
 def test_the_examples_of_the_page_of_use_run(folder, monkeypatch):
-    """Those of the simulator; ``tests/test_examples.py`` runs the examples with other libraries."""
+    """Run the examples of the simulator; ``tests/test_examples.py`` runs those with other libraries."""
     page = (Path(__file__).parents[3] / "docs" / "use.md").read_text()
     page = page.split("## The simulator")[1].split("\n## ")[0]
     (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
@@ -304,7 +305,7 @@ def test_the_examples_of_the_page_of_use_run(folder, monkeypatch):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Two banks, of houses with kitchens."""
+    """Return a folder with two banks of houses with kitchens."""
     path = tmp_path_factory.mktemp("banks")
     for seed, name in enumerate(("houses", "others")):
         save(generate(rooms=4, seed=seed, count=2), path / f"{name}.jsonl")

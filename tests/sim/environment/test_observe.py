@@ -1,4 +1,4 @@
-"""What an agent may know: the same numbers by all ways, each what the state says."""
+"""Parts of an observation: the same numbers from all interfaces, equal to the state's."""
 
 from copy import deepcopy
 from dataclasses import replace
@@ -25,7 +25,7 @@ FLAT = replace(ALL, flat=True)
 
 
 class Blind(Continuous):
-    """A backend that knows no distance."""
+    """A backend without distances."""
 
     lacks = ("geodesic",)
 
@@ -43,7 +43,7 @@ def actions(steps: int) -> np.ndarray:
 
 
 def in_frame(away: np.ndarray, heading: np.ndarray) -> np.ndarray:
-    """Metres east and south as metres forward and left."""
+    """Return metres east and south as metres forward and left."""
     turned = (away[:, 0] - 1j * away[:, 1]) * np.exp(-1j * heading)
     return np.stack([turned.real, turned.imag], axis=1)
 
@@ -88,7 +88,7 @@ def test_rays_and_all_else_are_what_they_are_without_the_other_parts():
 
 
 def test_kinds_of_environments_are_made_in_any_order():
-    """Kernels are compiled when they first run: one with more arrays is no other one's."""
+    """Kernels are compiled at their first run: one with more arrays must not replace another."""
     rays = replace(DEFAULT, range=5.0)
     many = [made(replace(rays, observe=each)) for each in (("rays",), ("rays", "bump"), ("goal",))]
     assert [type(envs.reset(seed=1)[0]) for envs in many] == [np.ndarray, dict, dict]
@@ -175,7 +175,7 @@ def test_torchrl_has_both(config):
 
     def stepped(actions: Any) -> Any:
         given = step(actions)
-        rows.append(deepcopy(given))  # what it is given it changes
+        rows.append(deepcopy(given))  # TorchRL changes its input
         return given
 
     envs.step = stepped
@@ -211,7 +211,10 @@ def test_actions_that_are_no_numbers_are_refused():
 
 
 def test_parts_are_in_the_order_of_observe_everywhere():
-    """In spaces, in observations of many, of one and of Gymnasium's vector environments, and in flat rows."""
+    """The order holds in spaces, observations and flat arrays.
+
+    It holds for one environment, for many, and in Gymnasium's vector environments.
+    """
     config = replace(DEFAULT, observe=("rays", "goal", "bump"))
     name, arguments = "sim:Vitruvius/House-v0", {"houses": HOUSES, "preset": config}
     many = gymnasium.make_vec(name, 2, **arguments)
@@ -225,7 +228,7 @@ def test_parts_are_in_the_order_of_observe_everywhere():
 
 @pytest.mark.parametrize("by_ray", [False, True])
 def test_step_torch_says_what_step_says_where_episodes_end_and_begin_in_one_step(by_ray):
-    """Bodies walk until they bump, so that many are blocked as their episodes end."""
+    """Bodies walk until they collide, so that many are blocked as their episodes end."""
     arguments = {"autoreset_mode": "SameStep", "max_episode_steps": 7, "by_ray": by_ray}
     one, other = (made(DEFAULT, **arguments) for _ in range(2))
     one.reset(seed=3)

@@ -1,4 +1,4 @@
-"""Houses in rotation: which they are, what ends when, and that all is a function of the seed."""
+"""Houses in rotation: their order, the end of episodes and periods, and dependence on the seed only."""
 
 import pickle
 from collections.abc import Iterator, Sequence
@@ -36,7 +36,7 @@ def test_each_period_has_its_houses_for_its_steps_and_they_come_again() -> None:
     envs = make()
     envs.reset(seed=5)
     for k, (*_, truncated, pose, _, _) in enumerate(steps(envs, PLAN), 1):
-        number, at = (k - 1) // T, (k - 1) % T + bool(k <= T)  # of steps since an episode's first one
+        number, at = (k - 1) // T, (k - 1) % T + bool(k <= T)  # from steps since an episode's first one
         assert envs.houses == [HOUSES[(2 * number + j) % len(HOUSES)] for j in range(2)]
         inside = [any(shape.holds(row[None, :2])[0] for shape in envs.geometries) for row in pose]
         assert all(inside)
@@ -68,7 +68,7 @@ def test_trajectories_are_those_of_any_batch_and_of_the_seed() -> None:
     ],
 )
 def test_kept_environments_go_on_in_the_periods_that_follow(at: int, more: dict[str, Any]) -> None:
-    """Whatever they keep of a house: doors, distances."""
+    """Environments keep everything about a house, such as doors and distances."""
     envs = make(**more)
     envs.reset(seed=5)
     list(steps(envs, PLAN[:at]))
@@ -81,7 +81,7 @@ def test_kept_environments_go_on_in_the_periods_that_follow(at: int, more: dict[
 
 
 class Counted(Sequence[House]):
-    """Says which houses were asked for."""
+    """Sequence of houses that records the requested indices."""
 
     def __init__(self) -> None:
         self.asked: list[int] = []
@@ -147,7 +147,7 @@ def test_what_cannot_be_had_is_said() -> None:
     assert same.houses == HOUSES[:1]
     list(steps(state, PLAN[: T + 1]))
     later = state.state
-    with pytest.raises(ValueError, match="pose"):  # of the first period's houses, which a seed leads back to
+    with pytest.raises(ValueError, match="pose"):  # of the first period's houses, to which a seed returns
         state.reset(seed=0, options={"house": np.full(E, 0), "pose": np.full((E, 3), 50.0)})
     with pytest.raises(ValueError, match="a state of other kinds"):
         state.state = {"passed": np.array([0, 2, T])}

@@ -1,4 +1,4 @@
-"""The environments as Gymnasium has them, and every wrong use of them."""
+"""The environments in Gymnasium's interface, and every wrong use of them."""
 
 import copy
 import os
@@ -130,7 +130,7 @@ HALF = 10
 
 
 def outputs(envs, plan) -> list[np.ndarray]:
-    """All outputs of each step of a plan (T, E)."""
+    """Return all outputs of each step of a plan (T, E)."""
     parts = []
     for actions in plan:
         *arrays, info = envs.step(actions)
@@ -140,7 +140,7 @@ def outputs(envs, plan) -> list[np.ndarray]:
 
 @pytest.fixture(scope="module")
 def usual(made):
-    """The outputs when nothing goes wrong, and of a reset after that."""
+    """Return the outputs without errors, and those of a reset after them."""
     made.reset(seed=0)
     parts = outputs(made, PLAN)
     observation, info = made.reset()
@@ -149,7 +149,7 @@ def usual(made):
 
 @contextmanager
 def unharmed(envs, usual, error, message):
-    """An error, before and after which the environments go on as if nothing had been asked of them."""
+    """Require an error, and the same outputs before and after it as without the call."""
     parts = outputs(envs, PLAN[:HALF])
     with pytest.raises(error, match=re.escape(message)):
         yield

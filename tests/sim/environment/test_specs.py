@@ -1,4 +1,4 @@
-"""What an environment was made with comes back from its spec, from JSON and from a pickle."""
+"""The arguments of an environment are recovered from its spec, from JSON and from a pickle."""
 
 import copy
 import json
@@ -135,10 +135,10 @@ def test_episodes_are_as_long_as_the_spec_says(arguments: dict[str, Any], steps:
 
 def test_a_task_that_no_name_states_stays_itself() -> None:
     class Local(OwnTask):
-        """No other process finds it."""
+        """A class that no other process finds."""
 
     class Named:
-        """Its attributes are its own affair."""
+        """A class with its own attributes."""
 
     own = Local()
     assert stated_task(own) is own
@@ -155,7 +155,7 @@ VALUES = {each.name: getattr(FULL, each.name) for each in fields(Config)}
 
 
 def as_arrays(value: Any) -> Any:
-    """Return a value as NumPy has it."""
+    """Return a value in NumPy's types."""
     if isinstance(value, Drive | str) or value == FULL.varied:
         return value
     array = np.array(value)

@@ -1,4 +1,4 @@
-"""Actions of steps, as they are given and as kernels read them."""
+"""Actions of steps, as users give them and as kernels read them."""
 
 import re
 

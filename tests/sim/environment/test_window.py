@@ -1,4 +1,4 @@
-"""The window on the screen, on a display that SDL only pretends to have."""
+"""The window on the screen, on a simulated display of SDL."""
 
 import numpy as np
 import pygame

@@ -1,4 +1,4 @@
-"""What users put around environments: Gymnasium's wrappers, its processes, and TorchRL by the name alone."""
+"""Users' wrappers of environments: Gymnasium's wrappers and processes, and TorchRL by name."""
 
 import copy
 import pickle
@@ -39,7 +39,7 @@ SINGLE = {
     "PassiveEnvChecker": wrappers.PassiveEnvChecker,
     "NumpyToTorch": wrappers.NumpyToTorch,
 }
-"""Those of one environment: all that take our spaces."""
+"""Wrappers of one environment: all that accept our spaces."""
 
 MANY = {
     "RecordEpisodeStatistics": vector.RecordEpisodeStatistics,
@@ -90,7 +90,7 @@ def test_a_window_shows_many_environments(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_torchrl_makes_an_environment_by_its_name() -> None:
-    """It tries ``frameskip=1`` first, and takes Python's own words as the answer that there is none."""
+    """TorchRL tries ``frameskip=1`` first, and infers from Python's error that there is no such argument."""
     from torchrl.envs import GymEnv
 
     env = GymEnv(NAME, houses=HOUSES)
@@ -146,7 +146,7 @@ if __name__ == "__main__":
 
 @pytest.mark.skipif(sys.platform == "darwin", reason="processes are not forked there")
 def test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing(tmp_path) -> None:
-    """What cannot be used is said in the parent: a GPU, and a fork of a process in which Taichi runs."""
+    """Errors appear in the parent: a missing GPU, and a fork of a process in which Taichi runs."""
     (tmp_path / "processes.py").write_text(PROCESSES)
     made = finished([sys.executable, tmp_path / "processes.py"])
     assert made.returncode == 0, made.stderr

@@ -1,4 +1,4 @@
-"""Seeds, options, arguments and uses that are unusual or wrong: as in Gymnasium, or refused in words."""
+"""Unusual or wrong seeds, options, arguments and uses: they work as in Gymnasium, or are refused."""
 
 import copy
 import pickle
@@ -38,7 +38,7 @@ def test_seeds_are_numbers_of_numpy_too(env: HouseEnv, envs: HouseVectorEnv, see
 
 
 def test_an_environment_without_a_seed_of_its_own_goes_on(envs: HouseVectorEnv) -> None:
-    """As in Gymnasium's vector environments: ``None`` among seeds is for no new one."""
+    """As in Gymnasium's vector environments, ``None`` among seeds means no new seed."""
     envs.reset(seed=[5, 6])
     expected = envs.reset()[0]
     envs.reset(seed=[5, 6])

@@ -1,4 +1,4 @@
-"""Several targets at once, beside environments that have each of them alone."""
+"""Several targets at once, compared with environments that have each of them alone."""
 
 import pickle
 from dataclasses import replace
@@ -23,7 +23,7 @@ def made(targets: Any, backend: str, **more: Any) -> HouseVectorEnv:
 
 
 def gaps(envs: HouseVectorEnv, places: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Metres (E, n) between bodies at poses (E, 3) and targets (E, n, 2); negative where they overlap."""
+    """Return metres (E, n) between bodies at poses (E, 3) and targets (E, n, 2); negative for an overlap."""
     away = np.abs(places - poses[:, None, :2]) - envs.config.target / 2
     body = max(envs.config.body) / 2
     if envs.config.drives:  # a disc

@@ -1,4 +1,4 @@
-"""Targets beside pieces of a kind, and where a house's habits put them: every place, and how often."""
+"""Targets beside furniture of a kind, and targets by a house's habits: all places, and their frequencies."""
 
 from collections import Counter
 from dataclasses import replace
@@ -15,11 +15,11 @@ from sim.tasks.furniture import BESIDE, Habit, Object
 from tests import sample_houses
 
 TWO = sample_houses.drawn("aaaaa..\naaAaa..\naaaa+..\nbbbb+..\nbbbbb..\nbBbbb..")
-"""Rooms a and b, with a table in each: the two are near each other, with a wall between."""
+"""Rooms a and b with a table each. The tables are close to each other, with a wall between them."""
 
 
 def furnished(house: House, *kinds: str) -> House:
-    """A star whose first pieces are of these kinds, one room after the other."""
+    """Return a star whose first pieces of furniture are of these kinds, room by room."""
     rooms, left = [], iter(kinds)
     for room in house.star.rooms:
         pieces = tuple(
@@ -33,13 +33,13 @@ HOUSE = furnished(TWO, "bed", "stove")
 
 
 def centres(envs: HouseVectorEnv, house: int = 0) -> np.ndarray:
-    """The centres (m, 2) of all places of a house's targets, metres."""
+    """Return the centres (m, 2) of all places of a house's targets, metres."""
     places = envs.world.places[house].targets
     return places * envs.config.step + origins_of(envs.world).reshape(-1, 2)[house]
 
 
 def beside(house: House, kind: str, points: np.ndarray) -> np.ndarray:
-    """Which targets (n, 2) lie beside a piece of a kind, and in its room: (n,) bool, by shapely."""
+    """Return a mask (n,) bool of the targets (n, 2) beside furniture of a kind, in its room, by shapely."""
     half, found = DEFAULT.target / 2, np.zeros(len(points), bool)
     squares = shapely.box(*(points - half).T, *(points + half).T)
     for room in house.rooms:
@@ -92,7 +92,7 @@ def test_the_kind_of_a_piece_is_a_name():
 
 
 def probabilities(house: House, task: Habit, points: np.ndarray) -> np.ndarray:
-    """How likely each of these places (n, 2) of a house is by what the task says."""
+    """Return the probability of each of these places (n, 2) of a house, by the task's definition."""
     half, total = DEFAULT.target / 2 - 1e-5, np.zeros(len(points))
     for rank, (what, name) in enumerate(task.order(house)):
         inside = np.zeros(len(points), bool)
@@ -124,7 +124,7 @@ def test_a_habit_draws_targets_by_the_weights_that_it_states(backend, task):
     nearest = np.abs(drawn[:, None] - centres(many)).max(axis=2).argmin(axis=1)
     met = np.zeros(len(anywhere))
     np.add.at(met, np.array(places)[nearest], 1 / len(drawn))
-    # Regions have whole numbers of some 4096 entries, and a place has a whole number of those.
+    # Regions have whole numbers of about 4096 entries, and each place has a whole number of them.
     for region in [beside(HOUSE, kind, anywhere) for kind in ("bed", "stove")]:
         assert abs(stated[region].sum() - expected[region].sum()) < 0.02
         assert abs(met[region].sum() - stated[region].sum()) < 0.015

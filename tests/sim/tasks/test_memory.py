@@ -1,5 +1,5 @@
 # pyright: reportIncompatibleMethodOverride=false
-"""Terms that keep numbers, and see rooms and what was bumped into, beside NumPy and shapely."""
+"""Terms with a memory, and terms that read rooms and obstacles, compared with NumPy and shapely."""
 
 import pickle
 from dataclasses import dataclass, replace
@@ -26,19 +26,19 @@ COUNT = 32
 @ti.data_oriented
 @dataclass(frozen=True)
 class Noting(Terms):
-    """Keeps the last room, the last thing bumped into, and how many steps and marks there were."""
+    """Terms that keep the last room, the last obstacle, and the sums of steps and marks."""
 
     memory: ClassVar[int] = 4
     sees_room: ClassVar[bool] = True
     sees_bumped: ClassVar[bool] = True
 
     def marks(self, house: House) -> list[int]:
-        """Twice the room's number, and three."""
+        """Return twice the room's number plus three, for each room."""
         return [2 * number + 3 for number in range(len(house.rooms))]
 
     @ti.func
     def remember(self, now):
-        """See ``Terms``."""
+        """Return the memory after a step: see ``Terms``."""
         return ti.Vector([
             ti.cast(now.room, ti.f32), ti.cast(now.bumped, ti.f32),
             now.was[2] + 1.0, now.was[3] + ti.cast(now.mark, ti.f32),
@@ -46,7 +46,7 @@ class Noting(Terms):
 
     @ti.func
     def ends(self, now):
-        """See ``Terms``."""
+        """Return 1 at a collision after 90 steps: see ``Terms``."""
         return ti.cast((now.memory[2] > 90) & (now.bumped > 0), ti.i32)
 
 
@@ -55,7 +55,7 @@ def plan(steps: int, count: int = COUNT) -> np.ndarray:
 
 
 def room_of(house: House, x: float, y: float) -> set[int]:
-    """The number of the first room that a place is in; of a place on a boundary also the next one's."""
+    """Return the number of the first room that contains a place; on a boundary, also the next room's."""
     depths = [
         min(x - west, east - x, y - north, south - y)
         for west, north, east, south in (room.box for room in house.rooms)
@@ -66,7 +66,7 @@ def room_of(house: House, x: float, y: float) -> set[int]:
 
 
 def things_met(house: House, before: np.ndarray, after: np.ndarray, half: float) -> set[int]:
-    """What a square meets on its way between two centres: a piece, or else a wall; both where it is close."""
+    """Return a square's obstacles between two centres: furniture, or else a wall; both if it is close."""
     ends = [shapely.box(x - half, y - half, x + half, y + half) for x, y in (before, after)]
     way = shapely.union_all(ends).convex_hull
     pieces = shapely.union_all([shapely.box(*piece.box) for room in house.rooms for piece in room.pieces])
@@ -161,7 +161,7 @@ def test_a_closed_door_is_bumped_into():
 
 
 def played(targets: Any, steps: int) -> list[tuple[Any, ...]]:
-    """What each step of the oracle's way returns, in ``SAME_STEP``."""
+    """Return the outputs of each step of the oracle, in ``SAME_STEP``."""
     envs = HouseVectorEnv([DRAWN], COUNT, targets=targets, autoreset_mode="SameStep")
     envs.reset(seed=1)
     oracle = Oracle(envs)

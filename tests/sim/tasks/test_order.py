@@ -1,4 +1,4 @@
-"""Targets in an order: of rooms, and of given points."""
+"""Targets in an order: in rooms, and at given points."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ COUNT = 12
 
 
 def types_at(house: Any, places: np.ndarray) -> list[set[str]]:
-    """The types of the rooms that places (n, 2) are in."""
+    """Return the types of the rooms that contain places (n, 2)."""
     return [
         {
             room.type

@@ -8,12 +8,12 @@ from sim.config import PIXEL
 from tests import sample_houses
 
 START = (185, 190, 90)
-"""Where the recording's episodes start: the body's north-west corner in pixels, and degrees."""
+"""Start of the recording's episodes: the body's north-west corner in pixels, and degrees."""
 
 
 @pytest.fixture(scope="module")
 def replay():
-    """The recording, and each of its steps made by ours from the pose before it."""
+    """Return the recording, and each of its steps repeated in our simulator from the pose before it."""
     house = sample_houses.example(whole_pixels=True)
     trace = dict(np.load(sample_houses.FIXTURES / "example1-trace.npz"))
     after, episode = trace["pose"].astype(float), trace["episode"]
@@ -27,7 +27,7 @@ def replay():
 
 
 def eye(corner: np.ndarray) -> np.ndarray:
-    """A recorded pose's eye: 4 px from the corner, 5 at diagonal headings. Metres and radians."""
+    """Return the eyes of recorded poses: 4 px from the corner, 5 at diagonal headings. Metres and radians."""
     offset = np.where(corner[:, 2] % 90 == 0, 4, 5)[:, None]
     return np.column_stack([(corner[:, :2] + offset) * PIXEL, np.deg2rad(corner[:, 2])])
 
@@ -47,9 +47,9 @@ def test_poses_and_rewards_equal_those_of_the_original_program(replay):
 
 def test_rays_are_within_a_hundredth_of_the_range(replay):
     trace, _, (observation, reward, _, _, _) = replay
-    same_target = reward == 0  # after a pick-up the next target is drawn, by each in its own way
+    same_target = reward == 0  # after a pick-up each program draws its own next target
     ours, theirs = observation[same_target], trace["observation"][same_target]
     assert (np.abs(ours[..., 1] - theirs[..., 1]) <= 0.01).mean() >= 0.995
     assert (ours[..., 2] == theirs[..., 2]).mean() >= 0.999
-    # The original writes each angle one ray too early; ours is the ray's own.
+    # The original writes each angle one ray too early; ours is the ray's own angle.
     np.testing.assert_allclose(ours[:, 1:, 0], theirs[:, :-1, 0], atol=1e-6)

@@ -1,4 +1,4 @@
-"""The paper's house and its tasks, by name: where episodes start, where targets come, how many there are."""
+"""The paper's house and its tasks, by name: starts, places of targets, and the number of targets."""
 
 import gymnasium
 import numpy as np
@@ -11,15 +11,15 @@ EPISODES = 32
 
 MAIN = [(160, 240), (220, 240), (230, 280), (170, 320)]
 SECONDARY = [(270, 190), (250, 325), (110, 290), (160, 170)]
-"""The north-west corners of targets in the original, pixels; a target is 15 px wide."""
+"""North-west corners of targets in the original, in pixels; a target is 15 px wide."""
 
 TASKS = {
     "paper-main": (MAIN, 56.8),
     "paper-secondary": (SECONDARY, 21.0),
     "paper-mixed": (MAIN + SECONDARY, 32.3),
 }
-"""By task: its places, and the targets of an oracle in an exact twin of the original, where they depend a
-little on which of several shortest paths it takes: 55.8 to 57.3, 20.9 to 21.0, 32.2 to 32.9."""
+"""For each task: its places, and the targets of an oracle in an exact twin of the original. They depend a
+little on the choice among shortest paths: 55.8 to 57.3, 20.9 to 21.0, 32.2 to 32.9."""
 
 
 @pytest.fixture(scope="module")

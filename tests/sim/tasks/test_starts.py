@@ -1,4 +1,4 @@
-"""Where episodes start: in chosen rooms, and by options also where they begin by themselves."""
+"""Starts of episodes: in chosen rooms, and by options also for episodes that begin automatically."""
 
 import pickle
 from typing import Any
@@ -17,7 +17,7 @@ COUNT = 24
 
 
 def rooms_of(poses: np.ndarray) -> set[str]:
-    """The types of the rooms that poses (n, 3) are in."""
+    """Return the types of the rooms that contain poses (n, 3)."""
     found = set()
     for x, y, _ in poses:
         for room in DRAWN.rooms:
@@ -54,11 +54,11 @@ def test_starts_are_said_in_words_and_wrong_ones_refused():
 
 
 POSES = np.tile([1.0 * 1.2 + 1.8, 0.6, np.pi / 2], (COUNT, 1))
-"""In the first room."""
+"""Poses in the first room."""
 
 
 def guided(mode: str) -> tuple[HouseVectorEnv, list[Any]]:
-    """Environments whose next episodes have options, and what the steps up to there and after say."""
+    """Return environments whose next episodes have options, and the infos of the steps before and after."""
     envs = HouseVectorEnv(HOUSES, COUNT, targets="main", max_episode_steps=9, autoreset_mode=mode)
     envs.reset(seed=1)
     envs.set_next({"house": np.arange(COUNT) % 2, "pose": POSES})

@@ -1,4 +1,4 @@
-"""Tasks: where their targets lie, when they end, which targets come next, by hand."""
+"""Tasks: places of their targets, ends of their episodes, and their next targets, computed by hand."""
 
 import json
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ COUNT = 40
 
 @dataclass(frozen=True)
 class Largest:
-    """Targets in the largest room, or in one of the first rooms."""
+    """Task with targets in the largest room, or in the first rooms."""
 
     first: int = 0
     ends_on_pick_up: ClassVar[bool] = False
@@ -35,7 +35,7 @@ class Largest:
 
 
 def lie_in(targets: np.ndarray, boxes: list[Box]) -> np.ndarray:
-    """Which of the targets (n, 2) lie wholly in one of the boxes: (n,) bool."""
+    """Return a mask (n,) bool of the targets (n, 2) that lie completely in one of the boxes."""
     half, found = DEFAULT.target / 2 - 1e-5, np.zeros(len(targets), bool)
     for west, north, east, south in boxes:
         low, high = np.array([west, north]) + half, np.array([east, south]) - half
@@ -106,7 +106,8 @@ def test_a_room_is_reached_once_and_that_ends_the_episode(mode):
 
 
 POINTS = {"points": [[6.75, 0.45], [4.05, 0.9], [5.0, 2.55], [0.5, 0.5]], "start": [5.85, 1.35, np.pi / 4]}
-"""In the house ``ONE``: three in the main room and one in room a; the start is in the middle of a cell."""
+"""Points in the house ``ONE``: three in the main room and one in room a; the start is in the middle of a
+cell."""
 
 
 @pytest.mark.parametrize("backend", ["continuous", "grid"])

@@ -1,4 +1,4 @@
-"""Terms of a task: what a step earns and when an episode ends, beside plain arithmetic on what infos say."""
+"""Terms of a task: rewards and ends of episodes, compared with arithmetic on infos."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -19,13 +19,13 @@ COUNT = 64
 @ti.data_oriented
 @dataclass(frozen=True)
 class Everything(Terms):
-    """A number that depends on all that terms see, and an end at a bump after some steps."""
+    """Terms with a reward that depends on all that terms read, and an end at a collision after some steps."""
 
     after: int = 40
 
     @ti.func
     def reward(self, now):
-        """See ``Terms``."""
+        """Return the reward of a step: see ``Terms``."""
         away = (now.target - now.eye).norm()
         return (
             now.picked
@@ -40,25 +40,25 @@ class Everything(Terms):
 
     @ti.func
     def ends(self, now):
-        """See ``Terms``."""
+        """Return 1 if the episode ends: see ``Terms``."""
         return now.blocked & ti.cast(now.time > ti.static(self.after), ti.i32)
 
 
 @ti.data_oriented
 @dataclass(frozen=True)
 class Nearer(Terms):
-    """How much nearer a step is to the target that it was made for."""
+    """Terms whose reward is the decrease of the distance to the step's target."""
 
     sees_distance: ClassVar[bool] = True
 
     @ti.func
     def reward(self, now):
-        """See ``Terms``."""
+        """Return the reward of a step: see ``Terms``."""
         return now.before - now.distance
 
 
 def played(targets: Any, steps: int = 400, **arguments: Any) -> list[tuple[Any, ...]]:
-    """Actions, and what each step returns, with each environment's target and house before it."""
+    """Return actions and the outputs of each step, with each environment's target and house before it."""
     envs = HouseVectorEnv(HOUSES, COUNT, targets=targets, **arguments)
     _, info = envs.reset(seed=1)
     rows, random = [], np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""A task has a name in words, whichever way it is written; no page shows its JSON."""
+"""A task has a name in words, in whichever form it is written; no page shows its JSON."""
 
 import json
 
@@ -38,15 +38,15 @@ NAMES = {
 
 
 class Largest:
-    """A task of a user's own."""
+    """A user's own task."""
 
     ends_on_pick_up = False
 
     def __init__(self, share: int) -> None:
-        """With an argument."""
+        """Take an argument."""
 
     def spaces(self, house) -> list:
-        """None."""
+        """Return no rectangle."""
         return []
 
 

@@ -1,6 +1,6 @@
-"""An environment is a function of its seed: not of the batch, the threads, the loop or what others do.
+"""An environment is a function of its seed: not of the batch, the threads, the loop or other environments.
 
-``./run python -m tests.sim.world.test_determinism`` makes the goldens again, and says in what they differ.
+``./run python -m tests.sim.world.test_determinism`` writes the goldens again.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, *sample_houses.RANDOM[:3]]
 OTHERS = sample_houses.RANDOM[3:]
 SHORT = replace(DEFAULT, ends_on_collision=True, steps=20)
-"""Episodes end often, and not together."""
+"""Configuration with frequent ends of episodes, at different times."""
 
 PRESETS = {"default": DEFAULT, "paper": PAPER}
 GOLDEN_HOUSES = {
@@ -34,7 +34,8 @@ GOLDEN_HOUSES = {
 }
 """The original's rule opens no door of a room that overlaps the main room by less than the body."""
 LAUNCHES = 0.02
-"""Seconds: more than Taichi counts for launches of what it has compiled, less than for compiling anything."""
+"""Time limit in seconds: more than Taichi counts for launches of compiled kernels, less than for any
+compilation."""
 
 BATCH, STEPS = 4096, 50
 GOLDEN = Path(__file__).parents[2] / "golden"
@@ -52,10 +53,10 @@ def actions(count: int, steps: int = STEPS) -> np.ndarray:
 def outputs(
     envs: HouseVectorEnv, plan: np.ndarray, seed: int | None, others: Any = None
 ) -> Iterator[list[np.ndarray]]:
-    """All outputs of each step of a plan (T, E), from a reset on; without a seed, from where it is.
+    """Yield all outputs of each step of a plan (T, E), from a reset on.
 
-    Where nothing resets by itself, those that ended are reset before the next step, and so are ``others``
-    (T, E) bool, whether they ended or not.
+    Without a seed, begin with the current state. In the mode ``DISABLED``, ended environments are reset
+    before the next step, and so are ``others`` (T, E) bool, ended or not.
     """
     disabled = envs.autoreset_mode is AutoresetMode.DISABLED
     over = np.zeros(envs.num_envs, bool)
@@ -84,12 +85,12 @@ def outputs(
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two lists of arrays have the same bits."""
+    """Return True if two lists of arrays have the same bits."""
     return [array.tobytes() for array in one] == [array.tobytes() for array in other]
 
 
 def digest(steps: Iterator[list[np.ndarray]]) -> str:
-    """A hash of all outputs."""
+    """Return a hash of all outputs."""
     total = hashlib.sha256()
     for parts in steps:
         for array in parts:
@@ -100,7 +101,7 @@ def digest(steps: Iterator[list[np.ndarray]]) -> str:
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("by_ray", [False, True])
 def test_an_environment_gives_the_same_outputs_alone_and_among_4096(mode, by_ray):
-    """Bit for bit, through several episodes."""
+    """The outputs are equal bit for bit, through several episodes."""
     envs, plan, ends = make(autoreset_mode=mode, by_ray=by_ray), actions(BATCH), 0
     chosen = [0, 1, 77, BATCH - 1]
     singles = [
@@ -116,7 +117,7 @@ def test_an_environment_gives_the_same_outputs_alone_and_among_4096(mode, by_ray
 
 @pytest.mark.parametrize("mode", AutoresetMode)
 def test_the_loop_by_environment_and_the_loop_by_ray_give_the_same_outputs(mode):
-    """One task for each environment, or one for each environment and ray."""
+    """Compare one task for each environment with one for each environment and ray."""
     plan = actions(BATCH)
     runs = [outputs(make(autoreset_mode=mode, by_ray=by_ray), plan, seed=5) for by_ray in (False, True)]
     for one, other in zip(*runs, strict=True):
@@ -124,7 +125,7 @@ def test_the_loop_by_environment_and_the_loop_by_ray_give_the_same_outputs(mode)
 
 
 def test_resets_of_other_environments_change_nothing():
-    """Whoever else is reset, when and how often: an environment goes on as it does alone."""
+    """Other environments are reset at any times: an environment continues as it does alone."""
     count, kept = 64, [3, 40]
     plan = actions(count)
     others = np.random.default_rng(1).random(plan.shape) < 0.2
@@ -149,7 +150,7 @@ print("\\n".join(threaded()))
 
 
 def threaded() -> list[str]:
-    """Hashes that must not depend on the number of threads: in both shapes of the loop."""
+    """Return hashes that must not depend on the number of threads, in both shapes of the loop."""
     plan = actions(700)
     kinds = [(AutoresetMode.SAME_STEP, False), (AutoresetMode.NEXT_STEP, True)]
     return [
@@ -168,7 +169,7 @@ def test_the_number_of_threads_changes_no_output():
 
 
 def golden(preset: str) -> dict[str, Any]:
-    """What a seed comes to: numbers that a reader can compare, and hashes of every bit."""
+    """Return the results of a seed: numbers that a reader can compare, and hashes of every bit."""
     envs, names = (
         make(GOLDEN_HOUSES[preset], 32, PRESETS[preset], max_episode_steps=150),
         ("seen", "poses", "targets", "houses", "rewards"),
@@ -190,7 +191,7 @@ def golden(preset: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_a_seed_gives_the_golden_trajectories(preset):
-    """First what they are, then every bit of them."""
+    """Compare the readable numbers first, then every bit."""
     known, found = json.loads((GOLDEN / f"sim-{preset}.json").read_text()), golden(preset)
     for name, values in known.items():
         if name != "bits":
@@ -218,7 +219,7 @@ def test_a_state_saved_and_restored_goes_on_bit_for_bit(mode, tmp_path):
 
 
 def rest(envs: HouseVectorEnv, plan: np.ndarray) -> Iterator[list[np.ndarray]]:
-    """The rest of a plan: those that have ended are reset first, where nothing does it by itself."""
+    """Yield the outputs of the rest of a plan. In the mode ``DISABLED``, first reset ended environments."""
     flags = envs.state["flags"].astype(bool)
     over = flags[0] | flags[1]
     if envs.autoreset_mode is AutoresetMode.DISABLED and over.any():
@@ -242,7 +243,7 @@ def test_set_houses_compiles_nothing_and_equals_a_new_environment(by_ray):
 
 
 def compilations() -> float:
-    """Seconds that Taichi has spent on compiling."""
+    """Return the seconds that Taichi has spent on compiling."""
     program: Any = impl.get_runtime().prog
     return program.get_total_compilation_time()
 
@@ -250,7 +251,7 @@ def compilations() -> float:
 def test_the_count_of_compilations_notices_one():
     make(count=1)
     before = compilations()
-    # Of a kind that no earlier run has left in Taichi's cache.
+    # A kernel that no earlier run has left in Taichi's cache.
     make(count=1, preset=replace(SHORT, noise=np.random.default_rng().uniform(0.1, 0.2))).reset()
     assert compilations() > before + 5 * LAUNCHES
 

@@ -1,4 +1,4 @@
-"""Claims about what an episode's end shows: the state in which it ended, and nothing of the next."""
+"""The end of an episode shows the state in which the episode ended, and nothing of the next."""
 
 from dataclasses import replace
 
@@ -14,13 +14,13 @@ TASKS = {
     "object": ({"task": "object", "piece": "bed"}, DEFAULT),
     "main, at its last step": ("main", replace(DEFAULT, steps=10)),
 }
-"""Tasks whose episodes end by a pick-up, and one whose time is over at one now and then."""
+"""Tasks whose episodes end with a pick-up, and one whose time sometimes runs out at a pick-up."""
 
 
 @pytest.mark.parametrize("name", TASKS)
 @pytest.mark.parametrize("mode", AutoresetMode)
 def test_the_target_at_an_end_is_the_one_that_was_reached(name: str, mode: AutoresetMode) -> None:
-    """The one of before the step, by the info; the body overlaps it, and rays that end on it see it."""
+    """The target is that of the info before the step; the body overlaps it, and rays end on it."""
     task, config = TASKS[name]
     envs = HouseVectorEnv([HOUSE], 32, targets=task, preset=config, autoreset_mode=mode, seed=7)
     oracle, reached, in_sight, started = Oracle(envs), 0, 0, None
@@ -32,7 +32,7 @@ def test_the_target_at_an_end_is_the_one_that_was_reached(name: str, mode: Autor
         picked = ended & (reward > 0)
         if mode is AutoresetMode.SAME_STEP and ended.any():
             final, last = info["final_obs"], info["final_info"]
-            assert not np.allclose(info["target"][ended], before[ended])  # and then the next episode's
+            assert not np.allclose(info["target"][ended], before[ended])  # the next episode's
         else:
             final, last = observation, info
         np.testing.assert_array_equal(last["target"][ended], before[ended])

@@ -1,4 +1,4 @@
-"""The distance to the target is the oracle's number of steps, at every pose."""
+"""The distance to the target equals the oracle's number of steps, at every pose."""
 
 from dataclasses import replace
 from typing import Any
@@ -27,7 +27,7 @@ def true_distances(envs: HouseVectorEnv) -> np.ndarray:
 
 
 def strides(envs: HouseVectorEnv, steps: int, seed: int = 0) -> Any:
-    """Infos of random steps."""
+    """Yield the outputs of random steps."""
     random = np.random.default_rng(seed)
     for _ in range(steps):
         yield envs.step(random.choice(3, COUNT, p=[0.15, 0.15, 0.7]))
@@ -64,7 +64,7 @@ def test_a_given_target_has_its_distance_whether_it_was_met_before_or_lies_outsi
     np.testing.assert_array_equal(again["distance"], info["distance"])
     _, again = envs.reset(options={"house": house, "target": target})
     np.testing.assert_array_equal(again["distance"], true_distances(envs))
-    for k in range(1, 60):  # on the lattice, further and further off
+    for k in range(1, 60):  # on the lattice, at growing distances
         corners = [
             envs.world.lattices[number].origin - np.float32(DEFAULT.step) * (1 + 9 * k) for number in house
         ]
@@ -102,7 +102,7 @@ def test_distances_depend_on_nothing_but_the_state(monkeypatch):
     infos = [info["distance"] for *_, info in strides(envs, 60)]
     middle = envs.state
     after = [info["distance"] for *_, info in strides(envs, 40, seed=1)]
-    monkeypatch.setattr(geodesic, "MOST_BYTES", 1)  # fields are forgotten again and again
+    monkeypatch.setattr(geodesic, "MOST_BYTES", 1)  # fields are discarded again and again
     other.reset(seed=4)
     np.testing.assert_array_equal([info["distance"] for *_, info in strides(other, 60)], infos)
     assert envs.world.distances is not None

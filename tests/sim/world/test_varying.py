@@ -1,4 +1,4 @@
-"""What differs from episode to episode: noise, lost rays, slips, drift, and how a body drives."""
+"""Values that differ between episodes: noise, lost rays, slips, drift, and limits of driving."""
 
 from dataclasses import replace
 from typing import Any
@@ -17,7 +17,7 @@ FIELDS = {"noise": 0.05, "dropout": 0.1, "slip": 0.2, "drift": 0.1}
 
 
 def played(config: Config, count: int = COUNT, **more: Any) -> list[np.ndarray]:
-    """What steps show and where they lead."""
+    """Return the observations and poses of all steps."""
     envs = HouseVectorEnv(HOUSES, count, preset=config, targets="all", **more)
     seen, info = envs.reset(seed=2)
     shown = []
@@ -51,7 +51,7 @@ def test_each_episode_has_its_own_value_a_function_of_its_seed_and_number():
         squares = (errors**2 * inside).sum(1) / np.maximum(1, inside.sum(1))
         spread.append(np.where(inside.sum(1) > 15, np.sqrt(squares), 0.1))
     assert 0.09 < spread[0].mean() < 0.11
-    assert spread[0].std() > 0.04  # all alike from 0 to 0.2: 0.058
+    assert spread[0].std() > 0.04  # uniform from 0 to 0.2 has 0.058
     assert abs(np.corrcoef(*spread)[0, 1]) < 0.1
 
 
@@ -68,7 +68,7 @@ def test_a_body_makes_shares_of_what_it_is_told_and_of_its_acceleration():
 
 @pytest.mark.parametrize("backend", ["continuous", "free"])
 def test_a_body_of_a_share_of_its_width_moves_as_one_that_is_so_wide(backend):
-    """But for where it starts and where targets lie; a disc's skin has its share of the width, too."""
+    """Starts and places of targets may differ; a disc's skin is scaled with its width, too."""
     narrow = tuple(0.5 * side for side in DEFAULT.body)
     eye = tuple(0.5 * side for side in narrow)
     drive = Drive(commands=COMMANDS) if backend == "free" else DEFAULT.drive

@@ -1,5 +1,5 @@
 # pyright: reportInvalidTypeForm=false
-"""Episodes, targets and random numbers: what depends on what, and what does not."""
+"""Episodes, targets and random numbers: their dependences and independences."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def actions(count: int, steps: int = STEPS) -> np.ndarray:
 
 
 def rollout(envs: HouseVectorEnv, plan: np.ndarray, seed: int) -> list[np.ndarray]:
-    """All that an environment says in the plan's steps (T, E): observations, rewards, ends, infos."""
+    """Return all outputs of an environment in a plan's steps (T, E): observations, rewards, ends, infos."""
     observation, info = envs.reset(seed=seed)
     parts = [[observation[None]], [], [], [], [info["pose"][None]], [info["target"][None]]]
     for action in plan:
@@ -41,7 +41,7 @@ def alone():
 
 
 def test_n_environments_together_equal_n_single_ones(batch, alone):
-    """Through several episodes, environment i of seed s is bit for bit the one of seed s + i alone."""
+    """Through several episodes, environment i of seed s equals a single one of seed s + i, bit for bit."""
     plan = actions(6)
     together = rollout(batch, plan, seed=11)
     for i in range(6):
@@ -58,7 +58,7 @@ def test_the_same_seed_is_the_same_trajectory_and_another_is_not(batch):
 
 
 def test_the_first_random_houses_and_starts_of_seed_0_are_known(batch):
-    """A golden: these change only if the random numbers or the places change, and then results do."""
+    """A golden: it changes only if the random numbers or the places change, and then results change."""
     _, info = batch.reset(seed=0)
     assert info["house"].tolist() == [2, 6, 2, 5, 0, 5]
     np.testing.assert_allclose(info["pose"][0], (2.8595154, 3.1548777, 5.4977875), atol=1e-5)
@@ -66,7 +66,7 @@ def test_the_first_random_houses_and_starts_of_seed_0_are_known(batch):
 
 
 def test_random_words_equal_those_published_for_philox():
-    """Philox4x32-10's known answers, from the Random123 library's tests."""
+    """Known answers of Philox4x32-10, from the Random123 library's tests."""
     start()
     known = {
         (0, (0, 0, 0, 0)): "6627e8d5 e169c58d bc57ac4c 9b00dbd8",
@@ -90,7 +90,7 @@ def test_random_words_equal_those_published_for_philox():
 
 
 def picked_targets(envs: HouseVectorEnv, chosen: np.ndarray) -> list[list[tuple[float, ...]]]:
-    """The targets of each environment's first episode, in order, as an agent met them."""
+    """Return the targets of each environment's first episode, in the order in which an agent met them."""
     count = envs.num_envs
     _, info = envs.reset(seed=5, options={"house": np.zeros(count, int)})
     met = [[tuple(target)] for target in info["target"].tolist()]
@@ -115,7 +115,7 @@ def test_the_kth_target_does_not_depend_on_the_agent():
 
 @pytest.mark.parametrize("targets", ["main", "secondary", "mixed"])
 def test_targets_lie_wholly_where_they_should(targets):
-    """Every place that can be drawn, not a sample: on free floor of the right rooms."""
+    """Check every possible place, not a sample: free floor of the right rooms."""
     envs = HouseVectorEnv(HOUSES, targets=targets)
     world, side, checked = envs.world, envs.config.target, 0
     for house, lattice, here in zip(HOUSES, world.lattices, world.places, strict=True):
@@ -142,7 +142,7 @@ def test_set_houses_with_other_targets_equals_a_new_environment():
         _, info = envs.reset(seed=4)
         assert np.array_equal(envs.targets(1)[:, 0], info["target"])
     assert np.array_equal(moved.targets(20), made.targets(20))
-    moved.set_houses(HOUSES)  # and stay there
+    moved.set_houses(HOUSES)  # and the targets stay there
     made.set_houses(HOUSES)
     for envs in (moved, made):
         envs.reset(seed=5)
@@ -183,7 +183,7 @@ def test_the_step_after_an_end_only_begins_the_next_episode(alone):
     first, reward, terminated, truncated, info = alone.step([2])
     assert (reward, terminated, truncated) == (0, False, False)
     again, later = alone.reset(seed=0)[0], alone.reset()
-    np.testing.assert_array_equal(first, later[0])  # the same episode, however it is come to
+    np.testing.assert_array_equal(first, later[0])  # the same episode, however it is reached
     np.testing.assert_array_equal(info["pose"], later[1]["pose"])
     assert (first != last).any()
     assert (first != again).any()
