@@ -135,7 +135,7 @@ class ExternalRun:
     def joined(self, result: Result) -> Result:
         """Return a result that also has this run.
 
-        Raises ``StudyFailed`` if the run played in other houses.
+        Raises ``StudyFailed`` if the run is of another agent, or of other houses or targets.
         """
         file, mode, name = scores.load(self.scores), self.agent.targets, self.agent.name
         theirs = scores.result_of(file.targets[mode], mode) if mode in file.targets else None

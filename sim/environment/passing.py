@@ -15,7 +15,7 @@ _going_on = WeakSet["Passing"]()
 
 
 def close_all() -> None:
-    """Wait until this process packs no more houses, which must not happen when its compiler ends."""
+    """Wait for all packing in this process, because nothing may be packed when its compiler ends."""
     for each in list(_going_on):
         each.close()
 

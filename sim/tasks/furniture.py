@@ -55,7 +55,7 @@ def beside(house: House, kind: str, margin: float = BESIDE) -> list[Box]:
 
 @dataclass(frozen=True)
 class Object(BaseTask):
-    """Task to find furniture of a kind: the target is beside such a piece, and its pick-up is the end."""
+    """Task to find furniture of a kind: a target is beside it, and its pick-up ends the episode."""
 
     piece: str
     ends_on_pick_up: ClassVar[bool] = True

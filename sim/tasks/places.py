@@ -63,7 +63,7 @@ class Places:
         return self.targets if self.counts is None else np.repeat(self.targets, self.counts, axis=0)
 
     def spread(self, pitch: int) -> np.ndarray:
-        """Return the targets on a grid of ``pitch`` steps, (k,) int: all given targets, or at least one."""
+        """Return rows of targets on a grid of ``pitch`` steps, (k,) int: all given ones, or at least one."""
         chosen = np.flatnonzero((self.targets % pitch == 0).all(axis=1))
         if self.given:
             return np.arange(len(self.targets))
@@ -291,7 +291,7 @@ def _crossed(walls: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
 
 
 def _slices(box: np.ndarray, grow: float, lattice: Lattice) -> tuple[slice, slice]:
-    """Return the lattice's places in a box (x, y, half width, half height) that is enlarged by ``grow``."""
+    """Return slices of a lattice: its places in a box (x, y, half width, half height) plus ``grow``."""
     low = np.ceil((box[:2] - box[2:] - grow - lattice.origin) / lattice.pitch).astype(int)
     high = np.floor((box[:2] + box[2:] + grow - lattice.origin) / lattice.pitch).astype(int) + 1
     i, j = (slice(max(0, a), max(0, b)) for a, b in zip(low, high, strict=True))
