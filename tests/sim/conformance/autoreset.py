@@ -1,4 +1,4 @@
-"""What must follow the end of an episode in each autoreset mode; all three give the same episodes."""
+"""Checks of each autoreset mode after the end of an episode; all three modes give the same episodes."""
 
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -25,7 +25,7 @@ def check_autoreset_modes(
 ) -> None:
     """Raise ``ConformanceError`` unless the three modes give the same episodes, each in its own way.
 
-    ``make`` makes the environments in a mode. Given the same seed, and in each environment the same actions
+    ``make`` creates the environments in a mode. With the same seed, and in each environment the same actions
     in all steps that count, the last observations, rewards, flags and next episodes must be the same.
     """
     episodes: dict[AutoresetMode, list[list[dict[str, Any]]]] = {}
@@ -48,13 +48,13 @@ def check_autoreset_modes(
 
 
 def autoreset(trial: Trial) -> None:
-    """What the environment's own mode says of ends of episodes."""
+    """Check the end of an episode in the environment's own mode."""
     trial.first_end()
     MODES[trial.mode](trial)
 
 
 def refusals(trial: Trial) -> None:
-    """What a mode does not allow is an error: only one that is disabled forbids anything."""
+    """Check that calls that a mode forbids raise an error; only the mode ``DISABLED`` forbids any."""
     if trial.mode is not AutoresetMode.DISABLED:
         return
     count, size = trial.first_end(), trial.envs.num_envs
@@ -151,19 +151,19 @@ def _disabled(trial: Trial) -> None:
 
 
 def _changed(trial: Trial, where: np.ndarray, before: Any, after: Any) -> bool:
-    """Whether the observation of any of these environments has."""
+    """Return True if the observation of any of the environments ``where`` has changed."""
     pairs = list(zip(trial.each(before), trial.each(after), strict=True))
     return any(difference(*pairs[index]) for index in np.flatnonzero(where))
 
 
 def _final(trial: Trial, now: StepResult) -> list[Any]:
-    """By environment, the last observations: out of an array of objects, or of a dense batch."""
+    """Return the last observation of each environment, from an array of objects or a dense batch."""
     final = now.info["final_obs"]
     return list(final) if isinstance(final, np.ndarray) else trial.each(final)
 
 
 def _events(trial: Trial) -> list[list[dict[str, Any]]]:
-    """By environment, what happened, whatever the mode: resets, and steps that count."""
+    """Return the events of each environment, independent of the mode: resets, and steps that count."""
 
     def plan(seed: int) -> Iterator[Any]:
         space = deepcopy(trial.envs.single_action_space)

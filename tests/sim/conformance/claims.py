@@ -1,7 +1,7 @@
 """Claims that a vector environment must meet, in its own autoreset mode.
 
-Gymnasium's own ``check_env`` is for single environments. The claims are what ``SyncVectorEnv`` of Gymnasium
-1.4 does, what the documentation says of vector environments, and what wrappers rely on.
+Gymnasium's own ``check_env`` is for single environments. The claims are those that ``SyncVectorEnv`` of
+Gymnasium 1.4 meets, that the documentation makes about vector environments, and that wrappers rely on.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -28,7 +28,7 @@ from tests.sim.conformance.trial import (
 )
 
 CALLS = 10
-"""Successive calls that are checked for shared memory."""
+"""Number of successive calls that are checked for shared memory."""
 
 
 def check_vector_env(
@@ -45,22 +45,22 @@ def check_vector_env(
     |---|---|
     | attributes | sizes, spaces, render mode and metadata are there and agree |
     | spec | can be set, as ``make_vec`` does, and comes back from JSON as it was |
-    | returns | what ``reset`` and ``step`` return has the types, shapes, dtypes and bounds of the spaces |
+    | returns | results of ``reset`` and ``step`` have the types, shapes, dtypes and bounds of the spaces |
     | determinism | the same seed and actions give the same observations, rewards and flags |
-    | infos | and the same infos |
-    | memory | what is returned is the caller's: later calls do not change it, writing on it changes nothing |
+    | infos | the same seed and actions also give the same infos |
+    | memory | the caller owns the results: no later call changes them, and writing on them changes nothing |
     | distinct | environments, seeds and successive resets differ |
     | seeds | a list gives each environment its seed; ``seed=s`` means ``s + i`` for environment i |
     | options | ``reset`` leaves the dict of options as it was |
-    | autoreset | an end is followed by what ``metadata["autoreset_mode"]`` says |
+    | autoreset | the behaviour after an end is that of ``metadata["autoreset_mode"]`` |
     | refusals | if autoreset is disabled: steps of ended environments and wrong ``reset_mask``s are errors |
     | render | if ``rgb_array``: a picture (height, width, 3) uint8 for each environment, all of one size |
     | close | can be called twice; it is the last claim, since the environment is closed then |
 
-    ``steps`` random actions are made; an episode must end within them, so give more where episodes are
-    longer. ``options``: what to pass to ``reset`` under the claim of that name. ``skip``: claims that are not
-    checked, such as ``distinct`` where nothing is random. Environments of JAX or torch are checked under
-    Gymnasium's wrappers to NumPy. ``ValueError`` if ``skip`` names an unknown claim.
+    The check makes ``steps`` random actions. An episode must end within them, so give more for long episodes.
+    ``options``: argument of ``reset`` under the claim of that name. ``skip``: claims not to check, such as
+    ``distinct`` if nothing is random. Environments of JAX or torch are checked under Gymnasium's wrappers to
+    NumPy. Raises ``ValueError`` if ``skip`` names an unknown claim.
     """
     unknown = set(skip) - set(CLAIMS)
     if unknown:
@@ -143,7 +143,7 @@ def _distinct(trial: Trial) -> None:
     size = trial.envs.num_envs
 
     def run(seed: int | None) -> Iterator[list[Any]]:
-        """Each environment's fingerprints until one ends, with the same action in all of them."""
+        """Yield each environment's fingerprints until an episode ends, with the same action for all."""
         now = trial.reset(seed)
         yield [fingerprint(one) for one in trial.each(now.observation)]
         for k in range(trial.steps):

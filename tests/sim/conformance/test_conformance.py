@@ -1,4 +1,4 @@
-"""The checks pass an environment that conforms, and report each way in which one may not."""
+"""The checks accept an environment that conforms, and report each kind of violation."""
 
 import re
 from types import MethodType
@@ -106,7 +106,7 @@ BROKEN = {
     ),
     "close: the second close() raised AssertionError": (NEXT, "close", one_closing),
 }
-"""By message: the autoreset mode, an attribute of ``Walk``, and what breaks the environment in its place."""
+"""Violations by message: the autoreset mode, an attribute of ``Walk``, and its faulty replacement."""
 
 
 @pytest.mark.parametrize("message", BROKEN)

@@ -1,4 +1,4 @@
-"""A vector environment under test: every call is checked for the form of what it returns."""
+"""A vector environment under test: the form of the result of every call is checked."""
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from copy import deepcopy
@@ -11,16 +11,16 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import concatenate, create_empty_array, iterate
 
 FAR = 1000
-"""The difference of seeds whose episodes must differ."""
+"""Difference of seeds whose episodes must differ."""
 
 
 class ConformanceError(AssertionError):
-    """What a vector environment did, in which call, and what it should have done."""
+    """A wrong behaviour of a vector environment: the call, its result, and the expected one."""
 
 
 @dataclass(frozen=True)
 class StepResult:
-    """What ``step`` returns; a ``reset`` is one without rewards and ends."""
+    """Result of ``step``, or of ``reset``, which has no rewards and ends."""
 
     observation: Any
     reward: np.ndarray
@@ -30,15 +30,15 @@ class StepResult:
 
     @property
     def ended(self) -> np.ndarray:
-        """(N,) bool."""
+        """Mask (N,) bool of the environments whose episode has ended."""
         return self.terminated | self.truncated
 
 
 class Trial:
-    """Plays the same random actions each time, with ``seed`` and for at most ``steps`` steps."""
+    """Player of the same random actions each time, with ``seed`` and for at most ``steps`` steps."""
 
     def __init__(self, envs: VectorEnv, steps: int, seed: int, options: dict[str, Any] | None = None) -> None:
-        """``where`` names the latest call, for messages."""
+        """Take an environment. ``where`` names the latest call, for messages."""
         self.envs, self.steps, self.seed, self.options = envs, steps, seed, options or {}
         self.where = str(envs)
         self._reset, self._count = "", 0
@@ -47,15 +47,15 @@ class Trial:
 
     @property
     def mode(self) -> AutoresetMode:
-        """What the environment says it does after an end."""
+        """Autoreset mode that the environment states."""
         return self.envs.metadata["autoreset_mode"]
 
     def fail(self, what: str) -> NoReturn:
-        """Say what is wrong with the latest call."""
+        """Raise ``ConformanceError`` about the latest call."""
         raise ConformanceError(f"{self.where}: {what}")
 
     def refused(self, what: str, call: Callable[[], Any]) -> None:
-        """Fail unless the call raises something."""
+        """Fail unless the call raises an exception."""
         try:
             call()
         except Exception:
@@ -64,7 +64,7 @@ class Trial:
         self.fail("was accepted, expected an error")
 
     def action(self, k: int) -> Any:
-        """The k-th of a list of random batches of actions, always the same."""
+        """Return the k-th of a list of random batches of actions, which is always the same."""
         if not self._actions:
             self._space = deepcopy(self.envs.action_space)
             self._space.seed(self.seed)
@@ -73,25 +73,25 @@ class Trial:
         return deepcopy(self._actions[k])
 
     def split(self, actions: Any) -> list[Any]:
-        """Each environment's action."""
+        """Return each environment's action."""
         return list(iterate(self.envs.action_space, actions))
 
     def batch(self, actions: Sequence[Any]) -> Any:
-        """One batch of each environment's action."""
+        """Return one batch of the environments' actions."""
         single = self.envs.single_action_space
         return concatenate(single, actions, create_empty_array(single, n=len(actions)))
 
     def each(self, observation: Any) -> list[Any]:
-        """Each environment's observation."""
+        """Return each environment's observation."""
         return list(iterate(self.envs.observation_space, observation))
 
     def fingerprint(self, observation: Any) -> dict[str, Hashable]:
-        """One environment's observation, be it in a batch's types or in those of the environment itself."""
+        """Return the fingerprint of one environment's observation, in a batch's types or its own."""
         single = self.envs.single_observation_space
         return fingerprint(concatenate(single, [observation], create_empty_array(single, n=1)))
 
     def reset(self, seed: Any = None, mask: np.ndarray | None = None) -> StepResult:
-        """Reset; ``mask`` (N,) bool says which environments alone."""
+        """Reset all environments, or those of the ``mask`` (N,) bool."""
         self.where = f"reset(seed={seed}" + ("" if mask is None else f", reset_mask={mask}") + ")"
         self._reset, self._count = self.where, 0
         # A new dict for each call, as some environments pop from it: the claim ``options`` is about that.
@@ -104,7 +104,7 @@ class Trial:
         )
 
     def step(self, actions: Any) -> StepResult:
-        """Step; the actions must come out of it as they went in."""
+        """Step, and check that the call does not change the actions."""
         self._count += 1
         self.where = f"step {self._count} after {self._reset}"
         before = deepcopy(actions)
@@ -118,7 +118,7 @@ class Trial:
         return self._formed(StepResult(*given))
 
     def play(self, count: int, seed: Any = None) -> Iterator[StepResult]:
-        """A reset and ``count`` steps of random actions; where autoreset is disabled, resets by mask too."""
+        """Yield a reset and ``count`` steps of random actions; in ``DISABLED`` also resets by mask."""
         yield self.reset(self.seed if seed is None else seed)
         for k in range(count):
             now = self.step(self.action(k))
@@ -128,7 +128,7 @@ class Trial:
                 yield self.reset(mask=over)
 
     def first_end(self) -> int:
-        """How many steps ``play`` makes until an episode ends; fails if none does."""
+        """Return the number of steps that ``play`` makes until an episode ends; fail if none ends."""
         if self._first_end is None:
             ends = (k for k, now in enumerate(self.play(self.steps)) if now.ended.any())
             self._first_end = next(ends, None)
@@ -137,7 +137,7 @@ class Trial:
         return self._first_end
 
     def at(self, count: int) -> StepResult:
-        """Play again up to a step that is not later than the first end."""
+        """Play again up to a step that is not later than the first end, and return its result."""
         play = self.play(count)
         for _ in range(count):
             next(play)
@@ -189,7 +189,7 @@ class Trial:
 
 
 def hold(name: str, trial: Trial, claim: Callable[[Trial], None]) -> None:
-    """Check a claim; whatever is raised becomes a ``ConformanceError`` that begins with its name."""
+    """Check a claim, and turn any exception into a ``ConformanceError`` that begins with the claim's name."""
     try:
         claim(trial)
     except ConformanceError as broken:
@@ -199,7 +199,7 @@ def hold(name: str, trial: Trial, claim: Callable[[Trial], None]) -> None:
 
 
 def leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """What nested dicts, tuples, lists and arrays of objects hold, each with the path to it."""
+    """Yield the values in nested dicts, tuples, lists and arrays of objects, each with the path to it."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from leaves(value, f"{path}[{key!r}]" if path else str(key))
@@ -211,7 +211,7 @@ def leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def fingerprint(data: Any) -> dict[str, Hashable]:
-    """Equal where data are equal to the last bit; needs no copy of them."""
+    """Return hashes that are equal for data that are equal to the last bit; the data are not copied."""
     return {
         path: (leaf.dtype.str, leaf.shape, hash(leaf.tobytes()))
         if isinstance(leaf, np.ndarray | np.generic)
@@ -221,13 +221,13 @@ def fingerprint(data: Any) -> dict[str, Hashable]:
 
 
 def difference(one: Any, other: Any) -> str:
-    """The path to where two differ; empty if they do not."""
+    """Return the path to the first difference of two values, or an empty text."""
     ours, theirs = fingerprint(one), fingerprint(other)
     return next((path or "it" for path in {**ours, **theirs} if ours.get(path) != theirs.get(path)), "")
 
 
 def shared(one: Any, other: Any) -> str:
-    """The path to an array of one whose memory is also the other's; empty if there is none."""
+    """Return the path to an array of one value that shares memory with the other, or an empty text."""
     theirs = [leaf for _, leaf in leaves(other) if isinstance(leaf, np.ndarray)]
     for path, leaf in leaves(one):
         if isinstance(leaf, np.ndarray) and any(np.shares_memory(leaf, array) for array in theirs):
@@ -236,7 +236,7 @@ def shared(one: Any, other: Any) -> str:
 
 
 def brief(value: Any) -> str:
-    """A value in few words."""
+    """Return a short description of a value."""
     if isinstance(value, np.ndarray):
         return f"an array {value.shape} of {value.dtype}"
     if isinstance(value, tuple | list | dict):
