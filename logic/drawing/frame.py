@@ -7,8 +7,10 @@ from logic.house.house import House
 from logic.house.parts import Rect
 
 OUTER, INNER = 0.2, 0.1
-"""Drawn thickness of walls, metres, in houses whose walls have none. An inner wall is centred on its line. An
-outer wall reaches half an inner wall into the rooms, so that its face continues the face of an inner wall.
+"""Drawn thickness of walls, metres, in houses whose walls have none.
+
+An inner wall is centred on its line. An outer wall reaches half an inner wall into the rooms, so that its
+face continues the face of an inner wall.
 """
 
 BEYOND = OUTER - INNER / 2

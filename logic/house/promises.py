@@ -39,8 +39,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Promises of a grammar. A field that is empty promises nothing. Lengths in metres."""
 
     door_width: Metres | None = None
-    """Width of every door of a star (None: any width that is the same in the whole house), and least width of
-    doors in other houses, metres.
+    """Width of every door of a star, and least width of doors in other houses, metres.
+
+    None permits any width that is the same in a whole star.
     """
     door_widths: dict[str, dict[str, Metres]] = {}
     """Width of doors by room type and by the type of the other room or ``outside``, metres."""
@@ -67,8 +68,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     house_area: tuple[float, float] | None = None
     """Least and greatest area of all rooms of a house, including a star's main room, square metres."""
     house_size: tuple[Relation, ...] = ()
-    """Relations of the width, from west to east, and the depth of the box around all rooms, or around each
-    unit in a house of units.
+    """Relations of the width, from west to east, and the depth of the box around all rooms.
+
+    In a house of units the relations hold for the box around each unit.
     """
     same_size: dict[str, bool] = {}
     """Room types whose rooms are equally large in other houses, or in a unit; True if some may be turned."""
@@ -79,8 +81,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     opens: dict[str, tuple[str, ...]] = {}
     """Room types, and ``outside``, that each room type may open into. A door needs one direction."""
     degree: dict[str, tuple[int, int]] = {}
-    """Least and greatest number of other rooms that doors join to a room, by room type; public rooms do not
-    count.
+    """Least and greatest number of other rooms that doors join to a room, by room type.
+
+    Public rooms do not count.
     """
     openings: dict[str, tuple[str, ...]] = {}
     """Room types, by room type, towards which a door may have no leaf."""

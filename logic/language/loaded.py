@@ -141,7 +141,7 @@ class LoadedGrammar:
         yield from self._mismeasured(probe, sized)
 
     def _unstated(self, stated: set[str]) -> Iterator[Mistake]:
-        """Yield a mistake if ``.pl`` files lack so many clauses that a file is probably missing."""
+        """Yield a mistake if ``.pl`` files lack several clauses, so that a file is probably missing."""
         lengths = [Function("length", [Function(name)]) for name in LENGTHS]
         anything = Function("any")  # A clause for all names is not a clause of any one name.
         room, piece = Function("size", [anything]), Function("size", [anything, anything])

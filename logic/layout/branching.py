@@ -21,9 +21,9 @@ class Brancher(clingo.Propagator):
     def __init__(self, picks: np.ndarray, patience: int | None = None) -> None:
         """Set the pick literals of a program.
 
-        With ``patience`` the solver chooses its own branches after so many decisions. The result then depends
-        on everything that the solver has solved before. At each ``AGAIN``-th search it branches in the given
-        order again, because refuted layouts have many neighbours that are refuted, too.
+        With ``patience`` the solver chooses its own branches after this number of decisions. The result then
+        depends on everything that the solver has solved before. At each ``AGAIN``-th search it branches in
+        the given order again, because refuted layouts have many neighbours that are refuted, too.
         """
         self._picks: list[int] = picks.tolist()
         self._patience = self._left = math.inf if patience is None else patience

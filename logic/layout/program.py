@@ -138,8 +138,7 @@ class Program:
             raise clingo_error(self.remarks, str(error)) from None
         self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None if seed is None else []
-        """Each sampled layout with all atoms that hold in it; None to keep none: as by default, but of a
-        program for one house."""
+        """Sampled layouts, each with all atoms that hold in it, for a program of one house; else None."""
         self._literal = Literals(self._control.symbolic_atoms)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._brancher = Brancher(self._choices, None if seed is None else PATIENCE)

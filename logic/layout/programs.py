@@ -28,9 +28,10 @@ GIVEN = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room/room.lp`` for rooms of given sizes."""
 
 CROWD = 6
-"""Least number of pieces, of one type or required together, in a crowded room. For such rooms, picks that are
-sampled one by one may lead to a proof of exponential length that the pieces do not fit in a few rows. So
-crowded rooms have a separate program for each house (``program.FREE``).
+"""Least number of pieces, of one type or required together, in a crowded room.
+
+For crowded rooms, picks that are sampled one by one may lead to a proof of exponential length that the pieces
+do not fit in a few rows. Therefore crowded rooms have a separate program for each house (``program.FREE``).
 """
 
 

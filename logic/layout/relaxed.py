@@ -243,7 +243,7 @@ class Relaxed:
         return [statement for statement in statements if core.intersection(statement.literals)]
 
     def _search(self, models: int, conflicts: int | None) -> None:
-        """Limit the next search to so many layouts (0 for all) and, if given, conflicts."""
+        """Limit the next search to this number of layouts (0 for all) and, if given, of conflicts."""
         solve = self._control.configuration.solve
         solve.models, solve.solve_limit = models, f"{conflicts or 'umax'},umax"
 

@@ -81,7 +81,7 @@ def inner_span(plan: OwnPlan, wall: Wall, thick: Thickness | None) -> tuple[floa
     half = thick.inner / 2
 
     def across(own: float, end: float) -> float:
-        """Return the thickness of the wall across on this side.
+        """Return the distance from an end of the wall to the face of the wall across there, metres.
 
         If an outer wall ends but its side goes on, the wall across is an outer wall.
         """

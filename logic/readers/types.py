@@ -1,5 +1,6 @@
-"""Room types of the words that other programs and people use: the table ``types.json``, in English, German,
-Dutch, Finnish, French and Spanish.
+"""Room types of the words that other programs and people use: the table ``types.json``.
+
+The words are English, German, Dutch, Finnish, French and Spanish.
 """
 
 import re
@@ -19,8 +20,10 @@ MAX_LETTERS, MAX_WORDS = 100, 4
 """Number of letters of a name that are read, and of words in one phrase, such as ``salle de bain``."""
 
 SHORT, HEAD = 2, 4
-"""Greatest length of an abbreviation, and least length of the last part of a compound word, such as
-``Elternschlafzimmer``, letters."""
+"""Greatest length of an abbreviation, and least length of the last part of a compound word, in letters.
+
+``Elternschlafzimmer`` is such a compound word.
+"""
 
 TOGETHER = re.compile(r"[/+&,;|]|-(?=\W|[A-ZÀ-Þ])")
 """Separator of the uses of a room with several uses."""

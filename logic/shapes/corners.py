@@ -21,9 +21,7 @@ GRID = 1e-4
 """Rounding of the places of walls, metres, which keeps sides along the axes."""
 
 LEAN, STRAIGHT = 0.05, 0.08
-"""Greatest lean of a wall from end to end: a share of its length, in addition to noise, and metres in any
-case.
-"""
+"""Greatest lean of a wall from end to end: a fraction of its length plus noise, and metres in any case."""
 
 Point = tuple[float, float]
 
