@@ -74,11 +74,9 @@ class LoadedGrammar:
         self.extremes: dict[str, Any] = {}
         """Extreme sizes of rooms and pieces: see ``logic.placement.lengths.stated_lengths``."""
         self.most_rooms = MOST_ROOMS
+        """Largest number of rooms of a house."""
         self.openings: list[Term] = []
-        """Types between which doors may be openings, as terms.
-
-        ``most_rooms`` is a house's largest number of rooms.
-        """
+        """Types between which doors may be openings, as terms."""
         self.depths: tuple[float, float] | None = None
         """Least and greatest depth of units, metres, for houses of units: see ``logic.generation.units``."""
         self.most_in_unit = 0
