@@ -50,3 +50,12 @@ STUDIES = {
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """Import path ``module:Class`` and subject of each study, by name."""
+
+GROUPS = {"generator": "Houses", "simulator": "Simulator", "agents": "Agents", "explorers": "Planner"}
+"""Titles of the groups of studies, by the first study of each."""
+
+SECTIONS = (
+    (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
+    (("homes.json",), "benchmarks.generator.section:homes"),
+)
+"""Sections of a report for the files of studies: see ``agent.report.folder``."""

@@ -1,4 +1,4 @@
-"""The ``vitruvius`` command: it gathers the commands, and the studies of ``benchmarks``.
+"""The ``vitruvius`` command: it gathers the commands, and the studies of a checkout.
 
 A command is a dataclass whose fields are its options, with a method ``run``. The module of a command is
 imported only when the command is used: generation needs no simulator, and help is fast.
@@ -16,8 +16,8 @@ from collections.abc import Collection, Sequence
 from errno import EBADF
 from typing import Any
 
-from benchmarks import STUDIES
 from vitruvius import help, streams
+from vitruvius.studies import study_table
 
 COMMANDS = {
     "generate": ("vitruvius.commands.generate:Generate", "Make houses from rules."),
@@ -59,7 +59,10 @@ COMMANDS = {
         "vitruvius.commands.demo:Demo",
         "Houses, an agent that learns in them, a report: in minutes.",
     ),
-    "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
+    "bench": (
+        "vitruvius.studies:study_table",
+        "Studies of a checkout: solve time, speed of a step, how well agents do.",
+    ),
     "schema": (
         "vitruvius.answers.agents:Schema",
         "Print the JSON Schema of a house, or of what --json prints.",
@@ -78,9 +81,6 @@ GROUPS = {
     "schema": "For programs and shells",
 }
 """Titles of the groups in help, by the first command of each."""
-
-STUDY_GROUPS = {"generator": "Houses", "simulator": "Simulator", "agents": "Agents", "explorers": "Planner"}
-"""Titles of the groups of studies, by the first study of each."""
 
 EXTRAS = {
     "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
@@ -127,14 +127,15 @@ def top(width: int | None = None) -> str:
 
 def studies(width: int | None = None) -> str:
     """Return the help of ``vitruvius bench``."""
-    return help.of_table("vitruvius bench", COMMANDS["bench"][1], STUDIES, STUDY_GROUPS, width=width)
+    about = COMMANDS["bench"][1]
+    return help.of_table("vitruvius bench", about, study_table(), study_table("GROUPS"), width=width)
 
 
 def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int | None = None) -> str:
     """Return the help of a command, ``["generate"]`` or ``["bench", "generator"]``, with these arguments."""
     from vitruvius.options import options_of
 
-    table = STUDIES if words[0] == "bench" else COMMANDS
+    table = study_table() if words[0] == "bench" else COMMANDS
     kind = pkgutil.resolve_name(table[words[-1]][0])
     options = options_of(kind.like(arguments) if words[0] == "train" else kind)
     # PYTHONOPTIMIZE=2 removes docstrings: a dataclass has a list of its fields' types there.
@@ -147,12 +148,14 @@ def parse(arguments: list[str]) -> Any:
 
     Raises ``RequestError`` for wrong arguments.
     """
+    prog, table, words = "vitruvius", COMMANDS, list[str]()
+    if arguments[0] == "bench":
+        prog, table, words, arguments = "vitruvius bench", study_table(), ["bench"], arguments[1:]
+        if arguments in ([], ["-h"], ["--help"]):
+            _print_and_end(studies())
     from logic.errors import RequestError
     from vitruvius.options import options_of, require
 
-    prog, table, words = "vitruvius", COMMANDS, list[str]()
-    if arguments[0] == "bench":
-        prog, table, words, arguments = "vitruvius bench", STUDIES, ["bench"], arguments[1:]
     name, *rest = arguments
     if name not in table:
         raise RequestError(f"{prog}: {_no_command(prog, arguments, table)}")
@@ -180,7 +183,7 @@ def _no_command(prog: str, arguments: Sequence[str], table: Collection[str]) -> 
         return f"{name} comes after a command{first}"
     if f"--{name}" == closest(name, [*table, "--version", "--help"]):
         return f"there is no command {name}: did you mean --{name}?"
-    return unknown("study" if table is STUDIES else "command", name, table)
+    return unknown("command" if table is COMMANDS else "study", name, table)
 
 
 def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
@@ -231,8 +234,6 @@ def _quick(arguments: list[str]) -> str | None:
     """Return the text for help that lists commands, or for the version; None for other arguments."""
     if arguments in ([], ["-h"], ["--help"]):
         return top()
-    if arguments in (["bench"], ["bench", "-h"], ["bench", "--help"]):
-        return studies()
     if arguments == ["--version"]:
         from importlib.metadata import version
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import msgspec
 
-from benchmarks import STUDIES
 from vitruvius.answers.agents import ANSWERS
-from vitruvius.cli import COMMANDS, GROUPS, command_help, studies, top
+from vitruvius.cli import COMMANDS, GROUPS, command_help, top
 from vitruvius.help import grouped
 
 WIDTH = 90
@@ -18,21 +17,19 @@ WIDTH = 90
 def page() -> str:
     """Return the page, in Markdown."""
     head = Path(__file__).with_name("command_line.md").read_text("utf-8")
-    parts = [head.replace("TABLE\n", "\n".join(_table()) + "\n").rstrip(), "", *_quoted(top(WIDTH))]
+    parts = [head.replace("TABLE\n", "\n".join(_table()) + "\n").rstrip(), "", *quoted(top(WIDTH))]
     for title, names in grouped(COMMANDS, GROUPS).items():
         parts += [f"## {title}", ""]
         for name in names:
-            parts += [
-                f"### {name}",
-                *_quoted(studies(WIDTH) if name == "bench" else command_help([name], width=WIDTH)),
-            ]
-    parts += ["## Studies: `vitruvius bench`", ""]
-    for name in STUDIES:
-        parts += [f"### bench {name}", *_quoted(command_help(["bench", name], width=WIDTH))]
+            if name == "bench":
+                parts += ["### bench", "`./run bench NAME` runs a study: [studies.md](studies.md).", ""]
+            else:
+                parts += [f"### {name}", *quoted(command_help([name], width=WIDTH))]
     return "\n".join(parts).rstrip() + "\n"
 
 
-def _quoted(text: str) -> list[str]:
+def quoted(text: str) -> list[str]:
+    """Return the lines of a text as a block of code."""
     return ["```", text, "```", ""]
 
 

@@ -13,12 +13,12 @@ import numpy as np
 from clingo import Symbol
 
 from agent.report.folder import write_report
+from benchmarks import SECTIONS
 from benchmarks.common.houses import INFERENCES
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
 from benchmarks.generator.section import Times
-from benchmarks.sections import SECTIONS
 from logic import check
 from logic.drawing.draw import contact_sheet
 from logic.errors import RequestError

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Literal
 
 from agent.report.folder import write_report
+from benchmarks import SECTIONS
 from benchmarks.common.measure import study
 from benchmarks.generator.page import generator_page
-from benchmarks.sections import SECTIONS
 from logic.errors import RequestError
 from logic.grammar import find
 

@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 
 from agent.report.folder import write_report
+from benchmarks import SECTIONS
 from benchmarks.common.measure import study
-from benchmarks.sections import SECTIONS
 from benchmarks.simulator.page import simulator_page
 from benchmarks.simulator.peers.run import Peers
 

@@ -21,13 +21,15 @@ import tyro
 
 from agent.algorithms.table import PRESETS
 from agent.progress import progress as agent_progress
+from benchmarks import GROUPS as STUDY_GROUPS
 from benchmarks import STUDIES
+from benchmarks.page import page as studies_page
 from logic import generate, save
 from logic.terminal import progress
 from tests.programs import finished
-from vitruvius import page
+from vitruvius import page, studies
 from vitruvius.answers.agents import ANSWERS
-from vitruvius.cli import COMMANDS, GROUPS, STUDY_GROUPS, command_help, main
+from vitruvius.cli import COMMANDS, GROUPS, command_help, main
 from vitruvius.commands.train import Train
 from vitruvius.help import grouped
 from vitruvius.options import options_of
@@ -78,6 +80,23 @@ def test_the_page_of_the_command_line_is_of_today() -> None:
     assert (DOCS / "command-line.md").read_text() == page.page(), (
         "./run python -m vitruvius.page > docs/command-line.md"
     )
+    assert (DOCS / "studies.md").read_text() == studies_page(), (
+        "./run python -m benchmarks.page > docs/studies.md"
+    )
+
+
+@pytest.mark.parametrize("words", ["bench", "bench --help", "bench homes --out mine"])
+def test_without_a_checkout_there_are_no_studies(words: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    """Nor where another package of their name is found first."""
+    folder = studies.FOLDER
+    for place, said in ((tmp_path / "benchmarks", "checkout"), (folder, f"hides the studies in {folder}")):
+        monkeypatch.setattr(studies, "FOLDER", place)
+        with pytest.raises(SystemExit) as ended:
+            main(words.split())
+        assert ended.value.code == 69
+        [line] = capsys.readouterr().err.splitlines()
+        assert said in line
+        monkeypatch.setattr(studies, "find_spec", lambda _: None)
 
 
 # - answers for programs ---------------------------------------------------------------------------

@@ -27,16 +27,16 @@ class Report:
     def run(self) -> int:
         """Write the file."""
         from agent.report.folder import NAME, require_report, write_report
-        from benchmarks.sections import SECTIONS
         from logic.house.files import require_file
         from logic.house.replacing import unless_other
+        from vitruvius.studies import study_sections
 
         if self.out:
             require_file(self.out, [".html"])
             with unless_other(self.out, self.replace) as file:
-                write_report(self.folder, file, SECTIONS)
+                write_report(self.folder, file, study_sections())
         else:
             require_report(self.folder, self.replace)
-            write_report(self.folder, None, SECTIONS)
+            write_report(self.folder, None, study_sections())
         print(self.out or self.folder / NAME)
         return 0
