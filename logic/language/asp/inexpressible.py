@@ -6,7 +6,7 @@ from functools import cache
 
 from logic.grammar import RULES
 
-READ = "docs/rules.md#what-cannot-be-said"
+READ = "docs/rules.md#limits-of-the-language"
 
 
 @cache

@@ -33,6 +33,13 @@ def test_what_grammars_and_recipes_use_of_the_core_is_on_the_page() -> None:
         assert predicates(files) & predicates(RULES.rglob("*.lp")) <= documented, files
 
 
+def test_the_index_names_every_predicate() -> None:
+    index = page().partition("## Index by purpose")[2].partition("\n## ")[0]
+    entries = [*(entry for entries in asp_entries().values() for entry in entries), *prolog_entries()]
+    names = {f"{each.name}/{len(each.arguments)}" if each.arguments else each.name for each in entries}
+    assert names == {*re.findall(r"`(\w+(?:/\d)?)`", index)} - {"outside"}
+
+
 def test_every_predicate_has_an_example_that_uses_it() -> None:
     for entry in [*(entry for entries in asp_entries().values() for entry in entries), *prolog_entries()]:
         assert entry.name in entry.example, entry.name

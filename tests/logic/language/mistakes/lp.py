@@ -588,7 +588,7 @@ MISTAKES = (
         old="",
         new=":- upstairs(R), room(R,hall).",
         at="upstairs",
-        says="a house has one floor: see docs/rules.md#what-cannot-be-said",
+        says="a house has one floor: see docs/rules.md#limits-of-the-language",
     ),
     # - errors of clingo
     Mistake(
