@@ -133,7 +133,7 @@ def test_the_page_about_house_files_shows_a_house_that_conforms_and_a_plan_that_
 
 
 TABLES = {"House": "A house", "Room": "A room", "Piece": "A piece", "Door": "A door", "Window": "A window"}
-TABLES |= {"OccupancyGrid": "A map", "Provenance": "Provenance", "Promises": "What a house is judged by"}
+TABLES |= {"OccupancyGrid": "A map", "Provenance": "Provenance", "Promises": "Fields of promises"}
 """Titles on the page of the tables with the fields of each part."""
 
 
