@@ -146,70 +146,76 @@ def _time(study: Study, entry: TrainingEntry) -> list[str]:
 
 EXTERNALS = """
 ## External agents
-Agents of other libraries, by the examples that come with the project: our houses, rays and avoidance layer;
-their way to learn and to explore, which they keep when they are measured. Their networks have two layers of
-128 too, or one and a recurrent one; their commands say what they see, by default rays, now. They learn from
-{steps} M steps in any share, far fewer than ours, so they are in no table with them. They are measured for
-the targets that they learnt for.
+
+These agents of other libraries are the examples that come with the project. They use our houses, rays and
+avoidance layer, and keep their own way to learn and to explore, in the evaluation too. Their networks have
+two layers of 128 as well, or one layer and a recurrent one. Their commands state what they see: by default
+the current rays. They are trained for {steps} M steps in any share, far fewer than ours, so no table has
+them together. Each is evaluated on the targets of its training.
 
 | agent | what it is | command | targets learnt for | ratio there | run by run |
 |---|---|---|---|---|---|
 {rows}
 """
 
-PAGE = """# How well do agents learn?
+PAGE = """# Agents
 
 `{command}`, {days}. {machine}. {versions}.
 
-An agent learns by trial in some houses, then plays one episode of 1500 steps in each of many houses that it
-has never seen. Whenever it picks up a target the next one appears. The **ratio** is the share of the targets
-that an oracle picks up there, who knows the house and the target and takes the shortest path: 1 is perfect,
-and the human of the paper stands at {human}, in another house and with the whole plan in sight.
+Each agent is trained in some houses. It then plays one episode of 1500 steps in each of many houses that it
+has never seen. Whenever the agent reaches a target, a new one appears. The **ratio** is the agent's number
+of targets divided by the oracle's. The oracle knows the house and the target and takes the shortest path,
+so 1 is perfect. The human of the paper scored {human}, in another house and with the whole plan in sight.
 
-These agents have no map. In secondary rooms, where a target must be sought, compare them with `explorer`,
-which is a planner and learns nothing ([planner.md](planner.md)).
+These agents have no map. In secondary rooms, where targets are out of sight, compare them with `explorer`. It
+follows a planner and learns nothing ([The planner](planner.md)).
 
-**Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
-core of the machine that the study began on; this share of it is the work of {minutes} minutes. No run was
-chosen or left out by how well it did.
+**Share of the budget: {share}.** The full budget is the number of steps that 15 minutes gave on one quiet
+core of the study's first machine; this share is the work of {minutes} minutes. No run was chosen or left
+out by its score.
 
-- Learnt in: {learnt_in}.
-- Measured in: {measured_in}; nothing learns in them.
+- Trained on: {learnt_in}.
+- Evaluated on: {measured_in}. No agent is trained on them.
 
 ![Ratio to the oracle of all agents and baselines](agent-scores.png)
 
-## How well they do
+## Scores
+
 | agent or baseline | {modes} | success, {order} | SPL, {order} |
 |---|{dashes}---|---|
 {policies}
 
-Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
-over both. It draws a run for each house by itself, so an interval is narrower than whole runs may differ: see
-the ticks in the picture and the table of every run. Success: the share of episodes whose first target was
-picked up within {soon} steps. SPL: that, weighted by the shortest path's length over the path taken. Agents
-play for all three kinds of target, though each learnt for one (see below). Below them are baselines, which
-learn nothing; the searcher knows the house, but not where the target is.
+Ratios are interquartile means over houses and training runs. Their 95 % intervals are from a stratified
+bootstrap over both. The bootstrap resamples runs separately in each house, so the intervals understate the
+variation between whole runs; see the ticks in the picture and the table of every run. Success is the share
+of episodes whose first target was reached within {soon} steps. SPL is success weighted by the length of the
+shortest path over the length of the path taken. Each agent is trained on one kind of target and evaluated
+on all three. The last rows are baselines, which learn nothing. The searcher knows the house, but not the
+position of the target.
 
-## Where it gets hard: by number of rooms
+## Ratio by number of rooms
+
 Targets in secondary rooms, ratio to the oracle:
 
 {rooms}
 
 ![Ratio by number of rooms](agent-rooms.png)
 
-## What each part contributes
-Each row changes one thing of an agent and trains it from scratch by the same budget of time. The
-difference is to the agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds
-have the same sign. The 95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked
-moves, and actions that the avoidance layer overruled, are per 1000 steps.
+## Ablations
+
+Each row changes one part of an agent and trains it from scratch with the same time budget. The difference
+is to the unchanged agent, with a 95 % interval from a paired bootstrap (the same seed in the same house). A
+difference is clear (in bold) if its interval excludes 0 and all seeds have the same sign. Collisions, and
+actions that the avoidance layer masked, are per 1000 steps.
 
 ![Differences of the ratio by what was changed](agent-parts.png)
 
 {parts}
 
 ## Every run
-A curve shows targets picked up per 1500 steps while the agent still explores, so it stays below what
-is measured afterwards. Each panel has all runs of an entry, those that went badly too.
+
+The curves show targets per 1500 steps while the agent still explores, so they stay below the later
+evaluation. Each panel has all runs of an entry, including bad ones.
 
 ![Learning curves of every run](agent-curves.png)
 
@@ -219,20 +225,22 @@ is measured afterwards. Each panel has all runs of an entry, those that went bad
 
 {unfinished}
 {externals}
-## Where the time goes
-Steps a second of a whole training run on one core, then of each part if it were alone, and in brackets its
-share of the time; the learner is all that is not simulator: acting, avoidance, returns, updates.
-Medians over the runs. Other runs were at work beside on the same machine.
+## Training time
+
+Steps per second of a whole training run on one core, then of each part alone, with its share of the time in
+brackets. The learner is everything except the simulator: acting, avoidance, returns, updates. The figures are
+medians over the runs; other runs shared the machine.
 
 | entry | steps a second | simulator | learner | minutes |
 |---|---|---|---|---|
 {time}
 
-## Do it again
-`{command}` goes on where it was stopped, and repeats nothing.
+## Reproduction
 
-One run alone: `./run train runs/study/learn.jsonl --preset pqn --steps 1000000 --seed 0`, or with the
-options and steps of its row, then `./run evaluate runs/train/agent.safetensors`. With other houses, seeds
-or processors the figures will vary as the intervals say; the same seed on the same machine gives the same
-run.
+`{command}` resumes an interrupted study and repeats nothing.
+
+Train one agent alone by `./run train runs/study/learn.jsonl --preset pqn --steps 1000000 --seed 0`, or with
+the options and steps of its row. Evaluate it by `./run evaluate runs/train/agent.safetensors`. The figures
+vary within their intervals for other houses, seeds or processors. The same seed on the same machine gives the
+same run.
 """

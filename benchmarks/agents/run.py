@@ -85,7 +85,7 @@ class Agents:
             places = measured_all([run for run in runs if run.finished], out, workers, cluster)
         study = self.study(entries, runs, others, places)
         write({"agents.md": agents_page(study).encode(), **pictures(study)}, self.out, self.publish)
-        describe(self.out, "How well do agents learn?", f"Made by `{study.command}`. {study.machine}.")
+        describe(self.out, "Agents", f"Made by `{study.command}`. {study.machine}.")
         print(self.out / "agents.md", write_report(self.out))
 
     def study(
