@@ -15,7 +15,7 @@ from pathlib import Path
 from msgspec.structs import replace
 from scipy.stats import binomtest
 
-from benchmarks.common.pages import ROOT, table_rows, write
+from benchmarks.common.pages import DOCS, ROOT, table_rows, write
 from benchmarks.common.processes import say
 from benchmarks.common.rows import read_rows, write_rows
 from benchmarks.reliability.changes import Mutant, mutants
@@ -76,7 +76,7 @@ class Mutants:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy the page to docs/mutants.md."""
+    """Copy the page to docs/development/mutants.md."""
 
     def run(self) -> int:
         """Try mutants, print the page, and return 1 if too many survivors have no reason."""
@@ -103,7 +103,7 @@ class Mutants:
                     tests.close()
         explained = json.loads(EXPLAINED.read_bytes())
         page = report(list(rows.values()), explained)
-        write({"mutants.md": page.encode()}, self.out, self.publish)
+        write({"mutants.md": page.encode()}, self.out, self.publish, DOCS / "development")
         print(page)
         kinds = Counter(row.kind for row in rows.values())
         known = Counter(row.kind for row in rows.values() if row.by or row.mutant.name in explained)
