@@ -170,126 +170,139 @@ def _peers(peers: dict[str, Any], entries: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-PAGE = """# How fast is a step?
+PAGE = """# Speed of the simulator
 
 `./run bench simulator --peers`, {when}. {machine}. {versions}.
 
 ![Steps a second](simulator.png)
 
-A step of one environment is all of it: the action, the swept move and its collision, pick-up and the next
-target, 40 rays among walls, furniture and the target, the (40, 2) float32 observation, reward, flags, and a
-new episode where one has ended. Houses are generated and furnished (`family` grammar); actions are random,
-70 % forward. Figures are environment steps a second of the median round, with quartiles.
+A step of an environment includes the action, the swept move with its collision, reaching a target and
+placing the next one, reward and flags. It also includes 40 rays among walls, furniture and the target, the
+(40, 2) float32 observation, and a new episode if one has ended. The houses are generated and furnished
+(`family` grammar). Actions are random, 70 % forward. The tables show environment steps per second (SPS) of
+the median round, with quartiles.
 
-## By environments
+## Number of environments
+
 64 houses of 4 rooms.
 
 | environments | {names} | one core: kernel / C |
 |---|{dashes}|---|
 {rates}
 
-- `kernel` is one launch of the compiled step. `step torch` is `step_torch`, which checks the actions too and
-  shares all memory. `gymnasium step` is `VectorEnv.step`, with fresh arrays and the info.
-- `C` is the same algorithm on the same arrays, with the same results, bit for bit, checked before it is timed
-  (`benchmarks/simulator/step.c`; {compiler}, `-O3 -march=native`). It is the bound that we measure against:
-  how far the kernel is from it on one core is what Taichi costs. It needs no launch, which counts
-  with few environments.
-- What the machine has to do: a step reads and writes 112 bytes of state, reads some hundred bytes of lists,
-  writes an observation of 320 bytes, and meets {lines:.0f} lines (mean) with 40 rays each at 7 operations:
-  {operations:,.0f} of them, which are {vectors:,.0f} vector instructions on 8 numbers.
+- `kernel` is one launch of the compiled step. `step torch` is `step_torch`, which also checks the actions
+  and shares all memory. `gymnasium step` is `VectorEnv.step`, with fresh arrays and the info.
+- `C` is the same algorithm on the same arrays (`benchmarks/simulator/step.c`; {compiler},
+  `-O3 -march=native`). The study first checks that its results are equal bit for bit. The gap between the
+  kernel and C on one core is the overhead of Taichi. C needs no launch, which matters with few
+  environments.
+- Work per step: a step reads and writes 112 bytes of state, reads a few hundred bytes of lists, and writes
+  an observation of 320 bytes. It tests 40 rays against {lines:.0f} lines (mean) at 7 operations:
+  {operations:,.0f} operations, or {vectors:,.0f} vector instructions on 8 numbers.
 
-## Where a step of 4,096 environments goes
+## Parts of a step of 4,096 environments
+
 Milliseconds.
 
 | part | ms |
 |---|---|
 {parts}
 
-The kernel of one environment is the cost of a launch. What `gymnasium step` takes beyond `step torch` is the
-copy of the observations, the info, and the pages of memory that new arrays touch. A reset begins a new
-episode everywhere; in `kernel` an episode that ends is followed by the next in the same launch. The last row
-is a baseline: the rays alone, among the boxes of one house, in vectorised NumPy.
+The kernel of one environment is the cost of a launch. Beyond `step torch`, `gymnasium step` pays for the
+copy of the observations, the info, and the memory pages of new arrays. A reset begins a new episode
+everywhere; in `kernel`, the same launch starts the next episode. The last row is a baseline: the rays
+alone, among the boxes of one house, in vectorised NumPy.
 
-## What more costs
-Processor time of 4,096 environments that are asked for more, to that of the same without, in rounds one after
-the other; and of two ways to step, to others. Medians with quartiles.
+## Cost of each option
+
+Processor time of 4,096 environments with the option, relative to the same environments without, in
+alternating rounds. The last rows compare ways to step. Medians with quartiles.
 
 | | times |
 |---|---|
 {asked}
 
-Distances to targets are searched when an environment first has a target, 1 ms each and more, and kept: a run
-begins slow. With actions at random in 64 houses some 60 million steps know few of them, as targets lie on all
-floor; a task of few places, such as one room, or few houses, is soon known.
+The first steps are slow: an environment computes the distances to a target at its first use, 1 ms or more
+each, and stores them. With random actions in 64 houses, about 60 million steps know few of the distances,
+because targets cover the whole floor. With few houses, or a task with few places (such as one room), the
+slow phase is short.
 
-## By houses
+## Number of houses
+
 4,096 environments; each episode draws a house.
 
 | different houses | MiB on the device | kernel |
 |---|---|---|
 {houses}
 
-## By segments
+## Number of segments
+
 4,096 environments, 16 houses.
 
 | segments in a house | rooms | kernel |
 |---|---|---|
 {segments}
 
-Lists of what can be seen from each square metre, made when houses are packed, keep the cost of a step from
-growing with the house.
+Packing a house lists what each square metre can see. These lists keep the cost of a step from growing with
+the house.
 
-## By rays
-A field of view of about 120 degrees, 3 degrees a ray by default.
+## Number of rays
+
+A field of view of about 120 degrees, by default 3 degrees per ray.
 
 | rays | kernel |
 |---|---|
 {rays}
 
-## By processors
+## Number of processors
 
 | processors | kernel |
 |---|---|
 {processors}
 
 ## Backends and loops
+
 4,096 environments, 64 houses of 4 rooms on cells of 0.3 m, for both backends:
 
 | backend | kernel |
 |---|---|
 {backends}
 
-The loop for GPUs has a task for each environment and ray; on the CPU it gives the same bits:
+The loop for GPUs runs one task per environment and ray. On the CPU it gives the same bits:
 
 | loop | kernel |
 |---|---|
 {loops}
 
-On a GPU, with its own figures: [gpu.md](gpu.md).
+[Speed on a GPU](gpu.md) has the figures for GPUs.
 
 ## Bodies that drive
-Backend `free`, 4,096 environments in the 64 houses: speeds within limits, a disc that slides along what it
-touches, 40 rays from any heading. C is the same algorithm with the same results, bit for bit
-(`benchmarks/simulator/free.c`); on one core the kernel makes {driven_ratio} of its steps.
+
+Backend `free` (continuous control), 4,096 environments in the 64 houses. A round robot has limits on speed,
+slides along what it touches, and casts 40 rays from any heading. C is the same algorithm with results equal
+bit for bit (`benchmarks/simulator/free.c`). On one core the kernel makes {driven_ratio} of the steps of C.
 
 | | |
 |---|---|
 {driven}
 
-A look computes its 40 directions, with two divisions a ray, where the other backends look them up; lists are
-by sectors of 45 degrees, so they hold the lines of a wider view.
+`free` computes the 40 directions of an observation, with two divisions per ray, where the other backends
+look them up. Its lists are by sectors of 45 degrees, so they hold the lines of a wider view.
 
 ## Two compilers
-`VITRUVIUS_RUNTIME=quadrants` takes [Quadrants](https://github.com/Genesis-Embodied-AI/quadrants), the
-maintained fork of Taichi, in its place. 4,096 environments among the package's houses, medians of
-three processes, the slowest and the fastest; seconds until the first step with an empty cache; and
-whether 64 environments go the same way in 500 steps, bit for bit.
+
+`VITRUVIUS_RUNTIME=quadrants` replaces Taichi by
+[Quadrants](https://github.com/Genesis-Embodied-AI/quadrants), its maintained fork. The table has 4,096
+environments among the package's houses: the median of three processes with the slowest and the fastest. It
+also has the seconds until the first step with an empty cache. `the same` states whether 500 steps of 64
+environments are equal bit for bit.
 
 | compiler | kernel | first step | the same |
 |---|---|---|---|
 {compilers}
 
-## Before the first step
+## Time before the first step
+
 Packing a house, milliseconds:
 
 | backend | ms a house |
@@ -303,12 +316,14 @@ Seconds in a new process, 4,096 environments in one house:
 {first}
 
 ## Other simulators
-Each is set as its authors recommend and measured in the same run on the same processors
-(`benchmarks/simulator/peers`); the best number of environments of those tried.
+
+Each simulator has its authors' recommended settings, the same processors, and the best number of
+environments that was tried (`benchmarks/simulator/peers`).
 
 {peers}
 
-What can be compared: all are environment steps a second on the same processors, reset included. What cannot:
-the peers on grids (NAVIX, XLand-MiniGrid, MiniGrid) cast no rays, have no continuous collision, and see a few
-cells; VMAS solves forces among bodies; JaxNav and IR-SIM move robots by their speeds, as our backend `free`.
+All figures are environment steps per second on the same processors, including resets. The work per step
+differs. The grid simulators (NAVIX, XLand-MiniGrid, MiniGrid) cast no rays, have no continuous collision,
+and see a few cells. VMAS solves forces between robots. JaxNav and IR-SIM move robots by their speeds, as
+our backend `free` does.
 """
