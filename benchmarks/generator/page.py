@@ -74,25 +74,27 @@ def _of_rejection(entry: dict[str, Any]) -> list[str]:
     return [str(extra["rooms"]), median, p95, tries, f"{late} of {rounds}"]
 
 
-HEAD = """# How hard is a house?
+HEAD = """# Time to generate a house
 
 `{command}`, {when}. {machine}. {versions}.
 
 ![Solve time against rooms](generator.png)
 
-CPU time of one core, in milliseconds. House `i` of each size has the random numbers of seed 0 and index `i`.
-What is done once is apart: a grammar is loaded, checked and grounded{loading}, and some houses are made
-before any is timed, as the first searches and conflicts of each program take up to 30 ms more.
+The tables show CPU time of one core, in milliseconds. House `i` of each size has the random numbers of seed
+0 and index `i`. One-time work is excluded: a grammar is loaded, checked and grounded{loading}. A few houses
+are made before the measurement, because the first searches and conflicts of each program take up to 30 ms
+more.
 """
 
 HOUSES = """## A furnished house
+
 | rooms | layout | place | both, mean | median | p95 | p95/median | inferences, place | inferences, both |
 |---|---|---|---|---|---|---|---|---|
 {rows}
 
-`layout` is stage 1 (clingo) until its first answer, `place` stage 2 (SWI-Prolog) for the layout of a finished
-house: medians of {rounds}. `both` is all that it takes, with the layouts that are infeasible in stage 2.
-Prolog's inferences (medians) do not depend on the machine.
+`layout` is stage 1 (clingo) until its first answer. `place` is stage 2 (SWI-Prolog) for the layout of a
+finished house. Both are medians of {rounds}. `both` is the whole time, including layouts that are
+infeasible in stage 2. Prolog's inferences (medians) do not depend on the machine.
 """
 
 WORKERS = """| processes | rooms | houses a second (wall clock) |
@@ -101,41 +103,46 @@ WORKERS = """| processes | rooms | houses a second (wall clock) |
 """
 
 REJECTED = """## The original's method
-Rewritten in `benchmarks/generator/rejection.pl`, rooms only, without furniture: all numbers of all rooms and
-of the main room are sampled and tested, and if a test fails all are sampled again.
+
+`benchmarks/generator/rejection.pl` reimplements the method for rooms only, without furniture. It samples
+all numbers of all rooms and of the main room and tests them. If a test fails, it samples everything again.
 
 | rooms | median | p95 | tries, median | not done in time |
 |---|---|---|---|---|
 {rows}
 
-A plan that is not done when its time is up (20 s of wall clock) is censored: `>` marks what is a lower bound,
-the plot has a hollow arrow there, and the fit leaves it out. The original took 9, 69, 320 and 7,400 ms, with
-7, 1,500, 4,350 and 54,000 tries, for 2, 4, 5 and 6 rooms, and did not finish 7 in a minute.
+A plan that exceeds its 20 s of wall clock is censored. `>` marks a lower bound; the plot has a hollow arrow
+there, and the fit leaves the plan out. The original took 9, 69, 320 and 7,400 ms, with 7, 1,500, 4,350 and
+54,000 tries, for 2, 4, 5 and 6 rooms. It did not finish 7 rooms in a minute.
 """
 
 SOLVED = """## The same linear systems, another solver
-The systems of all rooms of 5 houses, every size unknown, as `room.pl` states them. `decide` asks whether each
-has a solution; `sample` fixes every unknown in turn within its projection, with HiGHS by two linear programs
-each. HiGHS is called through SciPy: a program for each room, or one for all rooms (`at once`).
+
+The systems are those of all rooms of 5 houses, every size unknown, as `room.pl` states them. `decide` asks
+whether each has a solution. `sample` fixes every unknown in turn within its projection; HiGHS needs two
+linear programs for each. HiGHS is called through SciPy, with one program per room or one for all rooms
+(`at once`).
 
 | rooms | {solvers} |
 |---|{dashes}|
 {rows}
 
-The generator itself solves less: it samples sizes first and asks CLP(R) whether all can stand so.
+The generator itself solves less: it samples sizes first and asks CLP(R) whether all of them fit.
 """
 
 LAWS = """## Fitted laws
-Least squares on the logarithms of the medians from 4 rooms on, with 95 % intervals; a method that does not
-end in time is no power law, so of that the growth with each room.
+
+Least squares on the logarithms of the medians from 4 rooms on, with 95 % intervals. A method that does not
+finish in time follows no power law, so its row has the growth per room.
 
 | | |
 |---|---|
 {rows}
 """
 
-TAIL = """## On your grammar
+TAIL = """## Your own grammar
+
 `vitruvius bench generator --grammar DIR --out runs/mine` writes such a page, its plot and the measurements
-into `runs/mine`; `--rooms 1 4 16 --rounds 5 --part house` is a short form of it. The page in `docs` is made
-by `./run bench generator --publish`.
+into `runs/mine`. A short form is `--rooms 1 4 16 --rounds 5 --part house`.
+`./run bench generator --publish` makes the page in `docs`.
 """

@@ -71,52 +71,57 @@ def spread(values: Sequence[float], digits: int = 1) -> str:
 NDSS, LHDG, MBO = "space standard, England", "London", "Musterbauordnung, Germany"
 CIRCULATION, DWELLINGS, CUBICASA = "rule of thumb", "Swiss Dwellings", "CubiCasa5K"
 
-PAGE = """# What homes are like
+PAGE = """# Homes and their cost
 
-`{command}`. {machine}. {versions}. How they are made: [plans](plans.md).
+`{command}`. {machine}. {versions}. [Plans](plans.md) explains how homes are made.
 
 ![Twelve homes: the first of each size](homes.png)
 
-## By number of rooms
-CPU time of one core, in milliseconds, the median; {houses} houses of each size. An unfurnished plan has
-rooms, doors and windows; a furnished one is a house. A layout is refuted where its lengths have no solution,
-and a plan is made again where a room cannot be furnished at its size. The last column is how many different
-topologies (room types, walls and doors) the houses have, as a share of the houses.
+## Time by number of rooms
+
+The table has the CPU time of one core in milliseconds, the median of {houses} houses of each size. An
+unfurnished plan has rooms, doors and windows; a furnished one is a house. A layout is refuted if its
+lengths have no solution. A plan is made again if a room cannot be furnished at its size. The last column is
+the number of different topologies (room types, walls and doors) as a fraction of the houses.
 
 | rooms | unfurnished | p95 | furnished | p95 | refuted layouts a plan | plans a house | topologies |
 |---|---|---|---|---|---|---|---|
 {sizes}
 
 ## Clinics and buildings of flats
-Furnished, CPU time of one core in milliseconds, and how many of the houses the check finds fault with. The
-last row of each is the growth of the median, fitted to all sizes.
+
+Furnished houses: CPU time of one core in milliseconds, and the number of houses with violations by `check`.
+The last row of each grammar is the growth of the median, fitted to all sizes.
 
 | grammar | rooms | median | p95 | with violations |
 |---|---|---|---|---|
 {larger}
 
-## By type of room
-In homes of all these sizes, as many of each. The entrance counts as a door.
+## Areas and doors by room type
+
+The table covers homes of all these sizes, equally many of each. The entrance counts as a door.
 
 | type | a home | area in m²: median [quartiles] | from, to | doors a room |
 |---|---|---|---|---|
 {types}
 
-## Beside published figures
+## Comparison with published figures
+
 | | here: median [quartiles] | published | where |
 |---|---|---|---|
 {published}
 
-Standards state the least, not what is usual. Walls here have no thickness, so areas are net. Plans have no
-window heights: {window} m is assumed. Surveys of the share of corridors and of doors a room, and areas of
-single published plans, were not found in a form that could be verified.
+Standards state minimums, not usual values. Walls here have no thickness, so areas are net. Plans have no
+window heights: {window} m is assumed. We found no verifiable surveys of the share of corridors and of doors
+per room, and no verifiable areas of single published plans.
 
-- space standard, England: *Technical housing standards: nationally described space standard*, 2015,
-  table 1 and paragraph 10; homes of one storey.
+- space standard, England: *Technical housing standards: nationally described space standard*, 2015, table 1
+  and paragraph 10; homes of one storey.
 - London: *London Housing Design Guide*, interim edition, 2010, section 4.
-- rule of thumb: horizontal circulation is 10 to 15 % of the plinth area
-  ([What is circulation area](https://dreamhomeguide.in/what-is-circulation-area/)).
+- rule of thumb: horizontal circulation is 10 to 15 % of the plinth area ([What is circulation
+  area](https://dreamhomeguide.in/what-is-circulation-area/)).
 - Musterbauordnung, Germany, § 47 (2): a rough opening of an eighth of the room's net floor area.
-- Swiss Dwellings 1.0.0 ([Zenodo 7070952](https://zenodo.org/records/7070952)): 242,257 rooms of 42,207 flats.
-- CubiCasa5K (Kalervo and others, 2019): 68,877 rooms, outdoor areas among them, of 5,000 drawings.
+- Swiss Dwellings 1.0.0 ([Zenodo 7070952](https://zenodo.org/records/7070952)): 242,257 rooms of 42,207
+  flats.
+- CubiCasa5K (Kalervo and others, 2019): 68,877 rooms, including outdoor areas, of 5,000 drawings.
 """

@@ -113,45 +113,54 @@ def page(spreads: dict[str, Spread], held: list[Law], ranges: dict[str, Any], se
     )  # fmt: skip
 
 
-PAGE = """# How evenly are houses sampled?
+PAGE = """# Uniformity of sampled houses
 
 `./run bench sampling`, {when}: {minutes:.0f} minutes. {machine}; {versions}. Grammar: `family`.
 
 ## Layouts
-An even sampler has the greatest entropy that this number of layouts can have. `share` is what is sampled of
-that, corrected for the size of the sample (Miller 1955); `even` is what as many samples of an exactly even
-sampler show by the same formula. `accepted` is for comparison: where all picks are sampled at once, the rules
-accept this share.
 
 | | layouts | samples | share | even | accepted |
 |---|---|---|---|---|---|
 {whole}
 
-The law is not that all layouts are alike. Choices are sampled one by one, in random order, by the grammar's
-weights, each among what the rules and the choices before it leave. Were layouts alike, a bathroom would
-nearly always have all that it may have, as there are more ways to place three pieces than one. So each part
-of the layouts is measured by itself, beside two other laws. `rejection` samples all picks at once, by their
-weights, and begins again until the rules accept them. `alike` takes each layout equally often. All three
-are shares of the greatest entropy of the values that the part can have; where layouts are too many to list,
-of those that were seen. `distance` is the total variation between sampled and rejection, 0 to 1; in brackets,
-the distance to be expected of two samples of these sizes of one law.
+A uniform sampler has the largest entropy for this number of layouts. `share` is the measured fraction of
+that entropy, corrected for the size of the sample (Miller 1955). `even` is what the same formula gives for
+as many samples of an exactly uniform sampler. `accepted` is for comparison: the fraction that the rules
+accept if all picks are sampled at once.
+
+Layouts are not meant to be equally likely. Choices are sampled one by one, in random order, by the
+grammar's weights, each among the options that the rules and earlier choices leave. With equally likely
+layouts, nearly every bathroom would have all the furniture that it may have, because three items have more
+placements than one. So the study measures each part of the layouts separately and compares two other laws:
+
+- `rejection` samples all picks at once, by their weights, and repeats until the rules accept them.
+- `alike` takes each layout equally often.
+
+All three columns are fractions of the largest entropy of the values that the part can have. If there are
+too many layouts to list, they refer to the values that occurred. `distance` is the total variation between
+sampled and rejection, 0 to 1. In brackets is the expected distance of two samples of these sizes from one
+law.
 
 | | part | values | sampled | rejection | alike | distance |
 |---|---|---|---|---|---|---|
 {parts}
 
 ## Lengths
-k things in a row leave k + 1 gaps, uniform on their simplex: each is Beta(1,k) of what all share. The
-greatest Kolmogorov-Smirnov distance of a gap, and the least p-value times the number of gaps, at most 1.
+
+k items in a row leave k + 1 gaps, which are uniform on their simplex: each is Beta(1,k) of the free length.
+The table has the largest Kolmogorov-Smirnov distance of a gap. It also has the smallest p-value times the
+number of gaps, at most 1.
 
 | | samples | distance | p |
 |---|---|---|---|
 {laws}
 
 ## Expressive range
-Houses of 5 rooms of each grammar of stars by compactness, the share of the outline's rectangle that the house
-covers, and by the share of the rooms' floor under furniture, in 400 cells (Smith and Whitehead 2010).
-`share` is the entropy of the histogram as a share of that of an even one over all cells.
+
+This histogram shows houses of 5 rooms of each grammar of stars, in 400 cells (Smith and Whitehead 2010).
+One axis is compactness, the fraction of the outline's rectangle that the house covers. The other is the
+fraction of the rooms' floor under furniture. `share` is the histogram's entropy relative to a uniform one
+over all cells.
 
 ![Expressive range of the two grammars](expressive-range.png)
 
