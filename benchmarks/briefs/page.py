@@ -16,9 +16,8 @@ from logic.layout.account import GROUNDING, LAYOUT, LENGTHS
 TEMPLATE = Path(__file__).with_name("template.md")
 
 FURNISHED = """
-The same briefs beside the rules of *home*, with its furniture, whose rules are ground before, as they are
-once in a process. It is not known for sure that these have a furnished house, as they are read off to a
-centimetre.
+The next table adds the rules and the furniture of *home*, whose rules are grounded beforehand, once per
+process. These briefs do not necessarily have a furnished house, because they are exact to a centimetre.
 
 | rooms | both done | without, median | furnished, median | p95 | of it furniture |
 |---|---|---|---|---|---|
@@ -26,8 +25,8 @@ centimetre.
 """
 
 PEER = """
-Another program in the same run, of a sample: times of those of which both have said the same, a house or
-`impossible`, and the geometric mean of ours divided by its own.
+Another program answered a sample in the same run. The times are of briefs to which both gave the same answer,
+a house or `impossible`. The ratio is the geometric mean of our time divided by the program's.
 
 | | right, ours | the peer's | both | ours, median | p95 | the peer's, median | p95 | ratio |
 |---|---|---|---|---|---|---|---|---|
@@ -163,9 +162,9 @@ def proofs_in_words(found: Results) -> str:
     open_ = sum(count > needed and count == needed + late for count, needed, late in found.proofs.values())
     percent = 100 * minimal / len(found.proofs)
     return (
-        f"Of {len(found.proofs)} proofs {minimal} ({percent:.0f} %) are minimal: with any of their lines "
-        f"left out, the others have a house; of {open_} more it is not known, as some of these end in a "
-        f"limit. They name {lines} lines, of which {sure} are needed, and {unknown} may be."
+        f"Of {len(found.proofs)} proofs {minimal} ({percent:.0f} %) are minimal: without any one of their "
+        f"lines, the others have a house. For {open_} more it is unknown, because some of these reach a "
+        f"limit. The proofs name {lines} lines; {sure} are needed, and {unknown} may be."
     )
 
 
