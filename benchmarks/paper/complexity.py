@@ -185,7 +185,7 @@ def table(study: dict[str, Any]) -> str:
     rows = [[str(e["rooms"]), LABELS[e["method"]], *_cells(e)] for e in _ordered(study)]
     head = "| rooms | | made | CPU time, median | tries, median |\n|---|---|---|---|---|\n"
     factor, exponent = growth(study, ORIGINAL)[0], growth(study, OURS)[1]
-    law = f"The original's median grows {factor:.1f} times with each room; here as rooms^{exponent:.2f}."
+    law = f"The original's median grows {factor:.1f} times per room; here it grows as rooms^{exponent:.2f}."
     return f"{head}{table_rows(rows)}\n\n{law}"
 
 

@@ -248,10 +248,11 @@ TEXT = """| what | runs | saturated | main room, epsilon 0.025, run by run | eps
 |---|---|---|---|---|
 {kinds}
 
-More than the human's {human} pick up, at epsilon 0.025, {like_more} of {like} runs of the preset and {more}
-of all {runs}: the best has {best}. At 0.5 it is {more_half} of {runs}: the best has {busiest}.
-{like_saturated} of the {like} runs of the preset are saturated: the softmax gives one action the value 1 in
-all states, where its gradient is 0, so nothing is learnt any more.
+At epsilon 0.025, {like_more} of {like} runs of the preset and {more} of all {runs} find more targets than
+the human's {human}. The best has {best}. At epsilon 0.5 it is {more_half} of {runs}; the best has {busiest}.
+
+Of the {like} runs of the preset, {like_saturated} are saturated: the softmax gives one action the value 1 in
+all states. Its gradient is then 0, so learning stops.
 
 ![Targets of an episode while learning](paper-training.png)
 
