@@ -23,12 +23,12 @@ from logic import House, RequestError, load
 PARTS = 6
 """Number of distances for which the seen area is listed."""
 
-PAGE = """# What agents have seen of maps
+PAGE = """# Exploration of maps
 
-{starts} starts on each map, drawn by the seed {seed}; a body of 0.287 m goes 0.072 m a step along an
-axis or 0.101 m on a diagonal, or turns by 45 degrees. Share of the free cells that join where it began
-which beams of 0.144 degrees from its place would have met, in its sensor's field and range. Medians over
-starts, with the least and the greatest.
+Each map has {starts} starts, sampled with seed {seed}. A robot of 0.287 m moves 0.072 m per step along an
+axis or 0.101 m on a diagonal, or turns by 45 degrees. The share is that of the free cells connected to the
+start. A cell counts as seen if beams of 0.144 degrees from the robot would have met it, within the sensor's
+field and range. The tables have medians over starts, with the smallest and the largest value.
 
 {tables}
 {machine}. {versions}.
@@ -40,7 +40,7 @@ TABLE = """## Sensor: {sensor}
 |---|---|{lines}---|---|---|
 {rows}
 
-Area: the mean share up to {metres:g} m, and up to {steps:,} steps. Explorer over nearest frontier, start
+Area is the mean share up to {metres:g} m, and up to {steps:,} steps. Explorer over nearest frontier, start
 by start: area over metres {by_metres}, over steps {by_steps}.
 """
 

@@ -25,15 +25,15 @@ FITTED_COPY = "fitted"
 PAIRS = 12
 """Number of pairs of types in the list, which has those with the largest differences."""
 
-PAGE = """{} plans of `{}`, {} of `{}`. A classifier that has not seen them tells them apart
-with an area under the curve of **{:.3f}** ± {:.3f} (one standard error; 0.5 is no better than guessing).
+PAGE = """{} plans of `{}`, {} of `{}`. A classifier distinguishes unseen plans of both sets
+with an area under the curve of **{:.3f}** ± {:.3f} (one standard error; 0.5 is a guess).
 
 | | ours | other | distance | of one set |
 |---|---|---|---|---|
 {}
 
-Means, and the 1-D Wasserstein distance of both samples; of one set: of 100 cuts of both together 95
-have a smaller one. Proportions are the longer side over the shorter one.
+The table has means and the 1-D Wasserstein distance of both samples. "of one set" is the threshold that 95 of
+100 random splits of both samples together stay below. Proportions are the longer side over the shorter one.
 
 | pair of types | walls that they share in a plan: ours | other |
 |---|---|---|
@@ -102,7 +102,7 @@ class Realism:
             )
         text = "\n".join(
             [
-                "# How alike two sets of plans are",
+                "# Realism of plans",
                 "",
                 *page,
                 versions("vitruvius", "clingo", "numpy", "scipy"),
