@@ -27,8 +27,8 @@ ENTRIES = (
         num_envs=8,
         episodes=None,
     ),
-    _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the averages"),
-    _entry("pqn-secondary", "pqn", "learnt for targets in secondary rooms", "pqn", targets="secondary"),
+    _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer instead of the averages"),
+    _entry("pqn-secondary", "pqn", "trained on targets in secondary rooms", "pqn", targets="secondary"),
     _entry("pqn-no-shield", "pqn", "no avoidance layer", "pqn", avoidance="none"),
 )
 """Training entries of the study. An entry ``beside`` another is a change of it and is compared with it."""

@@ -8,7 +8,7 @@ from benchmarks.common.measure import study
 
 @dataclass(frozen=True)
 class LearnerStudy:
-    """Steps a second of each part of a training step, by number of environments."""
+    """Steps per second of each part of a training step, by number of environments."""
 
     out: Path = Path("runs/bench")
     """Folder for learner.json and learner.png."""

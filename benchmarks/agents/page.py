@@ -146,14 +146,13 @@ def _time(study: Study, entry: TrainingEntry) -> list[str]:
 
 EXTERNALS = """
 ## External agents
-
 These agents of other libraries are the examples that come with the project. They use our houses, rays and
 avoidance layer, and keep their own way to learn and to explore, in the evaluation too. Their networks have
 two layers of 128 as well, or one layer and a recurrent one. Their commands state what they see: by default
 the current rays. They are trained for {steps} M steps in any share, far fewer than ours, so no table has
 them together. Each is evaluated on the targets of its training.
 
-| agent | what it is | command | targets learnt for | ratio there | run by run |
+| agent | what it is | command | trained on targets in | ratio there | run by run |
 |---|---|---|---|---|---|
 {rows}
 """
@@ -180,7 +179,6 @@ out by its score.
 ![Ratio to the oracle of all agents and baselines](agent-scores.png)
 
 ## Scores
-
 | agent or baseline | {modes} | success, {order} | SPL, {order} |
 |---|{dashes}---|---|
 {policies}
@@ -194,7 +192,6 @@ on all three. The last rows are baselines, which learn nothing. The searcher kno
 position of the target.
 
 ## Ratio by number of rooms
-
 Targets in secondary rooms, ratio to the oracle:
 
 {rooms}
@@ -202,7 +199,6 @@ Targets in secondary rooms, ratio to the oracle:
 ![Ratio by number of rooms](agent-rooms.png)
 
 ## Ablations
-
 Each row changes one part of an agent and trains it from scratch with the same time budget. The difference
 is to the unchanged agent, with a 95 % interval from a paired bootstrap (the same seed in the same house). A
 difference is clear (in bold) if its interval excludes 0 and all seeds have the same sign. Collisions, and
@@ -213,30 +209,27 @@ actions that the avoidance layer masked, are per 1000 steps.
 {parts}
 
 ## Every run
-
 The curves show targets per 1500 steps while the agent still explores, so they stay below the later
 evaluation. Each panel has all runs of an entry, including bad ones.
 
 ![Learning curves of every run](agent-curves.png)
 
-| entry | what it is | options | targets learnt for | M steps | ratio there, run by run |
+| entry | what it is | options | trained on targets in | M steps | ratio there, run by run |
 |---|---|---|---|---|---|
 {entries}
 
 {unfinished}
 {externals}
 ## Training time
-
 Steps per second of a whole training run on one core, then of each part alone, with its share of the time in
 brackets. The learner is everything except the simulator: acting, avoidance, returns, updates. The figures are
 medians over the runs; other runs shared the machine.
 
-| entry | steps a second | simulator | learner | minutes |
+| entry | steps per second | simulator | learner | minutes |
 |---|---|---|---|---|
 {time}
 
 ## Reproduction
-
 `{command}` resumes an interrupted study and repeats nothing.
 
 Train one agent alone by `./run train runs/study/learn.jsonl --preset pqn --steps 1000000 --seed 0`, or with

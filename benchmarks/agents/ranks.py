@@ -23,13 +23,13 @@ from logic.errors import RequestError
 from logic.house.files import write_whole
 
 HEAD = """\
-| ranks | steps a second | of ranks x one | processor time a step | one's, of it |
+| ranks | steps per second | of ranks x one | processor time a step | one's, of it |
 |---|---|---|---|---|"""
 
 
 @dataclass(frozen=True)
 class Ranks:
-    """Steps a second and processor time a step of training by several ranks, beside one."""
+    """Steps per second and processor time a step of training by several ranks, beside one."""
 
     preset: str = "pqn"
     """What is trained, in the houses that come with Vitruvius."""

@@ -65,7 +65,7 @@ def learner(request) -> PQN:
 
 
 def measure(benchmark, learner: PQN, work, acting: int = 0, learning: int = 0) -> None:
-    """Time it, and note how many environment steps a second the median round made.
+    """Time it, and note how many environment steps per second the median round made.
 
     ``acting`` is how often each step passes the network without gradients, ``learning`` how often with them:
     these cost three times as much.

@@ -1,4 +1,4 @@
-"""``vitruvius bench throughput``: how many steps a second training makes, by one process and by two.
+"""``vitruvius bench throughput``: how many steps per second training makes, by one process and by two.
 
 Each preset is trained by each number of processes and each seed in turns, for the same number of steps, in
 the houses of ``vitruvius bench agents``; each process has a core, and as many environments as the preset.
@@ -26,7 +26,7 @@ from benchmarks.common.processes import CLI, ONE_THREAD, output, say
 from logic.errors import RequestError
 
 HEAD = """\
-| preset | processes | environments | steps a second | times one | simulator | learner | ratio |
+| preset | processes | environments | steps per second | times one | simulator | learner | ratio |
 |---|---|---|---|---|---|---|---|"""
 
 
@@ -49,7 +49,7 @@ class TrainingSeries:
         return f"{self.preset} by {self.processes}"
 
     def rates(self, part: str = "") -> list[float]:
-        """Steps a second of each run, of all of it or of a part as if it were alone."""
+        """Steps per second of each run, of all of it or of a part as if it were alone."""
         lasts = [json.loads(folder.metrics.read_text().splitlines()[-1]) for folder in self.folders]
         return [last[part] if part else last["steps"] / last["seconds"] for last in lasts]
 

@@ -32,7 +32,7 @@ def plot(report: dict[str, Any]) -> bytes:
             axes.set_ylim(bottom=0)
             if rate:
                 axes.yaxis.set_major_formatter(lambda value, _: f"{value / 1e6:g} M")
-        axes.set_ylabel("environment steps a second" if rate else "seconds")
+        axes.set_ylabel("environment steps per second" if rate else "seconds")
         sizes = sorted({size for points in shown.values() for size in points[:, 0]})
         axes.set_xticks(sizes, [f"{size:,.0f}" for size in sizes])
         axes.minorticks_off()

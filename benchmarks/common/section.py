@@ -40,7 +40,7 @@ def _study(report: dict[str, Any]) -> str:
     for panel in dict.fromkeys(panels[name] for name in series):
         shown = [_line(name, series[name], slots[name]) for name in series if panels[name] == panel]
         title, axis = panel
-        label = "environment steps a second" if rate else "seconds"
+        label = "environment steps per second" if rate else "seconds"
         late = [f"{name}: most not done in {limit:g} s" for name, limit in _late(series).items()]
         x = Axis(AXES[axis], log=True, ticks=sorted({size for each in shown for size in each.x}))
         parts.append(line_plot(title or label.capitalize(), x, Axis(label, log=True), shown, "; ".join(late)))

@@ -35,7 +35,6 @@ field and range. The tables have medians over starts, with the smallest and the 
 """
 
 TABLE = """## Sensor: {sensor}
-
 | map | agent | {places} | area, metres | area, steps | went |
 |---|---|{lines}---|---|---|
 {rows}

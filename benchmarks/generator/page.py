@@ -87,7 +87,6 @@ more.
 """
 
 HOUSES = """## A furnished house
-
 | rooms | layout | place | both, mean | median | p95 | p95/median | inferences, place | inferences, both |
 |---|---|---|---|---|---|---|---|---|
 {rows}
@@ -103,7 +102,6 @@ WORKERS = """| processes | rooms | houses a second (wall clock) |
 """
 
 REJECTED = """## The original's method
-
 `benchmarks/generator/rejection.pl` reimplements the method for rooms only, without furniture. It samples
 all numbers of all rooms and of the main room and tests them. If a test fails, it samples everything again.
 
@@ -117,7 +115,6 @@ there, and the fit leaves the plan out. The original took 9, 69, 320 and 7,400 m
 """
 
 SOLVED = """## The same linear systems, another solver
-
 The systems are those of all rooms of 5 houses, every size unknown, as `room.pl` states them. `decide` asks
 whether each has a solution. `sample` fixes every unknown in turn within its projection; HiGHS needs two
 linear programs for each. HiGHS is called through SciPy, with one program per room or one for all rooms
@@ -131,7 +128,6 @@ The generator itself solves less: it samples sizes first and asks CLP(R) whether
 """
 
 LAWS = """## Fitted laws
-
 Least squares on the logarithms of the medians from 4 rooms on, with 95 % intervals. A method that does not
 finish in time follows no power law, so its row has the growth per room.
 
@@ -141,7 +137,6 @@ finish in time follows no power law, so its row has the growth per room.
 """
 
 TAIL = """## Your own grammar
-
 `vitruvius bench generator --grammar DIR --out runs/mine` writes such a page, its plot and the measurements
 into `runs/mine`. A short form is `--rooms 1 4 16 --rounds 5 --part house`.
 `./run bench generator --publish` makes the page in `docs`.

@@ -78,7 +78,6 @@ PAGE = """# Homes and their cost
 ![Twelve homes: the first of each size](homes.png)
 
 ## Time by number of rooms
-
 The table has the CPU time of one core in milliseconds, the median of {houses} houses of each size. An
 unfurnished plan has rooms, doors and windows; a furnished one is a house. A layout is refuted if its
 lengths have no solution. A plan is made again if a room cannot be furnished at its size. The last column is
@@ -89,7 +88,6 @@ the number of different topologies (room types, walls and doors) as a fraction o
 {sizes}
 
 ## Clinics and buildings of flats
-
 Furnished houses: CPU time of one core in milliseconds, and the number of houses with violations by `check`.
 The last row of each grammar is the growth of the median, fitted to all sizes.
 
@@ -98,7 +96,6 @@ The last row of each grammar is the growth of the median, fitted to all sizes.
 {larger}
 
 ## Areas and doors by room type
-
 The table covers homes of all these sizes, equally many of each. The entrance counts as a door.
 
 | type | a home | area in m²: median [quartiles] | from, to | doors a room |
@@ -106,7 +103,6 @@ The table covers homes of all these sizes, equally many of each. The entrance co
 {types}
 
 ## Comparison with published figures
-
 | | here: median [quartiles] | published | where |
 |---|---|---|---|
 {published}

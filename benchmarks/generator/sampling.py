@@ -118,7 +118,6 @@ PAGE = """# Uniformity of sampled houses
 `./run bench sampling`, {when}: {minutes:.0f} minutes. {machine}; {versions}. Grammar: `family`.
 
 ## Layouts
-
 | | layouts | samples | share | even | accepted |
 |---|---|---|---|---|---|
 {whole}
@@ -146,7 +145,6 @@ law.
 {parts}
 
 ## Lengths
-
 k items in a row leave k + 1 gaps, which are uniform on their simplex: each is Beta(1,k) of the free length.
 The table has the largest Kolmogorov-Smirnov distance of a gap. It also has the smallest p-value times the
 number of gaps, at most 1.
@@ -156,7 +154,6 @@ number of gaps, at most 1.
 {laws}
 
 ## Expressive range
-
 This histogram shows houses of 5 rooms of each grammar of stars, in 400 cells (Smith and Whitehead 2010).
 One axis is compactness, the fraction of the outline's rectangle that the house covers. The other is the
 fraction of the rooms' floor under furniture. `share` is the histogram's entropy relative to a uniform one

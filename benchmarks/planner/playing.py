@@ -1,7 +1,7 @@
-"""``vitruvius bench playing``: how many steps a second agents play, with simulator, planner and network.
+"""``vitruvius bench playing``: how many steps per second agents play, with simulator, planner and network.
 
 Some processes at once, a core and environments of its own each, play an episode in houses of ``family``; the
-steps a second of all are added up. Their clocks start together, when all have compiled and made their first
+steps per second of all are added up. Their clocks start together, when all have compiled and made their first
 steps.
 """
 
@@ -37,13 +37,13 @@ PATIENCE = 600.0
 """Seconds that a process waits for the others before the clock runs."""
 
 HEAD = """\
-| agent | processes | environments each | steps a second |
+| agent | processes | environments each | steps per second |
 |---|---|---|---|"""
 
 
 @dataclass(frozen=True)
 class Playing:
-    """Steps a second of agents that play: simulator, planner and network."""
+    """Steps per second of agents that play: simulator, planner and network."""
 
     agent: tuple[str, ...] = ("explorer", "map-completion")
     """A baseline, a released agent or a checkpoint, each."""
@@ -84,7 +84,7 @@ class Playing:
         for _ in range(self.rounds):
             for name in self.agent:
                 rates[name].append(self.rate(name, houses))
-                say(f"{name}: {rates[name][-1]:,.0f} steps a second")
+                say(f"{name}: {rates[name][-1]:,.0f} steps per second")
         rows = (
             [
                 name,
@@ -99,7 +99,7 @@ class Playing:
         print(page)
 
     def rate(self, name: str, houses: Path) -> float:
-        """Steps a second of all processes together."""
+        """Steps per second of all processes together."""
         cores = sorted(os.sched_getaffinity(0))[: self.processes]
         context = get_context("spawn")
         with context.Manager() as manager, context.Pool(self.processes) as pool:
@@ -110,7 +110,7 @@ class Playing:
 def rate(
     name: str, houses: Path, targets: TargetMode, count: int, steps: int, together: Barrier, core: int
 ) -> float:
-    """Steps a second of an agent on one core, in ``count`` environments, once all are ``together``."""
+    """Steps per second of an agent on one core, in ``count`` environments, once all are ``together``."""
     os.sched_setaffinity(0, [core])
     torch.set_num_threads(1)
     some = load(houses)

@@ -192,7 +192,7 @@ class Views:
         title = (
             f"Worth of the chosen view, of the best one's; {self.choices:,} choices, {self.updates} updates"
         )
-        headings = "network", "weights", "share", "less untrained", "less seed 0"
+        headings = "network", "weights", "share", "gain over untrained", "gain over seed 0"
         write_tables([Table(title, headings, rows)], self.out / "views.md")
 
     def collected(self, what: str, houses: list[House], config: SearchConfig) -> "ViewChoices":

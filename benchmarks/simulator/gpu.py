@@ -1,4 +1,4 @@
-"""``vitruvius bench gpu``: what a GPU changes: steps a second, outcomes, and how fast an agent learns."""
+"""``vitruvius bench gpu``: what a GPU changes: steps per second, outcomes, and how fast an agent learns."""
 
 import json
 import sys
@@ -139,7 +139,7 @@ def rate_row(cpu: dict[str, Any], gpu: dict[str, Any]) -> list[str]:
 
 
 def rate(low: float, median: float, high: float) -> str:
-    """Millions of steps a second, or steps where they are few, with quartiles."""
+    """Millions of steps per second, or steps where they are few, with quartiles."""
     if median < 1e6:
         return f"{median:,.0f} [{low:,.0f}, {high:,.0f}]"
     return f"{median / 1e6:.3g} M [{low / 1e6:.3g}, {high / 1e6:.3g}]"

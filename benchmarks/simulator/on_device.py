@@ -1,6 +1,6 @@
 """What a device does, in a process of its own: Taichi runs on one device a process.
 
-``python -m benchmarks.simulator.on_device DEVICE FILE [COUNT ...] [--parts PART ...]``: steps a second by
+``python -m benchmarks.simulator.on_device DEVICE FILE [COUNT ...] [--parts PART ...]``: steps per second by
 environments, printed as JSON, and what some environments go through, into FILE, to be compared with another
 device's.
 """
@@ -80,7 +80,7 @@ def random_actions(envs: HouseVectorEnv, steps: int) -> np.ndarray:
 
 
 def step_rates(device: str, count: int, backend: str) -> dict[str, float | list[float]]:
-    """Steps a second of ``count`` environments, of ``step_torch`` and of its kernel: quartiles of rounds."""
+    """Steps per second of ``count`` environments, of ``step_torch`` and its kernel: quartiles of rounds."""
     envs = HouseVectorEnv(num_envs=count, targets="mixed", backend=backend, device=device)
     envs.reset(seed=0)
     actions = list(torch.as_tensor(random_actions(envs, STEPS), device=device))
@@ -103,7 +103,7 @@ def led(device: str) -> np.ndarray:
 
 
 def planner_rates(device: str, count: int) -> dict[str, float | list[float]]:
-    """Steps a second of planners and the environments that follow them: quartiles of rounds."""
+    """Steps per second of planners and the environments that follow them: quartiles of rounds."""
     envs = HouseVectorEnv(num_envs=count, targets="secondary", device=device)
     follow, _ = follower(envs)
     return {"environments": count, "planner": timed(device, count, [follow] * STEPS)}

@@ -146,7 +146,7 @@ def _peers(peers: dict[str, Any], entries: list[dict[str, Any]]) -> str:
             "four rooms, 58 segments, one robot with 40 rays, collisions, reward, reset",
             "4,096",
             _rate(entry),
-            f"{OURS[backend]}; exact rays, with the target told apart; episodes end after 1500 steps",
+            f"{OURS[backend]}; exact rays, which distinguish the target; episodes end after 1500 steps",
         ]
         for entry in entries
         if (backend := entry["extra_info"].get("beside_peers"))
@@ -162,7 +162,7 @@ def _peers(peers: dict[str, Any], entries: list[dict[str, Any]]) -> str:
         for row in best.values()
     ]
     lines = [
-        "| simulator | a step | environments | steps a second | comparable? |",
+        "| simulator | a step | environments | steps per second | comparable? |",
         "|---|---|---|---|---|",
         table_rows(rows),
     ]
@@ -174,7 +174,7 @@ PAGE = """# Speed of the simulator
 
 `./run bench simulator --peers`, {when}. {machine}. {versions}.
 
-![Steps a second](simulator.png)
+![Steps per second](simulator.png)
 
 A step of an environment includes the action, the swept move with its collision, reaching a target and
 placing the next one, reward and flags. It also includes 40 rays among walls, furniture and the target, the
@@ -183,7 +183,6 @@ placing the next one, reward and flags. It also includes 40 rays among walls, fu
 the median round, with quartiles.
 
 ## Number of environments
-
 64 houses of 4 rooms.
 
 | environments | {names} | one core: kernel / C |
@@ -201,7 +200,6 @@ the median round, with quartiles.
   {operations:,.0f} operations, or {vectors:,.0f} vector instructions on 8 numbers.
 
 ## Parts of a step of 4,096 environments
-
 Milliseconds.
 
 | part | ms |
@@ -214,7 +212,6 @@ everywhere; in `kernel`, the same launch starts the next episode. The last row i
 alone, among the boxes of one house, in vectorised NumPy.
 
 ## Cost of each option
-
 Processor time of 4,096 environments with the option, relative to the same environments without, in
 alternating rounds. The last rows compare ways to step. Medians with quartiles.
 
@@ -228,7 +225,6 @@ because targets cover the whole floor. With few houses, or a task with few place
 slow phase is short.
 
 ## Number of houses
-
 4,096 environments; each episode draws a house.
 
 | different houses | MiB on the device | kernel |
@@ -236,7 +232,6 @@ slow phase is short.
 {houses}
 
 ## Number of segments
-
 4,096 environments, 16 houses.
 
 | segments in a house | rooms | kernel |
@@ -247,7 +242,6 @@ Packing a house lists what each square metre can see. These lists keep the cost 
 the house.
 
 ## Number of rays
-
 A field of view of about 120 degrees, by default 3 degrees per ray.
 
 | rays | kernel |
@@ -255,13 +249,11 @@ A field of view of about 120 degrees, by default 3 degrees per ray.
 {rays}
 
 ## Number of processors
-
 | processors | kernel |
 |---|---|
 {processors}
 
 ## Backends and loops
-
 4,096 environments, 64 houses of 4 rooms on cells of 0.3 m, for both backends:
 
 | backend | kernel |
@@ -277,7 +269,6 @@ The loop for GPUs runs one task per environment and ray. On the CPU it gives the
 [Speed on a GPU](gpu.md) has the figures for GPUs.
 
 ## Bodies that drive
-
 Backend `free` (continuous control), 4,096 environments in the 64 houses. A round robot has limits on speed,
 slides along what it touches, and casts 40 rays from any heading. C is the same algorithm with results equal
 bit for bit (`benchmarks/simulator/free.c`). On one core the kernel makes {driven_ratio} of the steps of C.
@@ -290,7 +281,6 @@ bit for bit (`benchmarks/simulator/free.c`). On one core the kernel makes {drive
 look them up. Its lists are by sectors of 45 degrees, so they hold the lines of a wider view.
 
 ## Two compilers
-
 `VITRUVIUS_RUNTIME=quadrants` replaces Taichi by
 [Quadrants](https://github.com/Genesis-Embodied-AI/quadrants), its maintained fork. The table has 4,096
 environments among the package's houses: the median of three processes with the slowest and the fastest. It
@@ -302,7 +292,6 @@ environments are equal bit for bit.
 {compilers}
 
 ## Time before the first step
-
 Packing a house, milliseconds:
 
 | backend | ms a house |
@@ -316,7 +305,6 @@ Seconds in a new process, 4,096 environments in one house:
 {first}
 
 ## Other simulators
-
 Each simulator has its authors' recommended settings, the same processors, and the best number of
 environments that was tried (`benchmarks/simulator/peers`).
 

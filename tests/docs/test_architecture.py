@@ -49,7 +49,7 @@ def section(title: str) -> str:
 def test_it_is_short() -> None:
     assert max(map(len, TEXT.splitlines())) <= 118
     assert len(section("Words").splitlines()) <= 60
-    assert len(section("Where to make a change").splitlines()) <= 40
+    assert len(section("Files to change").splitlines()) <= 40
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

@@ -45,7 +45,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
     processors that this process kept busy, less than 1 if it had to wait on a busy machine. ``libraries`` are
     those that the peer's speed depends on, by version. Two calls before the rounds are not timed.
     """
-    parser = ArgumentParser(description=f"Environment steps a second of {peer}.")
+    parser = ArgumentParser(description=f"Environment steps per second of {peer}.")
     parser.add_argument("--rounds", type=int, default=7, help="timed rounds of a row")
     parser.add_argument("--seconds", type=float, default=1.0, help="the least time of a round")
     parser.add_argument("--most", type=int, default=10**9, help="leave out more environments than this")
