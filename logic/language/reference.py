@@ -77,7 +77,7 @@ def recipes() -> list[Recipe]:
 
 def _about(recipe: Recipe) -> str:
     if recipe.grammar != FAMILY:
-        return "Where rooms share walls"
+        return "Walls that rooms share"
     if len(recipe.files) > 1:
         return "Types, pieces and lengths"
     return "Furniture of a room" if "#program room." in str(recipe) else "A house's rooms"
