@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Self
 import msgspec
 from msgspec import UNSET, Meta, UnsetType
 
-from logic.house.promises import Promises
+from logic.house.promises import Promises, Type
 from logic.plain import plain
 
 FORMAT = "vitruvius-2"
@@ -115,7 +115,7 @@ class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Piece(Rect, frozen=True, forbid_unknown_fields=True):
     """Item of furniture. ``orientation`` is the direction of its front, empty without a front."""
 
-    type: str
+    type: Type
     orientation: Orientation = ""
     children: tuple[Piece, ...] = ()
 
@@ -135,7 +135,7 @@ class Room(Rect, frozen=True, forbid_unknown_fields=True):
     """Room: a rectangle with a name, a type and furniture."""
 
     name: Name
-    type: str
+    type: Type
     children: tuple[Piece, ...] = ()
     storey: Literal[0] = 0
     part_of: Name | UnsetType = UNSET

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import msgspec
 from msgspec import Meta
@@ -20,6 +20,20 @@ PASSAGE = 0.42
 
 Metres = Annotated[float, Meta(ge=0, le=1000)]
 
+MAX_TYPES, MAX_RELATIONS, LONGEST_TYPE = 512, 64, 128
+"""Number of types that a promise names; of relations of a type; of characters of a type: ``check`` compares
+all with each room or piece.
+"""
+
+Type = Annotated[str, Meta(max_length=LONGEST_TYPE)]
+"""Type of a room or a piece."""
+
+Types = Annotated[tuple[Type, ...], Meta(max_length=MAX_TYPES)]
+
+Value = TypeVar("Value")
+ByType = Annotated[dict[Type, Value], Meta(max_length=MAX_TYPES)]
+"""A value for each of some types."""
+
 
 class Thickness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Thickness of walls between rooms and of outer walls, metres. Outer walls are no thinner."""
@@ -34,6 +48,8 @@ Sizes = tuple[float, float, float, float]
 Relation = tuple[float, float, float]
 """Numbers a, b and c: a times the width (or length) plus b times the depth is at most c, metres."""
 
+Relations = Annotated[tuple[Relation, ...], Meta(max_length=MAX_RELATIONS)]
+
 
 class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """Promises of a grammar. A field that is empty promises nothing. Lengths in metres."""
@@ -43,7 +59,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
 
     None permits any width that is the same in a whole star.
     """
-    door_widths: dict[str, dict[str, Metres]] = {}
+    door_widths: ByType[ByType[Metres]] = {}
     """Width of doors by room type and by the type of the other room or ``outside``, metres."""
     door_clearance: Metres = CLEARANCE
     """Least distance of furniture from a door, metres."""
@@ -53,91 +69,91 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Depth of free floor in front of a piece that is used from there, metres; None for ``passage``."""
     room_gap: Metres | None = None
     """Least distance of two rooms, metres."""
-    basic: tuple[str, ...] = ()
+    basic: Types = ()
     """Basic room types. From two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
     a_side: int | None = None
     """Divisor for the rooms per side of the main room: from four rooms on at most ``rooms // a_side + 1``."""
-    room_size: dict[str, Sizes] = {}
+    room_size: ByType[Sizes] = {}
     """Sizes by room type. In a star the width runs along the wall with the door; elsewhere either way."""
-    room_relations: dict[str, tuple[Relation, ...]] = {}
+    room_relations: ByType[Relations] = {}
     """Relations of width and depth, by room type; not on a grid."""
-    room_area: dict[str, tuple[float, float]] = {}
+    room_area: ByType[tuple[float, float]] = {}
     """Least and greatest area by room type in other houses, square metres."""
-    whole_area: dict[str, tuple[float, float]] = {}
+    whole_area: ByType[tuple[float, float]] = {}
     """Least and greatest area of a room with its parts, by room type, square metres."""
     house_area: tuple[float, float] | None = None
     """Least and greatest area of all rooms of a house, including a star's main room, square metres."""
-    house_size: tuple[Relation, ...] = ()
+    house_size: Relations = ()
     """Relations of the width, from west to east, and the depth of the box around all rooms.
 
     In a house of units the relations hold for the box around each unit.
     """
-    same_size: dict[str, bool] = {}
+    same_size: ByType[bool] = {}
     """Room types whose rooms are equally large in other houses, or in a unit; True if some may be turned."""
-    narrowest: dict[str, float] = {}
+    narrowest: ByType[float] = {}
     """Least shorter side by room type in other houses, metres."""
     wall_thickness: Thickness | None = None
     """Thickness of walls; None for any thickness."""
-    opens: dict[str, tuple[str, ...]] = {}
+    opens: ByType[Types] = {}
     """Room types, and ``outside``, that each room type may open into. A door needs one direction."""
-    degree: dict[str, tuple[int, int]] = {}
+    degree: ByType[tuple[int, int]] = {}
     """Least and greatest number of other rooms that doors join to a room, by room type.
 
     Public rooms do not count.
     """
-    openings: dict[str, tuple[str, ...]] = {}
+    openings: ByType[Types] = {}
     """Room types, by room type, towards which a door may have no leaf."""
-    parts: dict[str, tuple[str, ...]] = {}
+    parts: ByType[Types] = {}
     """Room types of the rooms that a room of a type belongs to, without a wall between them."""
     entrance: bool = False
     """True if a house has a door to the outside."""
-    public: tuple[str, ...] = ()
+    public: Types = ()
     """Room types from which units are entered.
 
     Without these rooms, each connected part of a house has one door to them, and none to the outside.
     """
     courts: int = 0
     """Number of boxes between rooms that may belong to no room, at least a metre both ways."""
-    lit: tuple[str, ...] = ()
+    lit: Types = ()
     """Room types that have a window."""
-    outdoor: tuple[str, ...] = ()
+    outdoor: Types = ()
     """Room types that are outdoors.
 
     They have no window, do not count in ``house_area``, and light other rooms.
     """
-    turning: dict[str, float] = {}
+    turning: ByType[float] = {}
     """Side of a square that is free in each room, by room type, metres."""
-    even_rows: dict[str, tuple[str, ...]] = {}
+    even_rows: ByType[Types] = {}
     """Piece types in the even rows, by room type."""
-    hides: tuple[str, ...] = ()
+    hides: Types = ()
     """Piece types that do not stand before a window."""
-    empty: tuple[str, ...] = ()
+    empty: Types = ()
     """Room types of a star that may have no furniture."""
-    piece_size: dict[str, Sizes] = {}
+    piece_size: ByType[Sizes] = {}
     """Sizes by piece type; the length runs along the back."""
-    piece_relations: dict[str, tuple[Relation, ...]] = {}
+    piece_relations: ByType[Relations] = {}
     """Relations of length and depth, by piece type; not on a grid."""
-    counts: dict[str, dict[str, tuple[int, int]]] = {}
+    counts: ByType[ByType[tuple[int, int]]] = {}
     """Least and greatest number of pieces, by room type and piece type. There are no other room types."""
-    companions: dict[str, dict[str, tuple[int, int]]] = {}
+    companions: ByType[ByType[tuple[int, int]]] = {}
     """Number of companions, by piece type. A turned piece at a wall has none, except for ``at_head``."""
-    at_head: tuple[str, ...] = ()
+    at_head: Types = ()
     """Piece types that keep one companion, at the head, when they are turned."""
-    at_wall: tuple[str, ...] = ()
+    at_wall: Types = ()
     """Piece types that always touch a wall and never stand in the middle of a room."""
-    turns: tuple[str, ...] | None = None
+    turns: Types | None = None
     """Piece types that may stand with a side to a wall and their back to something else; None for all."""
-    free_foot: tuple[str, ...] = ()
+    free_foot: Types = ()
     """Piece types that, when turned, have their head at a wall or another piece and nothing at their foot."""
-    clear_front: tuple[str, ...] = ()
+    clear_front: Types = ()
     """Piece types that are used from their front, which is free along its whole length."""
-    spans: dict[str, tuple[float, float]] = {}
+    spans: ByType[tuple[float, float]] = {}
     """Least and greatest fraction of its wall that a piece takes, by piece type."""
-    shares: dict[str, tuple[float, float]] = {}
+    shares: ByType[tuple[float, float]] = {}
     """Least and greatest fraction of the room's sides that a piece's sides take, by piece type."""
-    tops: dict[str, tuple[float, float]] = {}
+    tops: ByType[tuple[float, float]] = {}
     """Least and greatest area, by piece type, square metres."""
-    meet: tuple[str, ...] = ()
+    meet: Types = ()
     """Piece types with at most one piece at a wall, whose pieces touch at neighbouring walls.
 
     Two pieces never stand at opposite walls without a third one between them.

@@ -22,12 +22,13 @@ from logic.house.parts import (
     Room,
     pieces_of,
 )
+from logic.house.promises import Type
 
 
 class StarRoom(Rect, frozen=True, forbid_unknown_fields=True):
     """Room of a star: its place, type and furniture, and its one door, which leads to the main room."""
 
-    type: str
+    type: Type
     children: tuple[Piece, ...]
     door: Rect
 

@@ -10,7 +10,7 @@ import shapely
 from shapely import Geometry, Polygon
 
 from logic.errors import RequestError
-from logic.house.parts import MOST_OPENINGS, MOST_ROOMS
+from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
 from logic.spelling import listed, numbered, quoted, unknown
 
 FAR = 1e8
@@ -135,6 +135,7 @@ def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = (
 
     Raises ``RequestError`` for a name that no storey has, and if several storeys but no name are given.
     """
+    names = [name[:LONGEST_NAME] for name in names]
     counts = Counter(names)
     storeys = [
         f"{name} {number}".strip() if counts[name] > 1 or not name else name

@@ -187,6 +187,10 @@ TEXTS: dict[str, Callable[[], str | bytes]] = {
     ),
     "numbers of many digits": lambda: LINE.replace("4.2", "4.2" + "0" * 400),
     "too many pieces in all rooms": lambda: furnished(64),
+    "a type of 30 MB": lambda: changed("R0.children", [piece(type="x" * 30_000_000), *200 * [piece()]]),
+    "a million relations of sizes": lambda: changed(
+        "provenance.promises", {"room_relations": {"bedroom": 1_000_000 * [[1, -1, 99]]}}
+    ),
     "a line of 40 MB": lambda: LINE[:-1] + f', "note": "{"a" * 40_000_000}"}}',
     "a million lines that say why": lambda: '{"stopped": "x"}\n' * 300_000,
     "a floor of 5000 m": lambda: changed("floor.width", 5000.0),

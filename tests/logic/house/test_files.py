@@ -25,6 +25,11 @@ HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 PIECE = HOUSE.to_dict()["R0"]["children"][0]
 PROVENANCE = {"grammar": "", "grammar_hash": "", "request": {}, "seed": 0, "index": 0, "versions": {}}
 
+
+def promising(**promises: Any) -> dict[str, Any]:
+    return PROVENANCE | {"promises": promises}
+
+
 provenances = st.builds(
     Provenance,
     grammar=st.text(max_size=9),
@@ -115,6 +120,14 @@ def test_pieces_within_pieces_all_count() -> None:
             {**PROVENANCE, "request": {"cell": "0.3"}},
             "cell must be a length in metres, not '0.3'",
         ),
+        ("R0.children.0.type", "x" * 129, "R0: .*length <= 128"),
+        ("provenance", promising(lit=513 * ["x"]), r"length <= 512 - at `\$.provenance.promises.lit`"),
+        (
+            "provenance",
+            promising(counts={f"t{k}": {} for k in range(513)}),
+            "length <= 512 .*promises.counts",
+        ),
+        ("provenance", promising(house_size=65 * [[1, 1, 1]]), "length <= 64 .*promises.house_size"),
         ("unit", "ft", "unit"),
         ("format", "vitruvius-9", "format"),
         ("colour", "red", "colour"),
