@@ -66,6 +66,14 @@ def progress_bar(*columns: ProgressColumn, transient: bool = True) -> Progress:
     )
 
 
+MAX_LINE = 2000
+"""Number of characters of a line: text of a file may have millions."""
+
+
 def say(text: str) -> None:
     """Print a line for the user on stderr, since the standard output is for houses and answers."""
-    print(printable(text, "\n"), file=sys.stderr, flush=True)
+    lines = (
+        line if len(line) <= MAX_LINE else f"{line[:MAX_LINE]}... ({len(line) - MAX_LINE:,} more characters)"
+        for line in text.split("\n")
+    )
+    print(printable("\n".join(lines), "\n"), file=sys.stderr, flush=True)

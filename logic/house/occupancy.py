@@ -113,7 +113,7 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def fault(self) -> str:
         """Return the reason why the grid cannot be read as a map, or an empty text."""
         if not 0 < self.cell <= FARTHEST:
-            return f"its cells are {self.cell} m wide: more than 0 m"
+            return f"its cells are {self.cell} m wide: more than 0 m, and at most {FARTHEST:g} m"
         if wrong := _fault_of_rows(self.rows):
             return wrong
         if not all(abs(value) <= FARTHEST for value in self.box):

@@ -71,7 +71,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """Least distance of two rooms, metres."""
     basic: Types = ()
     """Basic room types. From two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
-    a_side: int | None = None
+    a_side: Annotated[int, Meta(ge=1)] | None = None
     """Divisor for the rooms per side of the main room: from four rooms on at most ``rooms // a_side + 1``."""
     room_size: ByType[Sizes] = {}
     """Sizes by room type. In a star the width runs along the wall with the door; elsewhere either way."""

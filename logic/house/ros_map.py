@@ -7,12 +7,13 @@ A cell that is neither free nor occupied is unknown, and solid.
 """
 
 import math
+import os
 import re
 import warnings
 from contextlib import suppress
 from pathlib import Path
 from reprlib import Repr
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, BinaryIO, NamedTuple, NoReturn
 
 import numpy as np
 import yaml
@@ -43,6 +44,14 @@ BAND = 256
 
 MOST_TEXT, MOST_PICTURE = 1 << 16, 1 << 28
 """Largest sizes of a description and of a picture, in bytes."""
+
+MAX_HEAD, MAX_CHUNKS = 1 << 16, 1 << 16
+"""Bytes of a PGM's head; chunks of a PNG."""
+
+PGM = re.compile(
+    rb"P(?:[14](?:(?:\s|#[^\r\n]*+[\r\n])++\d{1,9}){2}|[2356](?:(?:\s|#[^\r\n]*+[\r\n])++\d{1,9}){3})\s"
+)
+"""Head of a PGM: width, height and, unless it is black and white, the greatest value; comments between."""
 
 
 class Description(NamedTuple):
@@ -188,6 +197,26 @@ def _lightness(pixels: np.ndarray, mode: str) -> tuple[np.ndarray, np.ndarray]:
     return light.mean(axis=-1), clear
 
 
+def _with_plain_head(file: BinaryIO) -> BinaryIO:
+    """Return the file of a picture. Raises ``ValueError`` for a head that Pillow would read for minutes:
+    comments of a PGM byte by byte, and each chunk of a PNG.
+    """
+    head = file.read(MAX_HEAD)
+    if head.startswith(b"P") and not PGM.match(head):
+        raise ValueError
+    if head.startswith(b"\x89PNG"):
+        file.seek(8)
+        for _ in range(MAX_CHUNKS):
+            size = file.read(8)[:4]
+            if len(size) < 4:
+                break
+            file.seek(int.from_bytes(size) + 4, os.SEEK_CUR)
+        else:
+            raise ValueError
+    file.seek(0)
+    return file
+
+
 def _pixels(image: Path, path: Path) -> np.ndarray:
     """Return a picture as whole numbers: (H, W), grey of 8 or 16 bits, or (H, W, 3 or 4)."""
 
@@ -198,7 +227,7 @@ def _pixels(image: Path, path: Path) -> np.ndarray:
         with (
             warnings.catch_warnings(action="ignore"),
             opened(image, MOST_PICTURE, unpack=False) as file,
-            Image.open(file, formats=FORMATS) as picture,
+            Image.open(_with_plain_head(file), formats=FORMATS) as picture,
         ):
             width, height = picture.size
             if width * height > MOST_CELLS:  # By its header alone, before anything is unpacked.

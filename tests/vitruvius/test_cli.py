@@ -96,6 +96,15 @@ def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path
     assert plans == ["contact-sheet.svg", "house-0.svg", "house-1.svg"]
 
 
+def test_a_line_of_an_error_has_a_bounded_length(tmp_path: Path, capsys) -> None:
+    (tmp_path / "houses.json").write_text(json.dumps({"format": "x" * 1_000_000}))
+    with pytest.raises(SystemExit):
+        main(["check", str(tmp_path / "houses.json")])
+    said = capsys.readouterr().err
+    assert re.search(r"x\.\.\. \(998,\d\d\d more characters\)\n$", said)
+    assert len(said) < 2100
+
+
 def test_control_characters_in_names_are_escaped_on_the_terminal_and_in_pictures(tmp_path: Path) -> None:
     """Otherwise a file's names could move the cursor, change colours, or make an SVG that is no XML."""
     (house,) = load(ROOT / "tests" / "fixtures" / "example1.json")

@@ -121,6 +121,7 @@ def test_pieces_within_pieces_all_count() -> None:
             "cell must be a length in metres, not '0.3'",
         ),
         ("R0.children.0.type", "x" * 129, "R0: .*length <= 128"),
+        ("provenance", promising(a_side=0), "Expected `int` >= 1"),
         ("provenance", promising(lit=513 * ["x"]), r"length <= 512 - at `\$.provenance.promises.lit`"),
         (
             "provenance",

@@ -269,6 +269,8 @@ WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "picture of another folder": ({"image": "../map.png"}, b"", "it must lie in the folder of this file"),
     "no picture": ({}, b"hello", "it is no PNG, PGM or BMP"),
     "cut short": ({}, free_picture()[:-30], "it is no PNG, PGM or BMP"),
+    "a PGM of comments": ({}, b"P5\n#" + b"x" * (1 << 20) + b"\n4 4 255\n" + b"\xfe" * 16, "it is no PNG"),
+    "a PNG of chunks": ({}, free_picture()[:33] + bytes(12 << 16) + free_picture()[33:], "it is no PNG"),
     "a thousand million cells": ({}, bomb(40_000, 25_000), "at most 33,554,432|more than the 33,554,432"),
     "a hundred million cells": ({}, bomb(10_000, 10_000), "10,000 by 10,000 cells"),
     "more than a PNG can hold": ({}, bomb(2**31 - 1, 2**31 - 1), "33,554,432|no PNG"),
