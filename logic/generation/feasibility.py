@@ -71,6 +71,8 @@ class Feasibility:
         self.source = Source(grammar.asp, grammar.left_out)
         self._placed = placed
         self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
+        self._refuted: dict[tuple[str, tuple[object, ...]], tuple[Question, list[Statement]]] = {}
+        """Furniture that stage 1 refutes by itself."""
 
     def house(
         self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
@@ -101,11 +103,20 @@ class Feasibility:
 
     def is_furnishable(self, request: Request, type_: str, most: float = math.inf) -> bool:
         """Return True if a room of this type can have its requested furniture; see ``Question.layout``."""
-        asked = tuple(request.furniture_of(type_))
-        if (type_, asked) not in self._furnishable:
+        asked = type_, tuple(request.furniture_of(type_))
+        if asked not in self._furnishable:
             question, statements = self.furniture(request, type_)
-            self._furnishable[type_, asked] = question.possible(statements, most)
-        return self._furnishable[type_, asked]
+            if not Question(question.relaxed).possible(statements, most):
+                self._refuted[asked] = question, statements
+                self._furnishable[asked] = False
+            else:
+                self._furnishable[asked] = question.possible(statements, most)
+        return self._furnishable[asked]
+
+    def unfurnishable(self, request: Request, type_: str) -> tuple[Question, list[Statement]]:
+        """Return ``furniture`` of a type that ``is_furnishable`` refuted, once without grounding it again."""
+        asked = type_, tuple(request.furniture_of(type_))
+        return self._refuted.pop(asked, None) or self.furniture(request, type_)
 
     def depends_on_doors(self, type_: str) -> bool:
         """Return True if a rule of the grammar mentions the doors of this room type: it may require doors."""

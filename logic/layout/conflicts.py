@@ -15,14 +15,24 @@ def minimal(
     possible: Callable[[Sequence[T]], bool],
     core: Callable[[Sequence[T]], list[T]],
 ) -> list[T]:
-    """Return statements that are impossible together, and possible with any one of them left out."""
+    """Return Ts that are impossible together, and possible with any one of them left out.
+
+    Leave out one after the other, the last one first, since a rule is more readily left out than the facts
+    above it, which it may stand in for. After each success leave out twice as many at once.
+    """
     needed = core(statements)
-    # Rules are left out more readily than the facts above them, which they may replace.
-    for statement in reversed(list(needed)):
-        if statement in needed:
-            fewer = [other for other in needed if other is not statement]
-            if not possible(fewer):
-                needed = core(fewer)
+    untried, number = needed[::-1], 1
+    while untried:
+        out = set(map(id, untried[:number]))
+        fewer = [each for each in needed if id(each) not in out]
+        if possible(fewer):
+            untried = untried[number == 1 :]
+            number = 1
+        else:
+            needed = core(fewer)
+            kept = set(map(id, needed))
+            untried = [each for each in untried if id(each) in kept]
+            number *= 2
     return needed
 
 

@@ -84,8 +84,10 @@ class Prover:
         unique = tuple(dict.fromkeys(reasons))
         ways = [f"with --rooms {rooms}"] if rooms else []
         for choice, other in _without_each(request):
-            if choice in unique and not (request.fixed or found.refuted) and self._has_house(other):
-                ways.append(f"without {choice}")
+            if choice in unique and not (request.fixed or found.refuted):
+                relaxed, statements = self._of.house(other)
+                if self._has_house(other, self._of.of_rooms(relaxed, other), statements):
+                    ways.append(f"without {choice}")
         # The area that a star needs is known when its rooms are furnished, which was not tried.
         is_there = "may be" if self._of.facts and not self._of.grammar.shares_walls else "is"
         advice = f"There {is_there} a house {', or '.join(ways)}." if ways else ""
@@ -109,35 +111,35 @@ class Prover:
             other = replace(request, rooms=rooms)
             relaxed, statements = self._of.house(other, unfurnishable)
             some = [each for each in statements if each.reason in conflict]
+            question = self._of.of_rooms(relaxed, other)
             try:
-                possible = self._of.of_rooms(relaxed, other).possible(some, MOST_TRIED)
-            except TooMany:  # It may have one, so the number is named.
+                possible = question.possible(some, MOST_TRIED)
+            except TooMany:  # It may be: so the number is named.
                 named = True
                 continue
             if possible:
                 named = True
                 if request.fixed:  # It is unknown if the number fits between them.
                     return named, None
-                if self._has_house(other):
+                if self._has_house(other, question, statements):
                     return named, rooms
         return named, None
 
-    def _has_house(self, request: Request) -> bool:
-        """Return True if a request is soon found to have a house: rooms, each of which can be furnished."""
-        relaxed, statements = self._of.house(request)
-        question = self._of.of_rooms(relaxed, request)
+    def _has_house(self, request: Request, question: Question, statements: list[Statement]) -> bool:
+        """Return True if a house is soon found under all statements, with rooms that can be furnished."""
         while (layout := _soon(question, statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
             unfurnished = [type_ for type_ in sorted(types) if not self._of.is_furnishable(request, type_)]
             if not unfurnished:
                 return True
             for type_ in unfurnished:
-                statements.append(relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms)))
+                barring = question.relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms))
+                statements.append(barring)
         return False
 
     def _room(self, request: Request, type_: str) -> list[Reason]:
         """Return the reasons why no room of this type can be furnished."""
-        question, statements = self._of.furniture(request, type_)
+        question, statements = self._of.unfurnishable(request, type_)
         alone = Question(question.relaxed)
         if not alone.possible(statements):  # Without stage 2 a minimal conflict is found quickly.
             statements = least(alone, statements)
