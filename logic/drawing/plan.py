@@ -125,6 +125,8 @@ def boxes_of(house: House) -> np.ndarray:
 def opening(house: House, tiles: np.ndarray, segment: Door | Window) -> Box:
     """Return the box of a door or a window, as thick as its wall, metres. ``tiles``: see ``boxes_of``."""
     across, (half, beyond) = int(segment.height == 0), thickness(house)
+    if isinstance(segment, Door) and house.is_outdoor(*segment.between):
+        beyond = house.parapet - house.half_wall
     x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
     depths = []
     for way in (-1, 1):

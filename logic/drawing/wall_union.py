@@ -11,9 +11,6 @@ from logic.house.house import House
 GRID_M = 1e-4
 """Rounding of corners, metres, which makes the corners of adjacent walls equal."""
 
-PARAPET_M = 0.05
-"""Drawn thickness of the parapet of an outdoor room, metres, in houses whose walls have none."""
-
 Ring = tuple[tuple[float, float], ...]
 """Corners of a closed line, metres."""
 
@@ -30,7 +27,7 @@ def wall_rings(house: House, beyond: float, inner: Iterable[Box] = ()) -> list[R
     rooms = _union(room.box for room in house.rooms)
     walls = shapely.union(shapely.difference(whole, rooms, grid_size=GRID_M), _union(inner), grid_size=GRID_M)
     if outdoors := [room.box for room in house.rooms if room.type in house.outdoor]:
-        parapets = _union(grown(box, max(PARAPET_M, house.half_wall)) for box in outdoors)
+        parapets = _union(grown(box, house.parapet) for box in outdoors)
         low = shapely.difference(parapets, rooms, grid_size=GRID_M)
         walls = shapely.union(shapely.intersection(walls, indoors, grid_size=GRID_M), low, grid_size=GRID_M)
     return [*_rings(shapely.orient_polygons(walls.simplify(0)))]

@@ -25,6 +25,9 @@ from logic.spelling import printable
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
 """Heights of walls and of doors, metres."""
 
+PARAPET_HEIGHT = 1.0
+"""Metres: of parapets around outdoor rooms, and of gates in them."""
+
 SILL, HEAD = 0.9, 2.1
 """Heights of the lower and the upper edge of windows, metres."""
 
@@ -46,8 +49,10 @@ PARTS = {
     "opening": [("floor", -FLOOR, 0.0)],
     "entrance": [("entrance", 0.0, DOOR_HEIGHT), ("wall", DOOR_HEIGHT, WALL_HEIGHT)],
     "window": [("wall", 0.0, SILL), ("window", SILL, HEAD), ("wall", HEAD, WALL_HEIGHT)],
+    "parapet": [("wall", 0.0, PARAPET_HEIGHT)],
+    "gate": [("entrance", 0.0, PARAPET_HEIGHT)],
 }
-"""Solids in each part of a wall with a thickness: colour, bottom and top, metres above the floor."""
+"""What stands in each part of a wall: from one height to another, metres above the floor."""
 
 
 class Solid(NamedTuple):
@@ -71,8 +76,9 @@ class Solid(NamedTuple):
 def solids(house: House, thickness: float = 0.1) -> list[Solid]:
     """Return the solids of a house: floors, walls around openings, panes, entrances and furniture.
 
-    Walls without a thickness get ``thickness`` metres, half of it on each side of the wall's line. Entrances
-    and windows are shut. Names are unique and printable, and depend only on the house.
+    Walls without a thickness get ``thickness`` metres, half of it on each side of the wall's line. Walls with
+    no indoor room beside them are parapets. Entrances, gates and windows are shut. Names are unique and
+    printable, and depend only on the house.
     """
     if house.occupancy:
         walls = _cells(house, thickness)
@@ -142,23 +148,34 @@ def _walls(house: House, thickness: float) -> Iterator[Solid]:
             at, low, high = line
             ends = _reaches(line, across[axis], half)
             windows, entrances = _on(line, axis, panes), _on(line, axis, shut)
-            parts = [("wall", span, 0.0, WALL_HEIGHT) for span in remaining((low, high), windows + entrances)]
-            for span in windows:
-                parts += [("wall", span, 0.0, SILL), ("window", span, SILL, HEAD)]
-                parts.append(("wall", span, HEAD, WALL_HEIGHT))
-            for span in entrances:
-                parts += [("entrance", span, 0.0, DOOR_HEIGHT), ("wall", span, DOOR_HEIGHT, WALL_HEIGHT)]
-            for kind, span, bottom, top in parts:
-                start = ends[0] if span[0] == low else span[0]
-                end = ends[1] if span[1] == high else span[1]
+            parapets, parts = _parapets(house, line, axis), list[tuple[str, Interval]]()
+            for span in remaining((low, high), windows + entrances):
+                tall = remaining(span, parapets)
+                parts += [("wall", each) for each in tall]
+                parts += [("parapet", each) for each in remaining(span, tall)]
+            parts += [("window", span) for span in windows]
+            parts += [("entrance" if remaining(span, parapets) else "gate", span) for span in entrances]
+            for part, (first, last) in parts:
+                start, end = ends[0] if first == low else first, ends[1] if last == high else last
                 box = (at - half, start, at + half, end) if axis == 0 else (start, at - half, end, at + half)
-                yield Solid(kind, kind, box, bottom, top, COLOURS[kind])
+                for kind, bottom, top in PARTS[part]:
+                    yield Solid(kind, kind, box, bottom, top, COLOURS[kind])
     for door in house.doors:
-        if not (door.is_entrance or door.opening):  # no wall above an opening
+        if not (door.is_entrance or door.opening or house.is_outdoor(*door.between)):  # no wall is above
             west, north, east, south = door.box
             by_x, by_y = (half, 0.0) if door.height else (0.0, half)
             box = west - by_x, north - by_y, east + by_x, south + by_y
             yield Solid("wall", "wall", box, DOOR_HEIGHT, WALL_HEIGHT, INKS.wall)
+
+
+def _parapets(house: House, line: Line, axis: int) -> list[Interval]:
+    """Return the spans of a wall that have no indoor room beside them."""
+    if not house.outdoor:
+        return []
+    at, low, high = line
+    indoors = (room.box for room in house.rooms if not house.is_outdoor(room.name))
+    spans = [(box[1 - axis], box[3 - axis]) for box in indoors if near(at, box[axis::2])]
+    return remaining((low, high), spans)
 
 
 def _free_walls(house: House, thickness: float) -> Iterator[Solid]:

@@ -182,7 +182,7 @@ class GivenPlanMaker(SharedWallsMaker):
         program, number = self._programs.rooms_for(request)[0], Number(place)
         held = {Function(atom.name, atom.arguments[:2]) for atom in layout}
         atoms = {Function("room", [number, Function(room.room.type)]): True}
-        for name in ("door", "entrance", "window")[: 2 + windows]:
+        for name in ("door", "entrance", "garden", "window")[: 3 + windows]:
             atoms |= {atom: atom in held for atom in program.atoms(name, 2) if number in atom.arguments}
         near = {place, *(each for door in plan.doors_of(place) for each in door.between)}
         if OUTSIDE in near:
@@ -215,9 +215,10 @@ class GivenPlanMaker(SharedWallsMaker):
             )
             for number, room in enumerate(self.plan.rooms)
         ]
-        plan = Plan(rooms, *openings(self._placer, self.plan, layout, seed), wall_thickness=thick)
-        # Parts of the user's plan stay in their places.
+        # What the plan has stays in its place.
         outer = self._outer_doors(layout)
+        loose = [atom for atom in layout if not (outer and atom.name == "garden")]
+        plan = Plan(rooms, *openings(self._placer, self.plan, loose, seed), wall_thickness=thick)
         kept = {frozenset(door.between): door for door in self.plan.doors if not door.is_entrance}
         kept |= {frozenset(door.between): door for door in outer[:1]}
         opened = [{each.number for each in atom.arguments} for atom in layout if atom.name == "open_to"]

@@ -32,6 +32,9 @@ from logic.house.walls import Line, doorway, walls_of_rooms, walls_of_star
 from logic.plain import plain
 from logic.spelling import unknown
 
+PARAPET_M = 0.05
+"""Thickness of the parapets around outdoor rooms, metres, in houses whose walls have none."""
+
 
 class House(msgspec.Struct, frozen=True):
     """Furnished house, of any topology and any file format.
@@ -121,6 +124,15 @@ class House(msgspec.Struct, frozen=True):
         """Types of rooms that are outdoors, by the promises of the house."""
         made = self.provenance
         return made.promises.outdoor if made and made.promises else ()
+
+    @property
+    def parapet(self) -> float:
+        """Thickness of the parapets that stand around outdoor rooms instead of outer walls, metres."""
+        return max(PARAPET_M, self.half_wall)
+
+    def is_outdoor(self, *names: str) -> bool:
+        """Return True if none of these rooms, or ``outside``, is indoors."""
+        return all(name == OUTSIDE or self.room(name).type in self.outdoor for name in names)
 
     def cut_from(self, room: Room) -> tuple[Room, ...]:
         """Return the rooms that are cut out of a room's rectangle: all others for a star's main room."""

@@ -9,7 +9,7 @@ from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect, Window
 from logic.house.walls import doorway
 
-WALL_PARTS = ("", "wall", "door", "opening", "entrance", "window")
+WALL_PARTS = ("", "wall", "door", "opening", "entrance", "window", "parapet", "gate")
 """Kinds of boxes that ``wall_parts`` distinguishes."""
 
 
@@ -20,14 +20,16 @@ def wall_parts(house: House) -> Iterator[tuple[str, Box]]:
     """
     assert house.wall_thickness
     half, outer = house.half_wall, house.wall_thickness.outer
-    painted = [("wall", room.grown(outer).box) for room in house.rooms]
-    painted += [("wall", room.grown(half).box) for room in house.rooms]
+    indoors = [room for room in house.rooms if not house.is_outdoor(room.name)]
+    painted = [("parapet", room.grown(house.parapet).box) for room in house.rooms if room not in indoors]
+    painted += [("wall", room.grown(outer).box) for room in indoors]
+    painted += [("wall", room.grown(half).box) for room in indoors]
     rooms, tiles = {room.name: room for room in house.rooms}, house.tiles
     for opening in (*house.doors, *house.windows):
-        kind, name = _kind(opening)
+        kind, name = _kind(house, opening)
         through = doorway(opening, half)
         if name and not any(overlap(through, tile.box) > TOLERANCE for tile in tiles if tile.name != name):
-            through = _through(opening, rooms[name], half, outer)
+            through = _through(opening, rooms[name], half, house.parapet if kind == "gate" else outer)
         painted.append((kind, through))
     painted += [("", room.box) for room in house.rooms]
     lines = [_lines(edge for _, box in painted for edge in box[axis::2]) for axis in (0, 1)]
@@ -41,13 +43,14 @@ def wall_parts(house: House) -> Iterator[tuple[str, Box]]:
         yield WALL_PARTS[code], (lines[0][x0], lines[1][y0], lines[0][x1], lines[1][y1])
 
 
-def _kind(opening: Door | Window) -> tuple[str, str]:
+def _kind(house: House, opening: Door | Window) -> tuple[str, str]:
     """Return the kind of an opening, and the name of its room if it leads outside, else an empty name."""
     if not isinstance(opening, Door):
         return "window", opening.room
     if opening.is_entrance:
-        return "entrance", next(name for name in opening.between if name != OUTSIDE)
-    return "opening" if opening.opening else "door", ""
+        name = next(name for name in opening.between if name != OUTSIDE)
+        return "gate" if house.is_outdoor(name) else "entrance", name
+    return "opening" if opening.opening or house.is_outdoor(*opening.between) else "door", ""
 
 
 def _through(opening: Rect, room: Rect, half: float, outer: float) -> Box:

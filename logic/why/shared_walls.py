@@ -113,9 +113,12 @@ class PlanWitness(Witness):
         return self._opening(target, about, [atom], [variable], door, until)
 
     def _entrance(self, target: str, door: Door, until: float) -> Iterator[Why]:
-        """Yield the explanation of the place of the entrance."""
+        """Explain why the house is entered there, or why a gate leads to the garden there."""
         (name,) = (name for name in door.between if name != OUTSIDE)
         room = Number([room.name for room in self._house.rooms].index(name))
+        if door in self._house.garden_doors:
+            gates, about = self._atoms("garden", room), f"a door to the garden, from {self._named(name)}"
+            return self._opening(target, about, gates, [Function("gate", [room])], door, until)
         about, atoms = f"{self.ENTRANCE}, into {self._named(name)}", self._atoms("entrance", room)
         sides = [Function("entrance", [each.arguments[1]]) for each in atoms]
         variables = [Function("entrance"), Function("entry", [room]), *sides]

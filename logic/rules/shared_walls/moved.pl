@@ -175,7 +175,7 @@ overlap(A1-A2/(B1-B2), M0) --> { length_of(inner_wall, T), M is M0 + T }, [(A1+M
 
 outer(Atoms, Walls, At) -->
     { length_of(door_width, Width), outer_margin(door_margin, Margin), Door is Width + 2*Margin,
-      findall(R-S-outside-Door, ( member(entrance(R,S), Atoms) ; member(garden(R,S), Atoms) ), Entrances),
+      findall(R-S-outside-Door, ( member(Way, Atoms), outer_way(Way, R, S) ), Entrances),
       findall(R-S-Q-L, ( member(window(R,S), Atoms), memberchk(room(R,T), Atoms), window_walls(T, L, _), behind_window(Atoms, R, S, Q) ), Windows),
       append(Entrances, Windows, Openings) },
     parts(Openings, Walls, At).

@@ -1,4 +1,4 @@
-:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//6, side_axis/2, span/6, beyond_outline/1, outer_margin/2]).
+:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//6, side_axis/2, span/6, joins/2, outer_way/3, beyond_outline/1, outer_margin/2]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
@@ -29,6 +29,7 @@ all_openings(Atoms, Rooms) -->
 
 opening(door(_,_,_)).
 opening(entrance(_,_)).
+opening(garden(_,_)).
 opening(window(_,_)).
 
 openings([], _, _) --> [].
@@ -49,11 +50,11 @@ opening_constraints(door(R,Q,Line), Atoms, Rooms) -->
     ->  { opening_wall(T, U, L, Clauses), append([[open_to(R,Q),room(R,T),room(Q,U)|Door],Clauses,WhyR,WhyQ], All) },
         [(A1+L =< A2)-All, (B1+L =< B2)-All, (A1+L =< B2)-All, (B1+L =< A2)-All]
     ;   [] ).
-opening_constraints(entrance(R,Side), Atoms, Rooms) -->
-    { outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends),
+opening_constraints(Way, Atoms, Rooms) -->
+    { outer_way(Way, R, Side), outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends),
       door_width_of(Type, outside, Width, Clause), outer_margin(door_margin, Margin), W is Width + 2*Margin,
       ( Clause = length(_) -> Types = [] ; Types = [room(R,Type)] ) },
-    reaching(Starts, Ends, W, [entrance(R,Side),Clause,length(door_margin)|Types]).
+    reaching(Starts, Ends, W, [Way,Clause,length(door_margin)|Types]).
 opening_constraints(window(R,Side), Atoms, Rooms) -->
     { outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends), window_walls(Type, Least, Most),
       Why = [window(R,Side),room(R,Type),window_size(Type),length(window_margin)] },
@@ -178,8 +179,7 @@ least_wall(_, _, Least, Least).
 
 plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
     { thickness_known(Rooms), maplist(room_box, Rooms, Boxes),
-      findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Joins),
-      findall(window(R,S), member(window(R,S), Atoms), Panes) },
+      joins(Atoms, Joins), findall(window(R,S), member(window(R,S), Atoms), Panes) },
     doors_sample(Joins, Atoms, Rooms, Doors),
     windows_sample(Panes, Atoms, Rooms, Windows).
 
@@ -188,6 +188,22 @@ plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
 thickness_known([room(_,_,sides(X,_,_,_),_)|_]) :- ( compound(X), X = _+T, var(T) -> length_of(inner_wall, T) ; true ).
 
 room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X,Y,W,H))) :- X is X1, Y is Y1, W is X2-X1, H is Y2-Y1.
+
+%!  joins(+Atoms, -Doors) is det.
+%
+%   All doors of a layout, those to the garden last: of several that lead outside, the first is the entrance.
+
+joins(Atoms, Doors) :-
+    findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Doors0),
+    findall(garden(R,S), member(garden(R,S), Atoms), Gardens),
+    append(Doors0, Gardens, Doors).
+
+%!  outer_way(?Door, ?Room, ?Side) is semidet.
+%
+%   The Door leads outside by this side of the room.
+
+outer_way(entrance(R,Side), R, Side).
+outer_way(garden(R,Side),   R, Side).
 
 doors_sample([], _, _, []) --> [].
 doors_sample([Join|Joins], Atoms, Rooms, [Door|Doors]) -->
@@ -201,8 +217,8 @@ door_sample(door(R,Q,Line), Atoms, Rooms, Door) -->
       From is max(A1, B1), To is min(A2, B2),
       line_side(Line, EdgesR, Side), wall_place(Side, SidesR, At) },
     joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, Door).
-door_sample(entrance(R,Side), Atoms, Rooms, door(Box,R,outside)) -->
-    { outer_part(R, Side, Atoms, Rooms, Type, Start, End), door_width_of(Type, outside, Width, _), outer_margin(door_margin, Margin) },
+door_sample(Way, Atoms, Rooms, door(Box,R,outside)) -->
+    { outer_way(Way, R, Side), outer_part(R, Side, Atoms, Rooms, Type, Start, End), door_width_of(Type, outside, Width, _), outer_margin(door_margin, Margin) },
     wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
 
 %!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, -Door)// is det.

@@ -113,8 +113,7 @@ outer_wall(Walls, R, S, At, A-B) :-
 %   Types are R-Type. Json is {"doors": [..], "windows": [..]}, as in plan_placed/3: each somewhere in its wall.
 
 own_openings(Atoms, Types, Walls, Seed, Json) :-
-    findall(A, ( member(A, Atoms), ( A = door(_,_,_) ; A = entrance(_,_) ) ), Joins),
-    findall(window(R,S), member(window(R,S), Atoms), Panes),
+    joins(Atoms, Joins), findall(window(R,S), member(window(R,S), Atoms), Panes),
     openings_sample(Joins, Atoms-Types, Walls, Doors, Seed, Seed1),
     openings_sample(Panes, Atoms-Types, Walls, Windows, Seed1, _),
     answer_record(plan([],Doors,Windows), Record),
@@ -128,8 +127,8 @@ openings_sample([A|As], Known, Walls, [Opening|Openings]) -->
 opening_sample(door(R,Q,_), Atoms-Types, Walls, Door) -->
     { memberchk(wall(R,Side,Q,At,A,B), Walls), side_axis(Side, Axis), memberchk(R-T, Types), memberchk(Q-U, Types) },
     joint_sample(R-Q, Atoms, T-U, Axis-At, A-B, Door).
-opening_sample(entrance(R,Side), _, Walls, door(Box,R,outside)) -->
-    { once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), outer_margin(door_margin, Margin) },
+opening_sample(Way, _, Walls, door(Box,R,outside)) -->
+    { outer_way(Way, R, Side), once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), outer_margin(door_margin, Margin) },
     segment_sample(Side, At, Span, Width, Margin, Box).
 opening_sample(window(R,Side), Atoms-Types, Walls, window(Box,R)) -->
     { window_wall(Atoms, Walls, R, Side, At, A-B), memberchk(R-Type, Types), outer_margin(window_margin, Margin),

@@ -54,6 +54,8 @@ BETWEEN = Door(1.0, 2.0, 0.9, 0.0, ("R0", "R1"))
 BAY = Room(3, 3, 2, 2, "R2", "bay", part_of="R1")
 WALLS = FreeWall(0.7, 0.5, 2.6, 1.9, 0.12), FreeWall(0.5, 2.5, 1.5, 2.2, 0.0)
 TERRACE = Provenance("mine", "", {}, 0, 0, {}, Promises(outdoor=("terrace",)))
+PATIO = Room(0, 6, 3, 2, "R2", "terrace")
+GAP, GATE = Door(1.0, 6.0, 0.9, 0.0, ("R1", "R2")), Door(3.0, 6.5, 0.0, 0.9, ("R2", OUTSIDE))
 HOME = own(HALL, LIVING, doors=[BETWEEN], windows=(Window(0.5, 6.0, 1.2, 0.0, "R1"),))
 UNITS = (
     Room(0, 0, 8, 1.5, "R0", "corridor"),
@@ -71,7 +73,9 @@ KINDS = {
         topology="building",
     ),
     "parts": own(HALL, LIVING, BAY, doors=[BETWEEN, Door(3.0, 3.0, 0.0, 2.0, ("R1", "R2"), opening=True)]),
-    "outdoor": own(HALL, replace(LIVING, type="terrace"), doors=[BETWEEN], provenance=TERRACE),
+    "outdoor": own(
+        HALL, replace(LIVING, type="terrace"), PATIO, doors=[BETWEEN, GAP, GATE], provenance=TERRACE
+    ),
     "free walls": own(HALL, LIVING, doors=[BETWEEN], free_walls=WALLS),
     "map": grid(),
     "map with areas": grid(Room(0.2, 0.2, 1.0, 3.0, "R1", "kitchen")),
@@ -255,6 +259,27 @@ def test_solids_of_walls_at_an_angle_stand_where_the_walls_are() -> None:
         require_filled(
             solid, np.array([(*corner, z) for corner in expected.exterior.coords for z in (0, 2.5)])
         )
+
+
+@pytest.mark.parametrize("thick", [False, True])
+def test_walls_with_no_indoor_room_beside_them_are_parapets_with_a_gate(thick: bool) -> None:
+    house = KINDS["outdoor"]
+    if thick:
+        house = replace(thickened(house, 0.15, 0.5), provenance=TERRACE)
+    found = [each for each in solids(house) if each.kind in ("wall", "entrance")]
+    boxes = {top: [shapely.box(*each.box) for each in found if each.top == top] for top in (1.0, 2.5)}
+    low, tall = (shapely.union_all(boxes[top]) for top in (1.0, 2.5))
+    hall, *outdoors = (shapely.box(*room.box) for room in house.rooms)
+    beyond = 0.5 if thick else 0.05
+    assert tall.within(hall.buffer(beyond + 1e-9, join_style="mitre"))
+    around = [each.buffer(0.075 if thick else 0.05, join_style="mitre") for each in outdoors]
+    parapets = shapely.union_all(around) - shapely.union_all([hall, *outdoors])
+    gap = shapely.box(*house.doorway(house.doors[2]) if thick else house.doors[2].grown(0.05).box)
+    assert (parapets - low - tall - gap).area < 1e-6
+    assert shapely.intersection(low, hall).area < 1e-6
+    [gate] = [each for each in found if each.kind == "entrance" and each.top == 1.0]
+    west, north, east, south = house.doors[3].grown(1e-6).box
+    assert shapely.box(west, north, east, south).intersects(shapely.box(*gate.box))
 
 
 def test_a_part_has_the_colour_of_its_room() -> None:

@@ -15,7 +15,7 @@ from logic.drawing.wall_union import wall_rings
 from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, find
 from logic.house.house import House
-from logic.house.parts import Room, Window
+from logic.house.parts import OUTSIDE, Room, Window
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 from logic.why.shared_walls import PlanWitness
@@ -23,7 +23,7 @@ from tests.logic.request.test_given_plan import Box, geojson
 
 INFERENCES = 10**8
 BALCONY = """
-type(balcony).  empty(balcony).  outdoor(balcony).
+type(balcony).  empty(balcony).  outdoor(balcony).  gateless(balcony).
 opens((living; bedroom), balcony).
 #program house.
 :- { room(_,balcony) } != 1.
@@ -78,6 +78,7 @@ def test_rooms_have_windows_and_doors_towards_a_balcony_and_no_dark_one_is_left(
         balcony = of_type(house, "balcony")
         windowed = {window.room for window in house.windows}
         assert balcony.name not in windowed
+        assert house.garden_doors == ()
         joined = {name for door in house.doors if balcony.name in door.between for name in door.between}
         for room in house.rooms:
             if room.type in {"living", "dining", "kitchen", "bedroom", "study"}:
@@ -99,6 +100,32 @@ def test_a_window_towards_a_patio_lies_in_the_wall_that_both_share_and_there_is_
         patio, den = of_type(house, "patio"), of_type(house, "den")
         assert any(on_edge(window, patio) and on_edge(window, den) for window in house.windows)
         assert all({*door.between} != {patio.name, den.name} for door in house.doors)
+
+
+def test_a_gate_leads_from_a_patio_to_the_garden(tmp_path: Path) -> None:
+    builder = Builder(find(grammar(tmp_path / "mine")))
+    houses = [builder.house(Request(3), seed, 0, INFERENCES) for seed in (1, 0)]
+    for house in houses:
+        assert check(house) == []
+        [gate], patio = house.garden_doors, of_type(house, "patio")
+        assert {*gate.between} == {patio.name, OUTSIDE}
+    why = str(PlanWitness(builder, houses[-1], INFERENCES).why("entrance2"))
+    assert "a door to the garden" in why
+    assert "outdoor(patio)" in why
+
+
+def test_a_given_plan_has_the_gate_that_it_draws_and_one_where_it_draws_no_door_to_outside(
+    tmp_path: Path,
+) -> None:
+    boxes: dict[str, Box] = {"hall": (0, 0, 3, 3), "den": (3, 0, 6, 3), "patio": (0, 3, 6, 6)}
+    folder = grammar(tmp_path / "mine")
+    house = next(generate(plan=geojson(boxes, hall="hall", den="den", patio="patio"), grammar=folder))
+    [gate] = house.garden_doors
+    assert {*gate.between} == {"patio", OUTSIDE}
+    for drawn in (house, structs.replace(house, doors=tuple(door for door in house.doors if door != gate))):
+        again = next(generate(plan=drawn, grammar=folder, seed=1))
+        assert check(again) == []
+        assert again.garden_doors == drawn.garden_doors
 
 
 def test_the_area_of_a_house_is_that_of_its_rooms_inside(tmp_path: Path) -> None:
