@@ -1,7 +1,6 @@
 """Plain English of pages: the rules of CONTRIBUTING.md."""
 
 import re
-from pathlib import Path
 
 import pytest
 
