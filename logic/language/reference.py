@@ -157,7 +157,7 @@ def page() -> str:
 
 
 def _table(entries: Iterable[Entry]) -> str:
-    return "\n".join(["| | says | example |", "|---|---|---|", *map(str, entries)])
+    return "\n".join(["| | meaning | example |", "|---|---|---|", *map(str, entries)])
 
 
 @dataclass(frozen=True)

@@ -18,81 +18,80 @@ or several.
 
 %!  room_size(?Type, -Width, -Depth)
 %
-%   how large rooms of this Type are, in metres: Width along the wall with the door, Depth away from it.
+%   Size of rooms of this Type, in metres: Width along the wall with the door, Depth away from it.
 %
 %       room_size(cellar, W, D) :- { W >= 2.4, W =< 4.0, D >= 2.4, D =< W }.
 
 %!  room_area(?Type, -Least, -Most)
 %
-%   how large the floor of rooms of this Type is, in square metres, in plans where rooms share walls; without it, what
-%   room_size/3 allows.
+%   Floor area of rooms of this Type, in square metres, if rooms share walls. Without it, room_size/3 alone bounds the area.
 %
 %       room_area(cellar, 6.0, 14.0).
 
 %!  door_margin(-Distance)
 %
-%   how far a door is from the corners of its rooms at least, in metres, in a wall that they share; without it, 0.
+%   Least distance of a door from the corners of its rooms, in metres, in a shared wall; 0 by default.
 %
 %       door_margin(0.1).
 
 %!  window_margin(-Distance)
 %
-%   how far a window is from the corners of its room at least, in metres; without it, 0.
+%   Least distance of a window from the corners of its room, in metres; 0 by default.
 %
 %       window_margin(0.65).
 
 %!  whole_area(?Type, -Least, -Most)
 %
-%   how large a room of this Type is together with its parts, in square metres: see part/2. room_area/3 and room_size/3 are of each
-%   of them by itself. Not for houses of units.
+%   Area of a room of this Type together with its parts (part/2), in square metres. room_area/3 and room_size/3 apply to each
+%   by itself. Not for houses of units.
 %
 %       whole_area(cellar, 18.0, 24.0).
 
 %!  wall_thickness(?Kind, -Thickness)
 %
-%   how thick walls are, in metres, where rooms share walls: inner ones, between rooms, and outer ones, which are at least as thick, and
-%   as thick where nothing is stated. All sizes and areas are those within the walls. Without it, walls have no thickness.
+%   Thickness of walls, in metres, if rooms share walls. Kind is inner, between rooms, or outer, which is at least as thick, and by
+%   default as thick. All sizes and areas are measured within the walls. Without it, walls have no thickness.
 %
 %       wall_thickness(inner, 0.1). wall_thickness(outer, 0.3).
 
 %!  house_size(-Width, -Depth)
 %
-%   how large a whole plan is, in metres, where rooms share walls: Width from west to east, Depth from north to south. In houses of
+%   Size of a whole plan, in metres, if rooms share walls: Width from west to east, Depth from north to south. In houses of
 %   units the size applies to each unit, not to all units together.
 %
 %       house_size(W, D) :- { W =< 2*D, D =< 2*W }.
 
 %!  house_area(-Least, -Most)
 %
-%   how large the floor of all rooms of a house is together, in square metres; in a star with its main room. Not for houses of
-%   units, neither of all units nor of each: there state unit_depth/1 and room_area/3.
+%   Floor area of all rooms of a house together, in square metres; in a star including the main room. Not for houses of
+%   units: state unit_depth/1 and room_area/3 there.
 %
 %       house_area(60.0, 80.0).
 
 %!  unit_depth(-Depth)
 %
-%   how deep a unit of a house of units is, in metres, away from the public room that it opens from.
+%   Depth of a unit, in metres, away from the public room from which one enters it.
 %
 %       unit_depth(D) :- { D >= 7.0, D =< 11.0 }.
 
 %!  window_size(?Type, -Length, +Wall)
 %
-%   how long a window of a room of this Type is, in metres, in an outer wall as long as Wall.
+%   Length of a window of a room of this Type, in metres, in an outer wall of length Wall.
 %
 %       window_size(cellar, L, Wall) :- { L >= 0.4, L =< 0.3*Wall, L =< 1.0 }.
 
 %!  opening_size(?Type, ?Other, -Length, +Wall)
 %
-%   how wide an opening between rooms of these types is, in metres, in a part of a wall that they share, as long as Wall: there is
-%   one in every wall from some length on. Without it, all of that part is open.
+%   Width of an opening between rooms of these types, in metres, in a shared part of a wall of length Wall. From some length on,
+%   every wall must allow one. Without it, all of that part is open.
 %
 %       opening_size(cellar, hall, L, Wall) :- { L >= 1.2, L =< 0.8*Wall }.
 
 %!  piece_size(?Piece, -Length, -Depth, +Wall)
 %
-%   how large such pieces or companions are, in metres: Length along the wall behind them, Depth out from it. Wall is the
-%   length of that wall from corner to corner; in the middle of a room, the room's width. A clause may say Wall-Across for it,
-%   with the room's other side; in the middle, the room's depth.
+%   Size of such pieces or companions, in metres: Length along the wall behind them, Depth away from it. Wall is the
+%   length of that wall from corner to corner; in the middle of a room, the room's width. With Wall-Across in its place, Across is
+%   the room's other side; in the middle, the room's depth.
 %
 %       piece_size(rack,  L, D, Wall) :- { L >= 0.8, L =< 0.5*Wall, D = 0.4 }.
 %       piece_size(keg,   L, D, Wall-Across) :- { L >= 0.1*Wall, L =< 0.2*Wall, D = 0.1*Across }.
@@ -101,39 +100,39 @@ or several.
 
 %!  door_width(-Width)
 %
-%   how wide every door is, in metres, and an opening at least: see opening_size/4.
+%   Width of every door, in metres, and least width of an opening (opening_size/4).
 %
 %       door_width(0.762).
 
 %!  door_width(?Type, ?Other, -Width)
 %
-%   how wide a door is between rooms of these types, either way round, in metres, where rooms share walls; `outside` is one of them for
-%   an entrance. Without it, as door_width/1 says. Not for plans of your own.
+%   Width of a door between rooms of these types, in either order, in metres, if rooms share walls. For an entrance one of them is
+%   `outside`. door_width/1 applies to other doors. Not for given plans.
 %
 %       door_width(cellar, hall, 0.7). door_width(hall, outside, 1.0).
 
 %!  door_clearance(-Distance)
 %
-%   how far furniture stands from a door at least, in metres, on either side of the wall.
+%   Least distance of furniture from a door, in metres, on either side of the wall.
 %
 %       door_clearance(0.45).
 
 %!  passage(-Width)
 %
-%   how wide a way between furniture is at least, in metres.
+%   Least width of a way between furniture, in metres.
 %
 %       passage(0.42).
 
 %!  turning(?Type, -Side)
 %
-%   how large a square is, in metres, in which nothing stands in rooms of this Type, so that a wheelchair turns there: nothing stands
-%   in the middle of such rooms.
+%   Side of a free square in rooms of this Type, in metres, in which a wheelchair turns. Nothing stands in the middle of such
+%   rooms.
 %
 %       turning(cellar, 1.5).
 
 %!  room_gap(-Distance)
 %
-%   how far apart neighbouring rooms stand at least, in metres.
+%   Least distance between neighbouring rooms, in metres.
 %
 %       room_gap(0.6).
 
