@@ -1,10 +1,14 @@
 """Houses up to 512 m from the origin: exact up to float32, and near the origin equal to small houses."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from msgspec import structs
 
-from logic import FreeWall, House, Room
+from logic import FreeWall, House, Room, load
+from logic.drawing.draw import plan_svg
+from logic.exports import export
 from sim import HouseVectorEnv
 from sim.backends.continuous.pack import _lines
 from sim.backends.rays import EXACT, OVERLAP, overlap
@@ -78,6 +82,34 @@ def test_rays_and_moves_far_from_the_origin_are_those_of_the_reference_in_float6
     np.testing.assert_array_equal(after["blocked"][known], np.array(expected, object)[known].astype(bool))
     assert known.mean() > 0.9
     assert 0.02 < after["blocked"].mean() < 0.9
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_a_floor_of_500_by_500_m_is_read_drawn_and_simulated_up_to_its_corners(
+    backend: str, tmp_path: Path
+) -> None:
+    made = House.from_grid(np.random.default_rng(0).random((41, 41)) < 0.2, 12.23)
+    [floor] = load(export([made], tmp_path, "ros")[0])
+    assert floor.occupancy
+    assert made.occupancy
+    assert floor.occupancy.rows == made.occupancy.rows
+    assert floor.rooms[0].box == pytest.approx(made.rooms[0].box, abs=1e-9)
+    assert plan_svg(floor).startswith("<svg")
+    envs = HouseVectorEnv([floor], 200, backend=backend, targets="all", preset={"step": 2.4})
+    seen, info = envs.reset(seed=0)
+    eye, angle = info["pose"][:, :2].astype(float), angles(envs, info["pose"])
+    upright, level = floor.walls
+    walls = sides(np.array([*((x, a, x, b) for x, a, b in upright), *((a, y, b, y) for y, a, b in level)]))
+    steep = np.minimum(np.abs(np.cos(angle)), np.abs(np.sin(angle)))
+    error = ERROR / np.where(steep < 1e-6, 1, steep)
+    apart = np.maximum(walls.min(axis=1) - eye[:, None], eye[:, None] - walls.max(axis=1)).max(axis=2)
+    for e, near in enumerate(apart < 40):
+        most, least = (cast(walls[near], eye[e], angle[e], slack) for slack in (-2 * ERROR, 2 * ERROR))
+        ours, is_wall = seen[e, :, 0].astype(float) * envs.config.range, seen[e, :, 1] == 0
+        assert (ours > np.minimum(least, envs.config.range) - error[e])[is_wall].all()
+        assert (ours < np.minimum(most, envs.config.range) + error[e])[is_wall].all()
+    for corner in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+        assert ((eye * corner).min(axis=1) > 150).any()
 
 
 @pytest.mark.parametrize("axis", [0, 1])
