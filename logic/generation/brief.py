@@ -27,7 +27,7 @@ from logic.request.brief import Brief
 from logic.request.request import Request
 from logic.spelling import numbered
 
-MAX_UNDECIDED_LAYOUTS = 16
+MAX_UNDECIDED_LAYOUTS = 1
 """Number of undecided layouts of a house after which all layouts are decided thoroughly, which is slower."""
 
 

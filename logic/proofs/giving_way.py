@@ -7,13 +7,14 @@ from functools import partial
 from clingo import Function
 
 from logic.errors import Reason
+from logic.generation.barred_units import no_unit
 from logic.generation.builder import Builder
 from logic.generation.evidence import NoLayout, NoUnits
 from logic.generation.question import Question
 from logic.layout.conflicts import minimal
 from logic.layout.relaxed import Statement, TooMany
 from logic.placement.lengths import DOOR_WIDTH, metres, typical_lengths
-from logic.proofs.proof import asked
+from logic.proofs.proof import Prover, asked
 from logic.request.brief import bounds, tolerance_of
 from logic.request.request import Request
 
@@ -22,6 +23,9 @@ MAX_REFUTED = 60
 
 MAX_CONFLICTS = 3_000
 """Number of conflicts of clingo in each search for typical rules that contradict a request."""
+
+MAX_RULES_OF_UNITS = 2
+"""Number of typical rules that give way one after the other to a house of units, before all others do."""
 
 Span = tuple[float, float]
 """Least and greatest value, metres or square metres."""
@@ -74,14 +78,12 @@ def giving_way(found: NoLayout) -> list[Reason]:
 
     Return none if the request states nothing of its rooms, or if the other rules alone refute it. In each
     conflict the last rule of the file gives way. If no conflict is found within the limits, the last quarter
-    of the lengths gives way. In a house of units all typical rules give way. The result depends only on the
-    request and the evidence.
+    of the lengths gives way. The result depends only on the request and the evidence.
     """
     if not found.request.states_rooms:
         return []
     if isinstance(found, NoUnits):
-        rules = found.unit.source.conditional(found.unit.source.files, laws=False).reasons
-        return [each for each in rules if each.typical]
+        return _of_units(found)
     question, statements, _ = asked(found)
     must = [each for each in statements if not each.reason.typical]
     typical = [each for each in statements if each.reason.typical and _is_about(each, found.request)]
@@ -96,6 +98,33 @@ def giving_way(found: NoLayout) -> list[Reason]:
         lengths = [each for each in typical if each.clause]
         rules = lengths[-max(1, len(lengths) // 4) :] or typical
     return [each.reason for each in rules or ()]
+
+
+def _of_units(found: NoUnits) -> list[Reason]:
+    """Return typical rules without which there is a unit that the proof of no house names."""
+    if len(found.unit.grammar.gave_way) > MAX_RULES_OF_UNITS:
+        rules = found.unit.source.conditional(found.unit.source.files, laws=False).reasons
+        return [each for each in rules if each.typical]
+    barred = {no_unit(unit): unit for unit in found.barred.values()}
+    ways: list[list[Reason]] = []
+    for reason in Prover(found.feasibility).unsatisfiable(found).reasons:
+        if reason in barred:
+            ways.append(_of_unit(found, barred[reason]))
+            if len(ways[-1]) == 1:
+                return ways[-1]
+    return min(filter(None, ways), key=len, default=[])
+
+
+def _of_unit(found: NoUnits, unit: Request) -> list[Reason]:
+    """Return typical rules without which there is a unit."""
+    relaxed, statements = found.unit.house(unit)
+    must = [each for each in statements if not each.reason.typical]
+    typical = sorted((each for each in statements if each.reason.typical), key=_place)
+    try:
+        layout = partial(relaxed.model, conflicts=MAX_CONFLICTS)
+        return [each.reason for each in _in_conflict(layout, Question(relaxed), must, typical) or ()]
+    except TooMany:
+        return [each.reason for each in typical]
 
 
 def _is_about(statement: Statement, request: Request) -> bool:
