@@ -35,8 +35,12 @@ MOST_BYTES = 1 << 24
 CELL = 0.1
 """Side of a cell, metres. A robot must not fit between a wall and the cells behind it."""
 
-BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS = 64, 4, 1 << 21
-"""Cells along a side of a block; parts into which a side is split; number of blocks that are tested."""
+BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS, MAX_CROSSED = 64, 4, 1 << 21, 1 << 20
+"""Cells along a side of a block; parts into which a side is split; number of blocks that are tested; number
+of columns and rows that all sides cross.
+"""
+
+TOO_LONG = f"its outlines cross more than a million cells of {CELL:g} m: keep less of it"
 
 SAME = 1e-3
 """Distance within which lines are one, metres, as files are precise to a millimetre."""
@@ -224,7 +228,8 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
     Large blocks of cells are tested first; blocks that an outline crosses are split into smaller ones.
     """
     edges = shapely.boundary(inside)
-    shapely.prepare([inside, edges])
+    is_inside = _middles_inside(edges, left, top)
+    shapely.prepare(edges)
     free = np.zeros((len(top), len(left)), bool)
     starts = np.mgrid[: len(top) : BLOCK_CELLS, : len(left) : BLOCK_CELLS]
     waiting = [(BLOCK_CELLS, *(each.ravel() for each in starts))]
@@ -235,11 +240,11 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
             waiting.append((size, row[BLOCK_CELLS**2 :], column[BLOCK_CELLS**2 :]))
             row, column = row[: BLOCK_CELLS**2], column[: BLOCK_CELLS**2]
         if (asked := asked + len(row)) > MAX_BLOCKS:
-            raise ValueError(f"its outlines cross more than a million cells of {CELL:g} m: keep less of it")
+            raise ValueError(TOO_LONG)
         south, east = np.minimum(row + size, len(top)), np.minimum(column + size, len(left))
         boxes = shapely.box(left[column], top[row], left[east - 1] + CELL, top[south - 1] + CELL)
-        is_crossed = shapely.intersects(edges, boxes) if size > 1 else np.zeros(len(boxes), bool)
-        is_free = ~is_crossed & shapely.intersects(inside, boxes)
+        is_crossed = shapely.intersects(edges, boxes)
+        is_free = np.where(is_crossed, size == 1, is_inside[row, column])
         for block in zip(row[is_free], south[is_free], column[is_free], east[is_free], strict=True):
             free[block[0] : block[1], block[2] : block[3]] = True
         if size > 1:
@@ -249,3 +254,27 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
             there = (rows < len(top)) & (columns < len(left))
             waiting.append((size // BLOCK_PARTS, rows[there], columns[there]))
     return free
+
+
+def _middles_inside(edges: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
+    """Return if the middle of each cell (H, W) bool is inside the outlines: they cross its row to the west an
+    odd number of times. A middle within rounding of an outline may be on either side.
+    """
+    corners, ring = shapely.get_coordinates(shapely.get_parts(edges), return_index=True)
+    is_side = ring[:-1] == ring[1:]
+    start, end = corners[:-1][is_side], corners[1:][is_side]
+    if np.abs(end - start).sum() > MAX_CROSSED * CELL:
+        raise ValueError(TOO_LONG)
+    (x, y), (to_x, to_y) = start.T, end.T
+    first, last = (
+        np.clip(np.ceil((each - top[0]) / CELL - 0.5), 0, len(top)).astype(int)
+        for each in (np.minimum(y, to_y), np.maximum(y, to_y))
+    )
+    rows = last - first
+    side = np.repeat(np.arange(len(y)), rows)
+    row = np.arange(len(side)) - np.repeat(np.cumsum(rows) - rows, rows) + first[side]
+    share = (top[0] + CELL * (row + 0.5) - y[side]) / (to_y - y)[side]
+    column = np.ceil((x[side] + share * (to_x - x)[side] - left[0]) / CELL - 0.5).astype(int)
+    crossings = np.zeros((len(top), len(left) + 1), np.uint8)
+    np.add.at(crossings, (row, np.clip(column, 0, len(left))), 1)
+    return (np.cumsum(crossings, 1, np.uint8)[:, :-1] & 1).astype(bool)
