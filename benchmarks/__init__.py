@@ -35,13 +35,13 @@ STUDIES = {
     ),
     "watch": ("benchmarks.generator.watch:WatchStudy", "Seconds from the save of a rule file to its houses."),
     "simulator": ("benchmarks.simulator.run:Simulator", "Time of a step, compared with the same step in C."),
-    "gpu": ("benchmarks.simulator.gpu:GPU", "Simulator and learner on a GPU, compared with the CPU."),
+    "speed": (
+        "benchmarks.speed.run:Speed",
+        "Steps per second of the simulator, planners, agents and training.",
+    ),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps per second of other simulators."),
     "agents": ("benchmarks.agents.run:Agents", "Training and scores of every preset and its changes."),
     "paper": ("benchmarks.paper.run:PaperStudy", "The paper's claims, one by one, and the results here."),
-    "learner": ("benchmarks.agents.learner:LearnerStudy", "Time of each part of a training step."),
-    "throughput": ("benchmarks.agents.throughput:Throughput", "Training speed of one process and of two."),
-    "ranks": ("benchmarks.agents.ranks:Ranks", "Cost of training by 1, 2 and 4 ranks."),
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
     "exploration": ("benchmarks.exploration.run:Exploration", "Exploration of maps of buildings."),
@@ -49,7 +49,6 @@ STUDIES = {
     "learning": ("benchmarks.planner.learning:Learning", "Paired gain of learning over the explorer."),
     "views": ("benchmarks.planner.views:Views", "Ablations of the network that searches."),
     "bounds": ("benchmarks.planner.bounds:Bounds", "Upper bounds for a network that searches."),
-    "playing": ("benchmarks.planner.playing:Playing", "Steps per second of agents in episodes."),
     "odds": ("benchmarks.planner.odds:Odds", "Positions of unseen targets: the planner's table."),
 }
 """Import path ``module:Class`` and subject of each study, by name."""

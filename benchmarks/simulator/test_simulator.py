@@ -391,15 +391,16 @@ def test_compilers(benchmark, name, tmp_path):
     rates, firsts = list[float](), list[float]()
 
     def printed(environment: dict[str, str], module: str, *given: object) -> Any:
-        command = [sys.executable, "-m", f"benchmarks.simulator.{module}", *map(str, given)]
-        return json.loads(subprocess.check_output(command, env=environment, cwd=tmp_path))
+        command = [sys.executable, "-m", f"benchmarks.{module}", *map(str, given)]
+        return json.loads(subprocess.check_output(command, env=environment, cwd=tmp_path) or "null")
+
+    case = json.dumps({"part": "kernel", "of": "continuous", "device": "cpu", "environments": MANY})
 
     def run() -> None:
-        [row] = printed(environment, "on_device", "cpu", "trails.npz", MANY, "--parts", "continuous")[
-            "continuous"
-        ]
-        rates.append(row["kernel"][1])
-        firsts.append(printed(uncached, "first_step", "house.jsonl")["first step"])
+        found = printed(environment, "speed.worker", case, 2.0)
+        rates.append(found["steps"] / found["seconds"])
+        printed(environment, "speed.trails", "cpu", "trails.npz")
+        firsts.append(printed(uncached, "simulator.first_step", "house.jsonl")["first step"])
 
     benchmark.pedantic(run, rounds=3)
     with np.load(tmp_path / "trails.npz") as trails:

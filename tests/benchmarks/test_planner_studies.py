@@ -15,11 +15,9 @@ from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
 from agent.planner.viewpoints.belief import BLOCKED, WALL
 from agent.policies.policies import Explorer
-from agent.runs.released import CheckpointError
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
 from benchmarks.planner.odds import BESIDE, ENTRIES, MapPlaces, TargetSpots, collect, odds, sheet, table
-from benchmarks.planner.playing import HEAD, WARM_UP, Playing
 from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
 from logic import save
@@ -337,29 +335,3 @@ def test_a_task_that_is_none_is_refused_by_the_study(tmp_path: Path) -> None:
     save(HOUSES, tmp_path / "family-4.jsonl")
     with pytest.raises(RequestError, match="no task habits: did you mean habit"):
         Tasks(("habits",), ("family",), 4, 1, tmp_path).run()
-
-
-# Speed of play.
-
-
-def test_agents_play_in_processes_that_start_together(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    save(HOUSES, tmp_path / "houses.jsonl")
-    Playing(("explorer",), processes=1, envs=2, steps=WARM_UP + 3, rounds=2, out=tmp_path).run()
-    page = (tmp_path / "playing.md").read_text()
-    assert capsys.readouterr().out.strip() == page.strip()
-    name, processes, envs, rate = page.split(HEAD)[1].strip().strip("| ").split(" | ")
-    assert (name, processes, envs) == ("explorer", "1", "2")
-    middle, least, most = (
-        float(part.strip("()").replace(",", "")) for part in rate.replace(" to ", " ").split()
-    )
-    assert 0 < least <= middle <= most
-
-
-def test_a_speed_of_play_that_cannot_be_measured_is_refused(tmp_path: Path) -> None:
-    for wrong, error, says in (
-        ({"steps": WARM_UP}, RequestError, "--steps 10 to 1500"),
-        ({"processes": 4096}, RequestError, "--processes 4096"),
-        ({"agent": ("explorers",)}, CheckpointError, "there is no agent explorers"),
-    ):
-        with pytest.raises(error, match=says):
-            Playing(**{"out": tmp_path, "processes": 1, **wrong}).run()

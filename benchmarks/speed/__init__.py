@@ -1,0 +1,1 @@
+"""Study of speed: steps per second of the simulator, planners, agents that play, and training."""
