@@ -1,30 +1,25 @@
-"""Recognition of a path or a name, by a file's first bytes. ``reading`` then reads it; no code of it runs."""
+"""Recognition of a path or a name by tables of readers, which are tried in turn. No code of a file runs."""
 
 import tempfile
-from codecs import BOM_UTF8
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, PAPER_HOUSE, benchmark_path
 from agent.runs.released import located, released
-from logic import HouseFileError, RequestError, load
+from logic import load
 from logic.dataset.sets import SET
 from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, stopped_by
-from logic.house.files import MOST_BYTES as MOST_HOUSES
 from logic.house.ros_map import DESCRIPTIONS, PICTURES
-from logic.opener import PACKED, STANDARD, content_of, from_json, opened
-from logic.readers import sketch
-from logic.readers.features import SEPARATOR, from_text, is_geojson
-from logic.readers.sketch import Sketch
+from logic.opener import STANDARD
 from logic.spelling import closest, quoted, unknown
 from vitruvius import settings
 from vitruvius.info.kinds import Kind
 from vitruvius.info.reading import (
+    Source,
     UnknownFileError,
+    content,
     read_agent,
     read_games,
     read_grammar,
@@ -37,9 +32,6 @@ from vitruvius.info.reading import (
     read_trace,
 )
 
-MOST_BYTES = 1 << 28
-"""Largest size of an unpacked JSON file without houses that is read, in bytes."""
-
 
 def recognised(name: str) -> list[Kind]:
     """Return all that a path or a name stands for: ``paper`` is a grammar, an agent and a preset.
@@ -48,7 +40,7 @@ def recognised(name: str) -> list[Kind]:
     """
     if Path(name) == STANDARD:
         with tempfile.NamedTemporaryFile() as copy:
-            copy.write(_content(name, STANDARD, unpack=False))
+            copy.write(content(name, STANDARD, unpack=False))
             copy.flush()
             return [_file(name, Path(copy.name))]
     path = Path(name)
@@ -76,19 +68,94 @@ def _named(name: str) -> Iterator[Kind]:
     if name in shipped():
         yield read_grammar(name, name)
     if name in released():
-        yield read_agent(name, located(name))
+        yield read_agent(Source(name, located(name)))
     if name in PRESETS:
         yield read_settings(name, name, PRESETS[name])
 
 
+Reader = tuple[Callable[[Source], bool], Callable[[Source], Kind | None], str]
+"""Test of a file or folder, its description, and the message for one that is damaged or of another version. A
+description is None for another kind after all.
+"""
+
+DAMAGED = (OSError, KeyError, TypeError, ValueError, AttributeError)
+"""Errors of a description that lacks what it needs."""
+
+RUNS: tuple[Reader, ...] = (
+    (
+        lambda it: it.has("config.json"),
+        read_run,
+        "its config.json is none of a run. Train one: vitruvius train --out {name}",
+    ),
+)
+
+FOLDERS: tuple[Reader, ...] = (
+    (lambda it: it.has(SET), read_set_of_houses, ""),
+    *RUNS,
+    (lambda it: it.has("*.lp", "*.pl"), lambda it: read_grammar(it.name, it.path), ""),
+)
+"""Readers of folders, which are tried in turn."""
+
+FILES: tuple[Reader, ...] = (
+    (
+        lambda it: it.suffix == ".safetensors" or it.start[8:9] == b"{",
+        read_agent,
+        "no checkpoint of ours. Make one with: vitruvius train",
+    ),
+    (lambda it: it.suffix == ".toml", lambda it: read_settings(it.name, *settings.read(it.path)[:2]), ""),
+    (lambda it: it.suffix in DESCRIPTIONS, lambda it: read_houses(it.name, load(it.path)), ""),
+    (lambda it: it.format.startswith("vitruvius-game-"), read_games, ""),
+    (
+        lambda it: it.format.startswith("vitruvius-trace-"),
+        read_trace,
+        "a trace of another version. Record the episode again",
+    ),
+    (lambda _: True, read_plan, ""),
+    (
+        lambda it: {"bank", "targets"} <= it.record.keys(),
+        read_scores,
+        "no scores of this version. Write some by vitruvius evaluate --out",
+    ),
+    (
+        lambda it: {"preset", "algorithm", "config"} <= it.record.keys(),
+        lambda it: _described(RUNS, Source(str(it.path.parent), it.path.parent)),
+        "",
+    ),
+    (
+        lambda it: it.format in ("vitruvius-1", "vitruvius-2") or "roomNumber" in it.record,
+        lambda it: read_houses(it.name, load(it.path), stopped_by(it.content.rstrip().rpartition(b"\n")[2])),
+        "",
+    ),
+)
+"""Readers of files, which are tried in turn."""
+
+UNREAD = {
+    **dict.fromkeys(PICTURES, "this is a picture: for a map, give its .yaml file"),
+    **dict.fromkeys((".lp", ".pl"), "a rule file: look at its grammar, vitruvius info {parent}"),
+}
+"""Messages for files that are never read, by suffix."""
+
+
+def _described(readers: Sequence[Reader], source: Source) -> Kind | None:
+    """Return the description by the first reader that has one; None if none has."""
+    for recognises, read, damaged in readers:
+        if not recognises(source):
+            continue
+        try:
+            if found := read(source):
+                return found
+        except DAMAGED:
+            if not damaged:
+                raise
+            words = damaged.format(name=quoted(source.name))
+            raise UnknownFileError(f"{source.name}: {words}") from None
+    return None
+
+
 def _folder(name: str, path: Path) -> Kind:
     """Return the description of a set, a run or a grammar."""
-    if (path / SET).is_file():
-        return read_set_of_houses(name, path)
-    if (path / "config.json").is_file():
-        return read_run(name, path)
-    if any(path.glob("*.lp")) or any(path.glob("*.pl")):
-        return read_grammar(name, path)
+    if found := _described(FOLDERS, Source(name, path)):
+        return found
     there = sorted(each.name for each in path.iterdir())
     known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", "training"))]
     hint = f"look at {path / known[0]}" if known else "it has " + (", ".join(there[:5]) or "nothing")
@@ -98,103 +165,15 @@ def _folder(name: str, path: Path) -> Kind:
 
 
 def _file(name: str, path: Path) -> Kind:
-    """Return the description of a file, by its first bytes, or by its name if that is more specific."""
-    try:
-        with opened(path, MOST_HOUSES, unpack=False) as file:
-            start = file.read(16)
-    except OSError as error:
-        raise UnknownFileError(f"{name}: cannot be read: {error.strerror}") from None
-    if not start:
+    """Return the description of a file."""
+    source = Source(name, path)
+    if not source.start:
         raise UnknownFileError(f"{name}: is empty")
-    suffix = path.suffix.lower()
-    if suffix == ".safetensors" or start[8:9] == b"{":
-        return read_agent(name, path)
-    if suffix == ".toml":
-        preset, config, _ = settings.read(path)
-        return read_settings(name, preset, config)
-    if suffix in DESCRIPTIONS:
-        return read_houses(name, load(path))
-    if suffix in PICTURES:
-        raise UnknownFileError(f"{name}: this is a picture: for a map, give its .yaml file")
-    if suffix in (".lp", ".pl"):
-        raise UnknownFileError(
-            f"{name}: a rule file: look at its grammar, vitruvius info {quoted(path.parent)}"
-        )
-    if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] in (b"{", SEPARATOR):
-        return _json(name, path)
-    if plan := _sketch(name, _content(name, path), None):
-        return read_plan(name, plan)
-    raise _unknown(name)
-
-
-def _sketch(name: str, content: bytes, record: Any) -> Sketch | None:
-    """Return another program's plan, or None."""
-    try:
-        return sketch(content, record)
-    except RequestError as error:
-        raise UnknownFileError(f"{name}: {error}") from None
-
-
-def _json(name: str, path: Path) -> Kind:
-    """Return the description of a house file or of another JSON file of ours.
-
-    The first line identifies the file, or else the whole file does.
-    """
-    content = _content(name, path).removeprefix(BOM_UTF8)
-    first, _, _ = content.partition(b"\n")
-    record: Any = None
-    for text in (first, content):
-        with suppress(ValueError):
-            record = from_json(text, Any)
-            break
-    if record is None or is_geojson(record):
-        try:
-            record = from_text(content)  # GeoJSON with one feature per line
-        except ValueError as error:
-            if path.name.lower().endswith(HOUSE_FILES):
-                load(path)  # raises an error with the place of the damage
-            raise UnknownFileError(f"{name}: is damaged: {error}") from None
-    if not isinstance(record, dict):
-        raise _unknown(name)
-    format_ = str(record.get("format"))
-    if format_.startswith("vitruvius-game-"):
-        return read_games(name, path)
-    if format_.startswith("vitruvius-trace-"):
-        return read_trace(name, record)
-    if found := _plan(name, path, content, record):
+    if words := UNREAD.get(source.suffix):
+        raise UnknownFileError(f"{name}: {words.format(parent=quoted(path.parent))}")
+    if found := _described(FILES, source):
         return found
-    if {"bank", "targets"} <= record.keys():
-        return read_scores(name, record)
-    if {"preset", "algorithm", "config"} <= record.keys():
-        return read_run(str(path.parent), path.parent)
-    if format_ in ("vitruvius-1", "vitruvius-2") or "roomNumber" in record:
-        return read_houses(name, load(path), stopped_by(content.rstrip().rpartition(b"\n")[2]))
-    raise _unknown(name)
-
-
-def _plan(name: str, path: Path, content: bytes, record: Any) -> Kind | None:
-    """Return the description of a plan for ``generate``, or None for another file.
-
-    A file that is no plan may hold houses that ``load`` reads.
-    """
-    try:
-        plan = _sketch(name, content, record) or (is_geojson(record) and record)
-        return read_plan(name, plan) if plan else None
-    except UnknownFileError:
-        with suppress(HouseFileError):
-            return read_houses(name, load(path))
-        raise
-
-
-def _unknown(name: str) -> UnknownFileError:
-    return UnknownFileError(
+    raise UnknownFileError(
         f"{name}: Vitruvius does not know this kind of file: give a house file, plan, checkpoint, run, "
         "grammar, games, scores, trace or settings"
     )
-
-
-def _content(name: str, path: Path, *, unpack: bool = True) -> bytes:
-    try:
-        return content_of(path, MOST_BYTES, unpack=unpack)
-    except OSError as error:
-        raise HouseFileError(f"{name}: cannot be read: {error.strerror}") from None
