@@ -13,8 +13,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
-from sim.config import Config
+from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
+from vitruvius.sim.config import Config
 
 SPREAD = 3.0
 """Margin for noise, in standard deviations."""

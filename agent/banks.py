@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import msgspec
 
-from logic import House, HouseFileError, Houses, HouseSet, HouseStream, RequestError, load
-from logic.dataset.splits import TEST, TRAINING
-from logic.opener import STANDARD
-from logic.spelling import unknown
+from vitruvius.logic import House, HouseFileError, Houses, HouseSet, HouseStream, RequestError, load
+from vitruvius.logic.dataset.splits import TEST, TRAINING
+from vitruvius.logic.opener import STANDARD
+from vitruvius.logic.spelling import unknown
 
 
 class FrozenBank(NamedTuple):
@@ -41,7 +41,7 @@ BANKS = {
         "home", range(8, 13), "dc346454637e41b95cd82eb3adbd6fd4db7f54feea72af9208baa7d3de7cea50"
     ),
 }
-"""Banks of the benchmark, by name; each is a file of ``benchmarks/houses``."""
+"""Banks of the benchmark, by name; each is a file of ``agent/houses``."""
 
 PAPER_HOUSE = "paper-house"
 """Value of ``sim.environment.arguments.PAPER_HOUSE``, without an import of Taichi."""
@@ -77,7 +77,7 @@ def house_key(house: House) -> int:
 
 def benchmark_path(name: str = NAME) -> Path:
     """Return the path of a bank of ``BANKS``, in a checkout and in an installed wheel."""
-    return Path(__file__).resolve().parents[1] / "benchmarks" / "houses" / f"{name}.jsonl.gz"
+    return Path(__file__).with_name("houses") / f"{name}.jsonl.gz"
 
 
 def benchmark(name: str = NAME) -> list[House]:
@@ -113,7 +113,7 @@ def named(houses: str | Path) -> list[House]:
 
     Raises ``HouseFileError``.
     """
-    from sim.environment.arguments import house_list  # here: it imports Taichi
+    from vitruvius.sim.environment.arguments import house_list  # here: it imports Taichi
 
     if str(houses) in BANKS:
         return benchmark(str(houses))
@@ -127,7 +127,7 @@ def named(houses: str | Path) -> list[House]:
 
 def require_places(targets: str, houses: str | Path) -> None:
     """Raise ``RequestError`` for a task of the paper in another house, which lacks its target places."""
-    from sim.tasks.tasks import PAPER_TASKS
+    from vitruvius.sim.tasks.tasks import PAPER_TASKS
 
     if targets in PAPER_TASKS and str(houses) != PAPER_HOUSE:
         raise RequestError(f"{targets}: its targets have places in the house {PAPER_HOUSE}, not in {houses}")

@@ -14,10 +14,10 @@ import numpy as np
 import tyro
 from gymnasium.wrappers.vector import RescaleAction
 
-from agent import banks
-from agent.evaluation import drivers
-from logic import load
-from sim import DEFAULT
+from vitruvius import load
+from vitruvius.agent import banks
+from vitruvius.agent.evaluation import drivers
+from vitruvius.sim import DEFAULT
 
 CONFIG = replace(DEFAULT, observe=("rays", "speed"), flat=True)
 """Simulator settings: the agent sees 40 rays and knows its speed."""
@@ -56,7 +56,7 @@ class Driving:
     def make_envs(self, houses: Any, number: int) -> gymnasium.vector.VectorEnv:
         """Return environments whose actions are from -1 to 1."""
         envs = gymnasium.make_vec(
-            "sim:Vitruvius/House-v0", num_envs=number, houses=houses, targets=self.targets, backend="free",
+            "vitruvius:Vitruvius/House-v0", num_envs=number, houses=houses, targets=self.targets, backend="free",
             preset=CONFIG, seed=self.seed, autoreset_mode="SameStep",
         )  # fmt: skip
         return RescaleAction(envs, np.full(2, -1, np.float32), np.full(2, 1, np.float32))

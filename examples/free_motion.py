@@ -9,7 +9,7 @@ import tyro
 from driving import Driving
 from stable_baselines3 import PPO
 
-from sim.adapters.stable_baselines import StableBaselinesVecEnv
+from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
 
 @dataclass(frozen=True)

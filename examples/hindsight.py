@@ -17,8 +17,8 @@ from gymnasium.vector.utils import batch_space
 from stable_baselines3 import DQN, HerReplayBuffer
 from stable_baselines3.common.vec_env import VecMonitor
 
-from sim import DEFAULT
-from sim.adapters.stable_baselines import StableBaselinesVecEnv
+from vitruvius.sim import DEFAULT
+from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
 CONFIG = replace(DEFAULT, observe=("rays", "odometry"), flat=True, steps=200)
 REACH_M = (max(CONFIG.body) + CONFIG.target) / 2
@@ -60,7 +60,7 @@ def main(
 ) -> float:
     """Train a DQN with hindsight; print and return the fraction of the last episodes that reached targets."""
     envs = gymnasium.make_vec(
-        "sim:Vitruvius/House-v0", environments, houses=houses, preset=CONFIG, seed=seed,
+        "vitruvius:Vitruvius/House-v0", environments, houses=houses, preset=CONFIG, seed=seed,
         targets={"task": "all", "terms": {"targets": 1}}, autoreset_mode="SameStep",
     )  # fmt: skip
     theirs, first = VecMonitor(StableBaselinesVecEnv(Goals(envs))), (CONFIG.steps + 1) * environments

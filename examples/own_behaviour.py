@@ -9,14 +9,14 @@ import torch
 import tyro
 from torch import Tensor
 
-from agent.avoidance import Stack
-from agent.evaluation.episodes import play
-from agent.learning.environments import make_envs, shield
-from agent.policies.policies import QPolicy
-from agent.runs import checkpoint
-from logic import load
-from sim import DEFAULT
-from sim.actions import ACTIONS, LEFT, RIGHT
+from vitruvius import load
+from vitruvius.agent.avoidance import Stack
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.policies.policies import QPolicy
+from vitruvius.agent.runs import checkpoint
+from vitruvius.sim import DEFAULT
+from vitruvius.sim.actions import ACTIONS, LEFT, RIGHT
 
 
 def stride(observation: Tensor, blocked: Tensor) -> Tensor:

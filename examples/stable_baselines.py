@@ -15,7 +15,7 @@ from task import Frames, Task
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from sim.adapters.stable_baselines import StableBaselinesVecEnv
+from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
 
 @dataclass(frozen=True)

@@ -18,21 +18,21 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from agent import banks
-from agent.avoidance import subsume
-from agent.evaluation.baselines import BASELINES
-from agent.evaluation.episodes import play
-from agent.evaluation.protocol import shortest_ways
-from agent.evaluation.result import Result
-from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
-from agent.learning.config import TargetMode
-from agent.learning.environments import make_envs, shield
-from logic import load
-from logic.house.files import write_whole
-from sim import DEFAULT, Config
-from sim.actions import ACTIONS
-from sim.baselines.coverage import Coverage
-from sim.config import PRESETS
+from vitruvius import load
+from vitruvius.agent import banks
+from vitruvius.agent.avoidance import subsume
+from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.evaluation.protocol import shortest_ways
+from vitruvius.agent.evaluation.result import Result
+from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
+from vitruvius.agent.learning.config import TargetMode
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.logic.house.files import write_whole
+from vitruvius.sim import DEFAULT, Config
+from vitruvius.sim.actions import ACTIONS
+from vitruvius.sim.baselines.coverage import Coverage
+from vitruvius.sim.config import PRESETS
 
 Act = Callable[[Tensor], Tensor]
 """Function from observations (E, n) to preferences (E, 3)."""
@@ -92,7 +92,7 @@ class Task:
         """Return the environments to train in. They begin the next episode in the step that ends one."""
         banks.require_training(load(self.houses), self.houses)
         envs = gymnasium.make_vec(
-            "sim:Vitruvius/House-v0",
+            "vitruvius:Vitruvius/House-v0",
             num_envs=self.environments,
             houses=str(self.houses),
             targets=self.targets,

@@ -1,7 +1,7 @@
 """Houses from rules: generate, check, explain, load, save."""
 
-from logic.dataset.reading import HouseSet, load
-from logic.errors import (
+from vitruvius.logic.dataset.reading import HouseSet, load
+from vitruvius.logic.errors import (
     Finding,
     GrammarError,
     GrammarWarning,
@@ -13,18 +13,18 @@ from logic.errors import (
     Unsatisfiable,
     VitruviusError,
 )
-from logic.house.files import save
-from logic.house.gallery import Houses
-from logic.house.house import House
-from logic.house.parts import Door, FreeWall, Piece, Rect, Room, Window
-from logic.house.star import Star, StarRoom
-from logic.why.answer import Why
-from logic.workers.explain import explain_house
-from logic.workers.generate import count_layouts, generate, lint
-from logic.workers.nearest import Broken, Nearest, nearest
-from logic.workers.nearest_plan import NearestPlan, nearest_plan
-from logic.workers.standards import check
-from logic.workers.stream import HouseStream
+from vitruvius.logic.house.files import save
+from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Door, FreeWall, Piece, Rect, Room, Window
+from vitruvius.logic.house.star import Star, StarRoom
+from vitruvius.logic.why.answer import Why
+from vitruvius.logic.workers.explain import explain_house
+from vitruvius.logic.workers.generate import count_layouts, generate, lint
+from vitruvius.logic.workers.nearest import Broken, Nearest, nearest
+from vitruvius.logic.workers.nearest_plan import NearestPlan, nearest_plan
+from vitruvius.logic.workers.standards import check
+from vitruvius.logic.workers.stream import HouseStream
 
 __all__ = [
     "Broken",
@@ -66,7 +66,7 @@ __all__ = [
 
 
 def _plan(house: House, width: int) -> str:
-    from logic.drawing.draw import plan_svg  # Imported here, since it imports matplotlib.
+    from vitruvius.logic.drawing.draw import plan_svg  # Imported here, since it imports matplotlib.
 
     return plan_svg(house, width)
 

@@ -18,8 +18,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from logic.errors import Killed, MissingProgram, RequestError, VitruviusError
-from logic.terminal import say
+from vitruvius.logic.errors import Killed, MissingProgram, RequestError, VitruviusError
+from vitruvius.logic.terminal import say
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -16,7 +16,7 @@ from typing import Any
 
 import msgspec
 
-from logic.spelling import printable
+from vitruvius.logic.spelling import printable
 
 
 class VitruviusError(Exception):

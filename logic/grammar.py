@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from errno import EFBIG
 from pathlib import Path
 
-from logic.copies import Stated, original, stated_by, statements
-from logic.errors import GrammarError, Reason
-from logic.includes import Reading, name_in
-from logic.opener import content_of
-from logic.spelling import printable, unknown
+from vitruvius.logic.copies import Stated, original, stated_by, statements
+from vitruvius.logic.errors import GrammarError, Reason
+from vitruvius.logic.includes import Reading, name_in
+from vitruvius.logic.opener import content_of
+from vitruvius.logic.spelling import printable, unknown
 
 SHIPPED = Path(__file__).parent / "grammars"
 RULES = Path(__file__).parent / "rules"

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from logic.errors import GrammarError
-from logic.spelling import closest, printable
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.spelling import closest, printable
 
 EXAMPLES = {".lp": '#include "home/furniture.lp".', ".pl": ":- include('home/furniture.pl')."}
 

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 from msgspec import inspect
 
-from logic.spelling import unknown
+from vitruvius.logic.spelling import unknown
 
 MAX_SHOWN = 40
 """Number of characters of a wrong value that a message quotes."""

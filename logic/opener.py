@@ -21,7 +21,7 @@ from xml.etree import ElementTree
 
 import msgspec
 
-from logic.encoding import illegible
+from vitruvius.logic.encoding import illegible
 
 STANDARD = Path("-")
 """The standard input for a file to read, the standard output for a file to write."""

@@ -17,7 +17,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from logic.spelling import printable
+from vitruvius.logic.spelling import printable
 
 
 class Rate(ProgressColumn):

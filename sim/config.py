@@ -6,9 +6,9 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from logic.spelling import unknown
-from sim.drive import COMMANDS, Drive
-from sim.fields import Derived, settle
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.drive import COMMANDS, Drive
+from vitruvius.sim.fields import Derived, settle
 
 FOOT = 0.3048
 PIXEL = FOOT / 8.5

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import hypot, isfinite, pi
 from typing import Literal
 
-from sim.fields import settle
+from vitruvius.sim.fields import settle
 
 MOST_COMMANDS = 1024
 """Largest number of commands that a discrete action chooses from."""

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args, get_origin
 
 import numpy as np
 
-from logic.spelling import unknown
+from vitruvius.logic.spelling import unknown
 
 T = TypeVar("T")
 

@@ -13,14 +13,14 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 from PIL import Image, ImageDraw, ImageFont
 
-from logic import House
-from logic.drawing.canvas import DENSITY, Drawing, png
-from logic.drawing.frame import Frame, drawn_extent
-from logic.drawing.labels import background
-from logic.drawing.palettes import Inks
-from logic.house.files import write_whole
-from logic.spelling import numbered
-from sim.config import Config
+from vitruvius.logic import House
+from vitruvius.logic.drawing.canvas import DENSITY, Drawing, png
+from vitruvius.logic.drawing.frame import Frame, drawn_extent
+from vitruvius.logic.drawing.labels import background
+from vitruvius.logic.drawing.palettes import Inks
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.spelling import numbered
+from vitruvius.sim.config import Config
 
 PAPER = (255, 255, 255)
 BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from logic import House
+from vitruvius.logic import House
 
 Box = tuple[float, float, float, float]
 """(west, north, east, south), metres."""

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.huge_pages import ask_for_huge_pages
-from sim.tracing import KEEPS_KERNELS, compiler, core, impl, kernel, ti
+from vitruvius.sim.huge_pages import ask_for_huge_pages
+from vitruvius.sim.tracing import KEEPS_KERNELS, compiler, core, impl, kernel, ti
 
 if TYPE_CHECKING:
     import torch

@@ -16,8 +16,8 @@ from collections.abc import Callable
 from types import CodeType
 from typing import TYPE_CHECKING, Any
 
-from logic.errors import RequestError
-from sim import cache
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import cache
 
 VARIABLE = "VITRUVIUS_RUNTIME"
 COMPILERS = "taichi", "quadrants"
@@ -25,8 +25,8 @@ KEEPS_KERNELS = cache.provide()
 """True if compiled kernels can be kept on disk for the next process."""
 
 if TYPE_CHECKING:
-    import sim.compiler.taichi as compiler
-    from sim.compiler.taichi import core, impl, ti
+    import vitruvius.sim.compiler.taichi as compiler
+    from vitruvius.sim.compiler.taichi import core, impl, ti
 
 
 def _named() -> str:
@@ -43,7 +43,7 @@ def _named() -> str:
 
 if not TYPE_CHECKING:
     with contextlib.redirect_stdout(io.StringIO()):
-        compiler = importlib.import_module(f"sim.compiler.{_named()}")
+        compiler = importlib.import_module(f"vitruvius.sim.compiler.{_named()}")
     ti, core, impl = compiler.ti, compiler.core, compiler.impl
 
 __all__ = ["KEEPS_KERNELS", "compiler", "core", "impl", "kernel", "ti"]

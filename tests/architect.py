@@ -3,8 +3,8 @@
 from collections import deque
 from collections.abc import Iterator
 
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Piece
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Piece
 
 WAYS = {"hall", "corridor", "commonCorridor", "reception"}
 """Room types on the way to other rooms: circulation, and reception."""

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import FloatRect, Locator, Page
 
-from logic.browser.playground.npm import installed
-from logic.errors import MissingProgram
+from vitruvius.logic.browser.playground.npm import installed
+from vitruvius.logic.errors import MissingProgram
 
 WIDTHS = 320, 390, 768, 1280
 """Widths of screens, in CSS pixels."""

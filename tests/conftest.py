@@ -77,10 +77,10 @@ def pytest_sessionfinish() -> None:
     Taichi itself waits a quarter of a second for another process that writes, and xdist ten seconds for its
     processes.
     """
-    if runtime := sys.modules.get("sim.runtime"):
+    if runtime := sys.modules.get("vitruvius.sim.runtime"):
         with Path(__file__).open() as file:
             fcntl.flock(file, fcntl.LOCK_EX)
-            if passing := sys.modules.get("sim.environment.passing"):
+            if passing := sys.modules.get("vitruvius.sim.environment.passing"):
                 passing.close_all()
             runtime.ti.reset()
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from logic import House
-from logic.house.occupancy import FREE, OCCUPIED, UNKNOWN
+from vitruvius.logic import House
+from vitruvius.logic.house.occupancy import FREE, OCCUPIED, UNKNOWN
 
 
 def random_map(seed: int, cell: float, rows: int = 25, columns: int = 30) -> House:

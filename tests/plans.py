@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
-from logic import Door, House, Piece, Room, Window, save
-from logic.house.parts import OUTSIDE
 from tests.sample_houses import FIXTURES
+from vitruvius.logic import Door, House, Piece, Room, Window, save
+from vitruvius.logic.house.parts import OUTSIDE
 
 CELL, DOOR = 0.3, 0.9
 

@@ -14,14 +14,20 @@ from tests.programs import PATIENCE
 
 SERVER = get_context("forkserver")
 SERVER.set_forkserver_preload(
-    ["torch._dynamo", "torch.utils.tensorboard", "agent.evaluation.plots", "agent.runs.runs", __name__]
+    [
+        "torch._dynamo",
+        "torch.utils.tensorboard",
+        "vitruvius.agent.evaluation.plots",
+        "vitruvius.agent.runs.runs",
+        __name__,
+    ]
 )
 
 
 def vitruvius(*arguments: str) -> None:
     """Run the command; it saves the run after every report."""
-    from agent.runs import runs
     from vitruvius import cli
+    from vitruvius.agent.runs import runs
 
     runs.SAVE_EVERY = 0.0
     sys.argv = ["vitruvius", *arguments]

@@ -5,11 +5,11 @@ import weakref
 import torch
 import torch.distributed as dist
 
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.learner import PQN
-from agent.learning import ranks
-from sim import HouseVectorEnv
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.learner import PQN
+from vitruvius.agent.learning import ranks
+from vitruvius.sim import HouseVectorEnv
 
 WORLDS = 8
 CONFIG = PQNConfig(

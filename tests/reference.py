@@ -15,9 +15,9 @@ import numpy as np
 import shapely
 from shapely import box
 
-from logic import House
-from sim.geometry import Geometry
 from tests.thick import faces
+from vitruvius.logic import House
+from vitruvius.sim.geometry import Geometry
 
 CLOSE = 1e-4
 """Distance to an edge, in metres, below which float32 may decide either way."""

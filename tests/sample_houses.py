@@ -7,10 +7,10 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from logic import House, Piece, Rect, Star, StarRoom, load
-from sim import DEFAULT
-from sim.tasks.tasks import PAPER
 from tests.reference import Reference
+from vitruvius.logic import House, Piece, Rect, Star, StarRoom, load
+from vitruvius.sim import DEFAULT
+from vitruvius.sim.tasks.tasks import PAPER
 
 FIXTURES = Path(__file__).parent / "fixtures"
 """Folder of the original program's own house and a recording of it: see the README there."""

@@ -16,12 +16,12 @@ import pytest
 import torch
 from gymnasium.vector import AutoresetMode
 
-from agent.banks import benchmark
-from agent.evaluation.baselines import REFERENCES
-from logic import HouseFileError, generate, save
 from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.agent.banks import benchmark
+from vitruvius.agent.evaluation.baselines import REFERENCES
 from vitruvius.commands.evaluate import Evaluate
+from vitruvius.logic import HouseFileError, generate, save
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -179,11 +179,11 @@ def test_the_example_of_continuous_control_learns_and_plays_beside_its_baselines
 def test_a_stack_of_frames_is_that_of_stable_baselines():
     """The rows are those of the library's own wrapper, which learns from them, until an episode ends."""
     frames = pytest.importorskip("stable_baselines3.common.vec_env")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     task = example("task")
     envs = gymnasium.make_vec(
-        "sim:Vitruvius/House-v0", 3, preset=task.Task(Path()).config, autoreset_mode="SameStep"
+        "vitruvius:Vitruvius/House-v0", 3, preset=task.Task(Path()).config, autoreset_mode="SameStep"
     )
     theirs, ours = frames.VecFrameStack(StableBaselinesVecEnv(envs), 4), task.Frames(4, 80)
     ours.begin(3)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import sim
-from sim.tracing import COMPILERS
+from vitruvius.sim.tracing import COMPILERS
 
 ROOT = Path(__file__).parents[1]
 
@@ -103,7 +103,7 @@ def named(file: Path, strings: bool) -> Iterator[str]:
     """Yield the modules of our packages that a file names.
 
     It names them by imports, also inside functions. With ``strings`` it also names them in strings, as a
-    table of commands or sections does: ``"agent.report.plans:section"``.
+    table of commands or sections does: ``"vitruvius.agent.report.plans:section"``.
     """
     known = modules()
     for node in ast.walk(ast.parse(file.read_text())):
@@ -127,7 +127,7 @@ def graph(strings: bool = True) -> dict[str, frozenset[str]]:
 
 def test_no_module_imports_itself_through_others() -> None:
     """``prepare`` raises ``CycleError`` with the cycle. A table may name what reads it."""
-    assert "logic.generation.builder" in graph()["logic.workers.worker"]
+    assert "vitruvius.logic.generation.builder" in graph()["vitruvius.logic.workers.worker"]
     TopologicalSorter(graph(strings=False)).prepare()
 
 
@@ -165,10 +165,16 @@ def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:
         for alias in node.names
     }
     assert {what for _, module, what in taken if module == "logic"} <= OF_LOGIC
-    drawing = {f"logic.drawing.{each}" for each in DRAWN}
-    others = {"logic", "logic.errors", "logic.house.files", "logic.house.looks", "logic.spelling"}
+    drawing = {f"vitruvius.logic.drawing.{each}" for each in DRAWN}
+    others = {
+        "logic",
+        "vitruvius.logic.errors",
+        "vitruvius.logic.house.files",
+        "vitruvius.logic.house.looks",
+        "vitruvius.logic.spelling",
+    }
     assert {module for _, module, _ in taken} == drawing | others
-    assert {name for name, module, _ in taken if module in drawing} == {"sim.film"}
+    assert {name for name, module, _ in taken if module in drawing} == {"vitruvius.sim.film"}
 
 
 def test_a_folder_has_one_sentence_and_about_a_dozen_modules() -> None:

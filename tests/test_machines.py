@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from logic import RequestError, generate, load, save
-from logic.dataset.splits import TEST
-from logic.grammar import SHIPPED
-from logic.request.request import Request, whole
 from tests.programs import PATIENCE, finished
+from vitruvius.logic import RequestError, generate, load, save
+from vitruvius.logic.dataset.splits import TEST
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.request.request import Request, whole
 
 STEP = """
 import numpy as np, sim
@@ -147,7 +147,7 @@ def test_too_little_memory_is_no_fault_of_ours(folder: Path) -> None:
 
 BOUNDED = """
 import resource
-from logic.workers import confinement
+from vitruvius.logic.workers import confinement
 resource.setrlimit(resource.RLIMIT_CPU, (50, 50))
 confinement.allow_seconds(100)
 print(resource.getrlimit(resource.RLIMIT_CPU))

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from logic import generate, save
 from tests.logic.language.mistakes import calls, requests
 from tests.logic.language.mistakes.calls import Call
 from tests.logic.language.mistakes.requests import Command
 from vitruvius.cli import main
+from vitruvius.logic import generate, save
 
 
 @pytest.fixture(scope="module")

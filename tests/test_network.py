@@ -25,10 +25,10 @@ sys.addaudithook(note)
 
 WORK = """
 import sys
-from agent.runs import checkpoint
+from vitruvius.agent.runs import checkpoint
 from vitruvius.cli import main
-from agent.evaluation.protocol import measure
-from logic import load
+from vitruvius.agent.evaluation.protocol import measure
+from vitruvius.logic import load
 
 for command in (
     "generate --rooms 1 --count 2 --out houses.jsonl",

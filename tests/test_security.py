@@ -25,13 +25,13 @@ def test_the_page_is_short_and_names_no_host():
 
 
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
-    from agent.runs import released
-    from logic import grammar, opener
-    from logic.house import files, occupancy, parts
-    from logic.readers.regular import MAX_CORNERS as of_rooms
-    from logic.readers.sketch import MAX_CORNERS, MAX_CROSSINGS
-    from logic.request import brief, given_plan
-    from sim import geometry
+    from vitruvius.agent.runs import released
+    from vitruvius.logic import grammar, opener
+    from vitruvius.logic.house import files, occupancy, parts
+    from vitruvius.logic.readers.regular import MAX_CORNERS as of_rooms
+    from vitruvius.logic.readers.sketch import MAX_CORNERS, MAX_CROSSINGS
+    from vitruvius.logic.request import brief, given_plan
+    from vitruvius.sim import geometry
 
     mebi = 1 << 20
     for words in (

@@ -6,8 +6,8 @@ from typing import TypeVar
 import shapely
 from msgspec import structs
 
-from logic import House, Rect
-from logic.house.promises import Thickness
+from vitruvius.logic import House, Rect
+from vitruvius.logic.house.promises import Thickness
 
 R = TypeVar("R", bound=Rect)
 

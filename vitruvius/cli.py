@@ -46,7 +46,10 @@ COMMANDS = {
         "vitruvius.commands.rules:Lint",
         "Find the mistakes in rule files that clingo and Prolog pass over.",
     ),
-    "rules": ("logic.language.reference:Rules", "Print the reference of the rule language, with recipes."),
+    "rules": (
+        "vitruvius.logic.language.reference:Rules",
+        "Print the reference of the rule language, with recipes.",
+    ),
     "watch": ("vitruvius.commands.watch:Watch", "Draw what a grammar makes in a browser, at each save."),
     "playground": ("vitruvius.commands.playground:Playground", "A page that makes houses in the browser."),
     "train": ("vitruvius.commands.train:Train", "Train an agent in houses."),
@@ -153,7 +156,7 @@ def parse(arguments: list[str]) -> Any:
         prog, table, words, arguments = "vitruvius bench", study_table(), ["bench"], arguments[1:]
         if arguments in ([], ["-h"], ["--help"]):
             _print_and_end(studies())
-    from logic.errors import RequestError
+    from vitruvius.logic.errors import RequestError
     from vitruvius.options import options_of, require
 
     name, *rest = arguments
@@ -169,7 +172,7 @@ def parse(arguments: list[str]) -> Any:
 
 def _no_command(prog: str, arguments: Sequence[str], table: Collection[str]) -> str:
     """Return the message for a first word that is no command of the table."""
-    from logic.spelling import closest, quoted, unknown
+    from vitruvius.logic.spelling import closest, quoted, unknown
 
     name, *rest = arguments
     if name.startswith("-"):
@@ -190,7 +193,7 @@ def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
     """Return the command that tyro parses. Raises ``RequestError`` with tyro's message."""
     import tyro
 
-    from logic.errors import RequestError
+    from vitruvius.logic.errors import RequestError
 
     said = io.StringIO()
     try:
@@ -209,13 +212,13 @@ def _print_and_end(text: str) -> None:
 
 def _run(arguments: list[str]) -> int:
     """Run the command. Raises ``MissingProgram`` if it lacks a module that an extra installs."""
-    from logic.errors import MissingProgram
+    from vitruvius.logic.errors import MissingProgram
 
     try:
         command = parse(arguments)
         if arguments[0] != "bench" or not hasattr(command, "out"):
             return command.run() or 0
-        from logic.house.replacing import study_folder
+        from vitruvius.logic.house.replacing import study_folder
 
         with study_folder(command.out, command.replace):
             return command.run() or 0
@@ -237,7 +240,7 @@ def _quick(arguments: list[str]) -> str | None:
     if arguments == ["--version"]:
         from importlib.metadata import version
 
-        from logic.workers import confinement
+        from vitruvius.logic.workers import confinement
 
         return f"vitruvius {version('vitruvius')}: {confinement.summary()}"
     return None
@@ -252,9 +255,9 @@ def _exit_code(arguments: list[str]) -> int:
         except OSError as error:
             return _unwritten(error)
         return 0
-    from logic.errors import GrammarWarning, PlanWarning, VitruviusError
-    from logic.stopping import at_signals, end
-    from logic.terminal import say
+    from vitruvius.logic.errors import GrammarWarning, PlanWarning, VitruviusError
+    from vitruvius.logic.stopping import at_signals, end
+    from vitruvius.logic.terminal import say
 
     def failed(error: BaseException, code: int, words: str) -> int:
         """Print an error, and with --json also answer with it."""
@@ -314,7 +317,7 @@ def _unwritten(error: OSError) -> int:
     sys.stdout = None
     if isinstance(error, BrokenPipeError):  # The reader is gone, as in `vitruvius generate ... | head`.
         return 0
-    from logic.terminal import say
+    from vitruvius.logic.terminal import say
 
     say(f"error: the standard output: {'it is closed' if error.errno == EBADF else error.strerror}")
     return 5

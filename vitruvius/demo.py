@@ -13,29 +13,29 @@ import numpy as np
 from rich.console import Console
 from rich.markdown import Markdown
 
-from agent.algorithms.table import PRESETS
-from agent.banks import bank_hash, geometry_hash
-from agent.evaluation.plots import learning_curve
-from agent.evaluation.protocol import measure
-from agent.evaluation.result import HUMAN_RATIO, Result
-from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
-from agent.evaluation.statistics import paired_difference
-from agent.evaluation.tables import SCORE_NOTE, print_tables, score_table
-from agent.learning.environments import playable
-from agent.learning.learner import Progress
-from agent.progress import Report, progress
-from agent.recording import trace
-from agent.recording.film import record
-from agent.recording.recorder import Recorder
-from agent.report.folder import describe, write_report
-from agent.runs.checkpoint import Checkpoint
-from agent.runs.runs import run
-from logic import House, RequestError, VitruviusError, check, generate, save
-from logic.drawing.draw import contact_sheet
-from logic.house.files import write_whole
-from logic.house.looks import looks_of
-from sim.tasks.furniture import pieces_in
-from sim.tasks.words import in_words
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import bank_hash, geometry_hash
+from vitruvius.agent.evaluation.plots import learning_curve
+from vitruvius.agent.evaluation.protocol import measure
+from vitruvius.agent.evaluation.result import HUMAN_RATIO, Result
+from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
+from vitruvius.agent.evaluation.statistics import paired_difference
+from vitruvius.agent.evaluation.tables import SCORE_NOTE, print_tables, score_table
+from vitruvius.agent.learning.environments import playable
+from vitruvius.agent.learning.learner import Progress
+from vitruvius.agent.progress import Report, progress
+from vitruvius.agent.recording import trace
+from vitruvius.agent.recording.film import record
+from vitruvius.agent.recording.recorder import Recorder
+from vitruvius.agent.report.folder import describe, write_report
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.agent.runs.runs import run
+from vitruvius.logic import House, RequestError, VitruviusError, check, generate, save
+from vitruvius.logic.drawing.draw import contact_sheet
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.sim.tasks.furniture import pieces_in
+from vitruvius.sim.tasks.words import in_words
 
 SEARCH = "home"
 """Grammar of the houses in which an agent searches for furniture: flats and small houses."""

@@ -17,8 +17,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import tyro
 
-from logic.errors import RequestError
-from logic.spelling import closest, unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import closest, unknown
 
 METAVARS = {int: "N", float: "X", str: "TEXT", Path: "PATH"}
 """Placeholders of values in help, by type."""

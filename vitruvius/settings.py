@@ -13,11 +13,11 @@ from typing import Any, NoReturn
 
 import msgspec
 
-from agent.algorithms.table import PRESETS
-from agent.learning.config import TrainConfig
-from logic.errors import VitruviusError
-from logic.opener import content_of
-from logic.spelling import unknown
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.opener import content_of
+from vitruvius.logic.spelling import unknown
 from vitruvius.options import Option, options_of
 
 NONE = "none"

@@ -17,7 +17,7 @@ def study_table(name: str = "STUDIES") -> Any:
 
     Raises ``MissingProgram`` if there is no checkout, or another package hides its studies.
     """
-    from logic.errors import MissingProgram
+    from vitruvius.logic.errors import MissingProgram
 
     spec = find_spec(FOLDER.name)
     if not (FOLDER / "__init__.py").is_file():
@@ -29,7 +29,7 @@ def study_table(name: str = "STUDIES") -> Any:
 
 def study_sections() -> tuple[Any, ...]:
     """Return what a report shows of the files of studies: nothing if there are no studies."""
-    from logic.errors import MissingProgram
+    from vitruvius.logic.errors import MissingProgram
 
     try:
         return study_table("SECTIONS")

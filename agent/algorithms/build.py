@@ -3,11 +3,11 @@
 from importlib import import_module
 from typing import Any
 
-from agent.algorithms.table import ALGORITHMS
-from agent.learning.config import TrainConfig
-from agent.learning.learner import Learner
-from agent.policies.policies import Explorer, QPolicy
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.table import ALGORITHMS
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.learning.learner import Learner
+from vitruvius.agent.policies.policies import Explorer, QPolicy
+from vitruvius.sim import HouseVectorEnv
 
 
 def algorithm_of(config: TrainConfig) -> Any:

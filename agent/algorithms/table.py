@@ -6,12 +6,12 @@ names learners, which need torch, by strings; ``build`` imports them.
 
 from typing import NamedTuple
 
-from agent.algorithms.dqn.config import DQNConfig
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.search.config import SearchConfig
-from agent.learning.config import TrainConfig
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.learning.config import TrainConfig
 
 
 class Algorithm(NamedTuple):
@@ -23,11 +23,11 @@ class Algorithm(NamedTuple):
 
 
 TABLE = (
-    Algorithm(PQNConfig, "agent.algorithms.pqn.learner:PQN"),
-    Algorithm(CompletionConfig, "agent.algorithms.map_completion.learner:MapCompletion"),
-    Algorithm(SearchConfig, "agent.algorithms.search.learner:LearnedSearch"),
-    Algorithm(DQNConfig, "agent.algorithms.dqn.learner:DQN"),
-    Algorithm(PaperConfig, "agent.algorithms.paper.learner:Paper"),
+    Algorithm(PQNConfig, "vitruvius.agent.algorithms.pqn.learner:PQN"),
+    Algorithm(CompletionConfig, "vitruvius.agent.algorithms.map_completion.learner:MapCompletion"),
+    Algorithm(SearchConfig, "vitruvius.agent.algorithms.search.learner:LearnedSearch"),
+    Algorithm(DQNConfig, "vitruvius.agent.algorithms.dqn.learner:DQN"),
+    Algorithm(PaperConfig, "vitruvius.agent.algorithms.paper.learner:Paper"),
 )
 
 ALGORITHMS = {each.config.algorithm: each for each in TABLE}

@@ -18,13 +18,13 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from agent.avoidance import Layer, PaperRule, random_preference, subsume
-from agent.learning.environments import shield
-from agent.policies.policies import Explorer, Policy, RandomPolicy
-from sim import HouseVectorEnv
-from sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
-from sim.baselines.oracle import Oracle
-from sim.baselines.searcher import Searcher
+from vitruvius.agent.avoidance import Layer, PaperRule, random_preference, subsume
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.policies.policies import Explorer, Policy, RandomPolicy
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
+from vitruvius.sim.baselines.oracle import Oracle
+from vitruvius.sim.baselines.searcher import Searcher
 
 FULL_TURN, WALK, DETOUR = 8, 64, 16
 """Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
@@ -135,7 +135,7 @@ KNOWS = {
     "pursuit": ("rays",),
 }
 """Signals that baselines without privileged knowledge act by, those of ``drivers`` included, in the terms of
-``sim.Config.observe``."""
+``vitruvius.sim.Config.observe``."""
 
 PRIVILEGED = ("searcher", "oracle")
 """Baselines that know where they are: noise and slips would only make their plans wrong."""

@@ -16,14 +16,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.evaluation.baselines import REFERENCES, Privileged
-from agent.evaluation.result import TRUE_PATH
-from agent.policies.driving import DrivingExplorer
-from agent.policies.policies import Policy
-from logic import HouseFileError
-from sim import HouseVectorEnv
-from sim.baselines.true_path import TruePath
-from sim.config import Config
+from vitruvius.agent.evaluation.baselines import REFERENCES, Privileged
+from vitruvius.agent.evaluation.result import TRUE_PATH
+from vitruvius.agent.policies.driving import DrivingExplorer
+from vitruvius.agent.policies.policies import Policy
+from vitruvius.logic import HouseFileError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines.true_path import TruePath
+from vitruvius.sim.config import Config
 
 NEAR = 0.4
 """Distance to a wall, in metres, at which a pursuit turns."""

@@ -3,11 +3,11 @@
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
-from agent.banks import bank_hash, house_key, kept
-from agent.evaluation.drivers import NO_AGENTS
-from agent.evaluation.scores import ScoreFile
-from agent.runs.checkpoint import Checkpoint
-from logic import House
+from vitruvius.agent.banks import bank_hash, house_key, kept
+from vitruvius.agent.evaluation.drivers import NO_AGENTS
+from vitruvius.agent.evaluation.scores import ScoreFile
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House
 
 
 def learnt_in(agents: Mapping[str, Sequence[Checkpoint]], houses: Sequence[House]) -> dict[str, int | None]:

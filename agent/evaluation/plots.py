@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
-from agent.evaluation.result import HUMAN_RATIO, Result
-from agent.evaluation.tables import LABELS, capital, human_name
-from agent.learning.learner import Progress
+from vitruvius.agent.evaluation.result import HUMAN_RATIO, Result
+from vitruvius.agent.evaluation.tables import LABELS, capital, human_name
+from vitruvius.agent.learning.learner import Progress
 
 COLOURS = {
     "agent": "#1f5ea8",

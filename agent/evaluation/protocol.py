@@ -12,30 +12,30 @@ from itertools import islice
 import numpy as np
 import torch
 
-from agent.algorithms.build import policy_of
-from agent.evaluation.baselines import BASELINES, PRIVILEGED
-from agent.evaluation.drivers import DRIVERS, EXACT
-from agent.evaluation.episodes import EpisodeScores, play, reset
-from agent.evaluation.result import TRUE_PATH, Result, joined
-from agent.learning.config import TARGET_MODES
-from agent.learning.environments import make_envs, playable
-from agent.learning.simulator import sensor, undisturbed, with_sensor
-from agent.policies.policies import Policy
-from agent.progress import Report
-from agent.runs.checkpoint import Checkpoint
-from logic import House, RequestError
-from logic.cluster import Cluster
-from logic.house.looks import looks_of
-from logic.spelling import keywords
-from sim import HouseVectorEnv
-from sim.allowed import allow, allowed
-from sim.baselines.coverage import Coverage
-from sim.baselines.oracle import Oracle
-from sim.config import PRESETS, Config
-from sim.runtime import start
-from sim.tasks.tasks import task
-from sim.tasks.terms import counted
-from sim.tasks.words import in_words
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.evaluation.baselines import BASELINES, PRIVILEGED
+from vitruvius.agent.evaluation.drivers import DRIVERS, EXACT
+from vitruvius.agent.evaluation.episodes import EpisodeScores, play, reset
+from vitruvius.agent.evaluation.result import TRUE_PATH, Result, joined
+from vitruvius.agent.learning.config import TARGET_MODES
+from vitruvius.agent.learning.environments import make_envs, playable
+from vitruvius.agent.learning.simulator import sensor, undisturbed, with_sensor
+from vitruvius.agent.policies.policies import Policy
+from vitruvius.agent.progress import Report
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House, RequestError
+from vitruvius.logic.cluster import Cluster
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.spelling import keywords
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.allowed import allow, allowed
+from vitruvius.sim.baselines.coverage import Coverage
+from vitruvius.sim.baselines.oracle import Oracle
+from vitruvius.sim.config import PRESETS, Config
+from vitruvius.sim.runtime import start
+from vitruvius.sim.tasks.tasks import task
+from vitruvius.sim.tasks.terms import counted
+from vitruvius.sim.tasks.words import in_words
 
 PART = 256
 """Number of houses that are played together: all of a frozen bank; a larger bank is played in parts."""

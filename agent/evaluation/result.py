@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
-from agent.evaluation.statistics import Estimate, interquartile_mean, mean, paired_difference
-from sim.tasks.words import in_words
+from vitruvius.agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
+from vitruvius.agent.evaluation.statistics import Estimate, interquartile_mean, mean, paired_difference
+from vitruvius.sim.tasks.words import in_words
 
 SUCCESS_STEPS = 300
 """Number of steps within which the first target must be picked up for a success."""

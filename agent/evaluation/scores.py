@@ -12,14 +12,14 @@ from typing import Annotated, TypedDict
 import msgspec
 import numpy as np
 
-from agent.banks import bank_hash
-from agent.evaluation.drivers import NO_AGENTS
-from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
-from agent.evaluation.result import DEFINITIONS, Result
-from agent.evaluation.statistics import Estimate
-from logic import House
-from logic.errors import VitruviusError
-from logic.opener import content_of, from_json
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.evaluation.drivers import NO_AGENTS
+from vitruvius.agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
+from vitruvius.agent.evaluation.result import DEFINITIONS, Result
+from vitruvius.agent.evaluation.statistics import Estimate
+from vitruvius.logic import House
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.opener import content_of, from_json
 
 MAX_BYTES = 1 << 28
 """Largest size of an uncompressed file, in bytes."""
@@ -168,7 +168,7 @@ def external(
             f"{path}: targets in {', '.join(file.targets)}, here in {', '.join(modes)}: not comparable. "
             "Choose by --targets"
         )
-    from agent.learning.environments import playable  # here: it imports Taichi
+    from vitruvius.agent.learning.environments import playable  # here: it imports Taichi
 
     counts = {mode: len(playable(houses, mode, backend=backend)) * episodes for mode in found}
     return {

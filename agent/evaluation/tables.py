@@ -8,9 +8,9 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
-from logic.spelling import numbered, printable
-from sim.tasks.tasks import PAPER_TASKS
+from vitruvius.agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
+from vitruvius.logic.spelling import numbered, printable
+from vitruvius.sim.tasks.tasks import PAPER_TASKS
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
 WHERE = ROOMS | {"all": "all rooms"} | {f"paper-{mode}": f"{where}, paper's" for mode, where in ROOMS.items()}

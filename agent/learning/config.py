@@ -10,8 +10,8 @@ from typing import Annotated, ClassVar, Literal, get_args
 
 import tyro
 
-from logic.errors import RequestError
-from logic.request.request import whole
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.request.request import whole
 
 MOST_SEED = 2**62 - 1
 """Largest seed: environments and houses count up from it, and their seeds have 64 bits."""
@@ -112,7 +112,7 @@ class TrainConfig:
 
     @property
     def knows(self) -> tuple[str, ...]:
-        """Signals that its agents act by, in the terms of ``sim.Config.observe``."""
+        """Signals that its agents act by, in the terms of ``vitruvius.sim.Config.observe``."""
         return "rays", "bump", "last_action"
 
     @property

@@ -7,15 +7,15 @@ from typing import cast
 import gymnasium
 import torch
 
-from agent.avoidance import Free, Layer, PaperRule, Shield, air
-from agent.learning.config import TrainConfig
-from agent.learning.simulator import actions, require_task, simulator
-from logic import House, HouseFileError, RequestError
-from logic.spelling import keywords
-from sim import HouseRotation, HouseVectorEnv
-from sim.config import Config
-from sim.environment.arguments import backend_class
-from sim.tasks.tasks import Targets, suited, task
+from vitruvius.agent.avoidance import Free, Layer, PaperRule, Shield, air
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.learning.simulator import actions, require_task, simulator
+from vitruvius.logic import House, HouseFileError, RequestError
+from vitruvius.logic.spelling import keywords
+from vitruvius.sim import HouseRotation, HouseVectorEnv
+from vitruvius.sim.config import Config
+from vitruvius.sim.environment.arguments import backend_class
+from vitruvius.sim.tasks.tasks import Targets, suited, task
 
 
 @keywords(config="preset", mode="targets", num_envs="number")
@@ -31,14 +31,14 @@ def make_envs(
     """Return ``number`` environments over a bank of houses, as ``gymnasium.make_vec`` does, without wrappers.
 
     ``targets`` and ``backend`` may come from a file: a ``module:Class`` in them must be allowed
-    (``sim.allow``).
+    (``vitruvius.sim.allow``).
 
     Raises ``HouseFileError`` if one of the houses has no place for the body or for a target.
     """
     try:
         backend_class(backend)
         envs = gymnasium.make_vec(
-            "sim:Vitruvius/House-v0",
+            "vitruvius:Vitruvius/House-v0",
             num_envs=number,
             houses=houses,
             targets=task(targets),

@@ -9,15 +9,15 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from agent.banks import bank_hash
-from agent.learning import ranks
-from agent.learning.config import TrainConfig, differences, linear
-from agent.learning.environments import layer_of
-from agent.learning.stopwatch import Stopwatch
-from agent.policies.policies import Explorer, QPolicy
-from logic import House
-from logic.errors import RequestError, VitruviusError
-from sim import HouseVectorEnv
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.learning import ranks
+from vitruvius.agent.learning.config import TrainConfig, differences, linear
+from vitruvius.agent.learning.environments import layer_of
+from vitruvius.agent.learning.stopwatch import Stopwatch
+from vitruvius.agent.policies.policies import Explorer, QPolicy
+from vitruvius.logic import House
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.sim import HouseVectorEnv
 
 EPISODE = 1500
 """Number of steps to which counts of targets refer: the paper's 15 s."""

@@ -9,9 +9,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.learning.learner import Learner, Progress, Tally
-from agent.policies.policies import Explorer
-from sim import HouseVectorEnv
+from vitruvius.agent.learning.learner import Learner, Progress, Tally
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
 
 LAST = ("s", "blocked", "ended")
 """Attributes from which the next step starts."""

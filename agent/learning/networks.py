@@ -5,12 +5,12 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from agent.learning.config import QLearningConfig
-from agent.learning.simulator import actions, simulator
-from agent.policies.memory import Memory
-from agent.policies.network import QNetwork, seeded
-from logic.errors import RequestError
-from sim.allowed import imported
+from vitruvius.agent.learning.config import QLearningConfig
+from vitruvius.agent.learning.simulator import actions, simulator
+from vitruvius.agent.policies.memory import Memory
+from vitruvius.agent.policies.network import QNetwork, seeded
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim.allowed import imported
 
 
 def q_network(config: QLearningConfig) -> "QNetwork | OwnNetwork":

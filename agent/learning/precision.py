@@ -6,7 +6,7 @@ from functools import cache
 
 import torch
 
-from logic.errors import RequestError
+from vitruvius.logic.errors import RequestError
 
 TRIAL = """
 import torch

@@ -15,7 +15,7 @@ import torch
 import torch.distributed as dist
 from torch import Tensor, nn
 
-from logic.errors import Killed
+from vitruvius.logic.errors import Killed
 
 LOST = re.compile(r"(closed|reset) by peer|timed out|broken pipe|NETWORK_ERROR", re.IGNORECASE)
 """Messages of gloo if another rank does not answer: gloo has no error class for this."""

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
-from agent.learning.learner import Learner, Progress, Tally
-from agent.learning.replay import ReplayBuffer
-from sim import HouseVectorEnv
+from vitruvius.agent.learning.learner import Learner, Progress, Tally
+from vitruvius.agent.learning.replay import ReplayBuffer
+from vitruvius.sim import HouseVectorEnv
 
 REPORT = 128
 """Steps of every environment between two reports."""

@@ -5,14 +5,14 @@ from dataclasses import fields, replace
 
 import msgspec
 
-from agent.learning.config import TrainConfig
-from logic import RequestError
-from logic.spelling import unknown
-from sim.actions import ACTIONS, FORWARD
-from sim.allowed import allow, class_names
-from sim.config import DEFAULT, PRESETS, SENSOR, Config
-from sim.fields import stated
-from sim.tasks.tasks import task
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.logic import RequestError
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.actions import ACTIONS, FORWARD
+from vitruvius.sim.allowed import allow, class_names
+from vitruvius.sim.config import DEFAULT, PRESETS, SENSOR, Config
+from vitruvius.sim.fields import stated
+from vitruvius.sim.tasks.tasks import task
 
 SENSED = tuple(each.name for each in fields(Config) if SENSOR in each.metadata)
 """Fields of a simulator's configuration that define what an agent observes."""

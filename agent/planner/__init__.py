@@ -12,21 +12,21 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.avoidance import air, clearance
-from agent.planner.arrays import PlannerArrays
-from agent.planner.body import BodyModel
-from agent.planner.config import TUNED, PlannerConfig
-from agent.planner.mapping.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
-from agent.planner.mapping.visibility import FINE, fan
-from agent.planner.paths import FAR
-from agent.planner.state import AT, NONE, SIZE, TARGET
-from agent.planner.step import lead_kernel, step_kernel
-from agent.planner.viewpoints.belief import COUNT
-from agent.planner.viewpoints.choice import views
-from agent.planner.viewpoints.reachability import SIDE, UNKNOWN, WORDS
-from logic.errors import RequestError
-from sim.config import Config
-from sim.runtime import Array, Launch, start, ti
+from vitruvius.agent.avoidance import air, clearance
+from vitruvius.agent.planner.arrays import PlannerArrays
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
+from vitruvius.agent.planner.mapping.visibility import FINE, fan
+from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.state import AT, NONE, SIZE, TARGET
+from vitruvius.agent.planner.step import lead_kernel, step_kernel
+from vitruvius.agent.planner.viewpoints.belief import COUNT
+from vitruvius.agent.planner.viewpoints.choice import views
+from vitruvius.agent.planner.viewpoints.reachability import SIDE, UNKNOWN, WORDS
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Array, Launch, start, ti
 
 __all__ = ["TUNED", "Planner", "PlannerConfig"]
 

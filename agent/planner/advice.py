@@ -1,9 +1,9 @@
 """Advice of a planner: the turn to the heading from which a step brings the goal nearest."""
 
-from agent.planner.mapping.occupancy import Occupancy
-from agent.planner.paths import FAR, Paths
-from sim.actions import FORWARD, LEFT, RIGHT
-from sim.runtime import ti
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.agent.planner.paths import FAR, Paths
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

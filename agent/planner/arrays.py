@@ -7,7 +7,7 @@ fraction of ``base``.
 
 from typing import NamedTuple
 
-from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
+from vitruvius.sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 
 Nodes = ti.types.ndarray(ndim=1)
 """Array of nodes: see ``number_type``."""

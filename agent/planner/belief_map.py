@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from agent.planner import Planner
-from agent.planner.arrays import PlannerArrays
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import FLAGS, Occupancy
-from agent.planner.state import SIZE, loaded
-from agent.planner.viewpoints.belief import Belief
-from agent.planner.viewpoints.candidates import Candidates
-from agent.planner.viewpoints.choice import TRIED
-from agent.planner.viewpoints.reachability import SIDE, UNKNOWN
-from sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.arrays import PlannerArrays
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, Occupancy
+from vitruvius.agent.planner.state import SIZE, loaded
+from vitruvius.agent.planner.viewpoints.belief import Belief
+from vitruvius.agent.planner.viewpoints.candidates import Candidates
+from vitruvius.agent.planner.viewpoints.choice import TRIED
+from vitruvius.agent.planner.viewpoints.reachability import SIDE, UNKNOWN
+from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
 
 
 class BeliefMap:

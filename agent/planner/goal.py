@@ -1,12 +1,12 @@
 """Goal of a planner: the target that was seen, or else the next best view; and the paths to the goal."""
 
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import Occupancy
-from agent.planner.paths import FAR, Paths
-from agent.planner.state import NONE, SEARCH, TARGET
-from agent.planner.viewpoints.choice import Viewpoints
-from sim.runtime import ti
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.agent.planner.paths import FAR, Paths
+from vitruvius.agent.planner.state import NONE, SEARCH, TARGET
+from vitruvius.agent.planner.viewpoints.choice import Viewpoints
+from vitruvius.sim.runtime import ti
 
 NEXT = 2
 """Half cells from a viewpoint within which a body that drives has arrived."""

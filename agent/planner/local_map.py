@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from torch import Tensor
 
-from agent.planner import Planner
-from agent.planner.arrays import PlannerArrays
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED, Occupancy
-from agent.planner.state import SIZE, loaded
-from sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.arrays import PlannerArrays
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, Occupancy
+from vitruvius.agent.planner.state import SIZE, loaded
+from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
 
 LAYERS = TAKEN, SEEN, FRONTIER, AGE = range(4)
 """Layers of a window. ``TAKEN``: 255 where a cell is occupied. ``SEEN``: 255 where a cell was ever seen.

@@ -9,13 +9,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
 from torch import Tensor
 
-from agent.planner import Planner
-from agent.planner.config import TUNED, PlannerConfig
-from agent.planner.driving import DrivingPlanner
-from agent.planner.local_map import LAYERS, LocalMap
-from agent.planner.step import SKIPPED
-from sim import HouseVectorEnv
-from sim.config import RAYS
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.agent.planner.local_map import LAYERS, LocalMap
+from vitruvius.agent.planner.step import SKIPPED
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import RAYS
 
 MAP = "map"
 

@@ -4,9 +4,9 @@ A diagonal step goes equally far along both axes, so all eight neighbours of a n
 near to seen cells that are not known to be solid count as free: the body finds out on its way.
 """
 
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import Occupancy
-from sim.runtime import ti
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.sim.runtime import ti
 
 FAR = (1 << 16) - 1
 """Distance of a node that no search has reached."""

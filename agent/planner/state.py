@@ -1,6 +1,6 @@
 """State of one environment's planner: integers and the target's place, besides the planner's arrays."""
 
-from sim.runtime import ti
+from vitruvius.sim.runtime import ti
 
 NONE, SEARCH, TARGET = range(3)
 """Kinds of goals: none; a viewpoint or a candidate; the target that was seen."""

@@ -3,21 +3,21 @@
 from functools import cache
 from typing import Any
 
-from agent.planner.advice import Advice
-from agent.planner.arrays import PlannerArrays, PlannerTables
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.goal import Goal
-from agent.planner.mapping.occupancy import Occupancy
-from agent.planner.mapping.scan import DOOR, TARGET, WALL, Scan
-from agent.planner.mapping.target import TargetEstimate
-from agent.planner.mapping.visibility import Visibility
-from agent.planner.paths import Paths
-from agent.planner.state import SEARCH, first_state, loaded, store
-from agent.planner.viewpoints.belief import Belief
-from agent.planner.viewpoints.candidates import Candidates
-from agent.planner.viewpoints.choice import Viewpoints
-from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
+from vitruvius.agent.planner.advice import Advice
+from vitruvius.agent.planner.arrays import PlannerArrays, PlannerTables
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.goal import Goal
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.agent.planner.mapping.scan import DOOR, TARGET, WALL, Scan
+from vitruvius.agent.planner.mapping.target import TargetEstimate
+from vitruvius.agent.planner.mapping.visibility import Visibility
+from vitruvius.agent.planner.paths import Paths
+from vitruvius.agent.planner.state import SEARCH, first_state, loaded, store
+from vitruvius.agent.planner.viewpoints.belief import Belief
+from vitruvius.agent.planner.viewpoints.candidates import Candidates
+from vitruvius.agent.planner.viewpoints.choice import Viewpoints
+from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 
 SKIPPED = 2
 """Value of ``begun`` for environments whose planner stays as it is."""

@@ -6,23 +6,23 @@ from pathlib import Path
 
 import numpy as np
 
-from agent.algorithms.build import policy_of
-from agent.evaluation.baselines import BASELINES
-from agent.evaluation.episodes import play
-from agent.evaluation.statistics import interquartile_mean, paired_difference
-from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs
-from agent.learning.simulator import sensor
-from agent.play.game import replayed
-from agent.play.results import PlayedGame, ResultsError, load
-from agent.runs.checkpoint import Checkpoint
-from logic import House
-from logic.house.looks import looks_of
-from logic.spelling import numbered
-from sim.config import DEFAULT
-from sim.tasks.tasks import task
-from sim.tasks.terms import terms_of
-from sim.tasks.words import in_words
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.evaluation.statistics import interquartile_mean, paired_difference
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.simulator import sensor
+from vitruvius.agent.play.game import replayed
+from vitruvius.agent.play.results import PlayedGame, ResultsError, load
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.spelling import numbered
+from vitruvius.sim.config import DEFAULT
+from vitruvius.sim.tasks.tasks import task
+from vitruvius.sim.tasks.terms import terms_of
+from vitruvius.sim.tasks.words import in_words
 
 BESIDE = "explorer", "searcher", "oracle"
 """Baselines that are shown, the oracle last."""

@@ -3,18 +3,18 @@
 import numpy as np
 import torch
 
-from agent.algorithms.build import policy_of
-from agent.evaluation.episodes import reset
-from agent.learning.environments import make_envs
-from agent.learning.simulator import sensor
-from agent.play.results import PlayedGame, ResultsError, require_house
-from agent.policies.episodes import moments
-from agent.runs.checkpoint import Checkpoint
-from logic import House, HouseFileError, RequestError
-from logic.spelling import numbered
-from sim.actions import FORWARD, LEFT, RIGHT
-from sim.config import DEFAULT, Config
-from sim.film import Scene
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.simulator import sensor
+from vitruvius.agent.play.results import PlayedGame, ResultsError, require_house
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House, HouseFileError, RequestError
+from vitruvius.logic.spelling import numbered
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
+from vitruvius.sim.config import DEFAULT, Config
+from vitruvius.sim.film import Scene
 
 LETTERS = {LEFT: "L", RIGHT: "R", FORWARD: "F"}
 """Letters of actions in a file of results."""

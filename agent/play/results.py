@@ -8,12 +8,12 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from agent.banks import geometry_hash
-from logic import House
-from logic.errors import RequestError, VitruviusError
-from logic.house.files import write_whole
-from logic.opener import content_of, from_json
-from logic.spelling import quoted
+from vitruvius.agent.banks import geometry_hash
+from vitruvius.logic import House
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.opener import content_of, from_json
+from vitruvius.logic.spelling import quoted
 
 ENDINGS = (".jsonl",)
 """Suffixes of files of results."""

@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 import pygame
 
-from agent.play.game import Game, fan, replayed
-from agent.play.results import PlayedGame, ResultsError
-from logic import House
-from logic.house.parts import BODY as SIDE
-from sim.actions import FORWARD, LEFT, RIGHT
-from sim.film import BODY, RAY, SHARP, TARGET, TARGET_EDGE, TARGET_RAY, View, plan
-from sim.film import Scene as Picture
+from vitruvius.agent.play.game import Game, fan, replayed
+from vitruvius.agent.play.results import PlayedGame, ResultsError
+from vitruvius.logic import House
+from vitruvius.logic.house.parts import BODY as SIDE
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
+from vitruvius.sim.film import BODY, RAY, SHARP, TARGET, TARGET_EDGE, TARGET_RAY, View, plan
+from vitruvius.sim.film import Scene as Picture
 
 SIZE = 720
 """Largest length of a plan's longer side, in pixels."""

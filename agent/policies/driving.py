@@ -6,10 +6,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.planner.config import TUNED, PlannerConfig
-from agent.planner.driving import DrivingPlanner
-from sim.baselines.steering import steered
-from sim.config import Config
+from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.sim.baselines.steering import steered
+from vitruvius.sim.config import Config
 
 
 class DrivingExplorer:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from agent.policies.policies import Policy
-from sim import HouseVectorEnv
+from vitruvius.agent.policies.policies import Policy
+from vitruvius.sim import HouseVectorEnv
 
 
 class Moment(NamedTuple):

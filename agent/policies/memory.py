@@ -11,7 +11,7 @@ Axes: E environments, M half-lives, S signals: 6 for three actions.
 import torch
 from torch import Tensor, nn
 
-from sim.actions import ACTIONS
+from vitruvius.sim.actions import ACTIONS
 
 
 class Memory(nn.Module):

@@ -6,8 +6,8 @@ from contextlib import contextmanager
 import torch
 from torch import Tensor, nn
 
-from agent.policies.memory import Memory
-from sim.actions import ACTIONS
+from vitruvius.agent.policies.memory import Memory
+from vitruvius.sim.actions import ACTIONS
 
 WINDOW, STRIDE = 5, 2
 """Number of neighbouring rays that a filter reads, and of rays from one window to the next."""

@@ -6,11 +6,11 @@ import torch
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from agent.avoidance import Layer, random_preference, subsume
-from agent.planner import TUNED, Planner, PlannerConfig
-from agent.policies.network import QNetwork
-from sim.actions import ACTIONS, FORWARD
-from sim.config import DEFAULT, Config
+from vitruvius.agent.avoidance import Layer, random_preference, subsume
+from vitruvius.agent.planner import TUNED, Planner, PlannerConfig
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.sim.actions import ACTIONS, FORWARD
+from vitruvius.sim.config import DEFAULT, Config
 
 MIDDLE = slice(18, 21)
 """Rays that make an exploring body of the original go forward if they see the target."""

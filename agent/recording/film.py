@@ -10,18 +10,18 @@ from typing import Protocol
 import numpy as np
 from PIL import Image
 
-from agent.algorithms.build import policy_of
-from agent.evaluation.episodes import reset
-from agent.learning.environments import make_envs
-from agent.learning.simulator import sensor
-from agent.policies.episodes import Moment, moments
-from agent.policies.policies import Explorer, QPolicy
-from agent.progress import Report
-from agent.recording.map_picture import MapPicture, beside
-from agent.runs.checkpoint import Checkpoint
-from logic import House
-from sim import HouseVectorEnv
-from sim.film import Camera, film, largest, mosaic
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.simulator import sensor
+from vitruvius.agent.policies.episodes import Moment, moments
+from vitruvius.agent.policies.policies import Explorer, QPolicy
+from vitruvius.agent.progress import Report
+from vitruvius.agent.recording.map_picture import MapPicture, beside
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.film import Camera, film, largest, mosaic
 
 WIDTH = 480
 """Length of the house's longer side in a film of one house, in pixels."""

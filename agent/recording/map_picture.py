@@ -3,16 +3,16 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from agent.planner import FREE, TAKEN, Planner
-from agent.planner.config import CERTAIN
-from agent.planner.frame import AXES, quarters
-from agent.planner.state import NONE, TARGET
-from logic import House
-from logic.drawing.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
-from logic.drawing.palettes import Inks
-from sim.film import BODY, MARGIN, SHARP, View
-from sim.film import TARGET as FOUND
-from sim.geometry import geometry
+from vitruvius.agent.planner import FREE, TAKEN, Planner
+from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.frame import AXES, quarters
+from vitruvius.agent.planner.state import NONE, TARGET
+from vitruvius.logic import House
+from vitruvius.logic.drawing.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
+from vitruvius.logic.drawing.palettes import Inks
+from vitruvius.sim.film import BODY, MARGIN, SHARP, View
+from vitruvius.sim.film import TARGET as FOUND
+from vitruvius.sim.geometry import geometry
 
 UNKNOWN, LIKELY, EARLIER, LATELY = (226, 226, 222), (190, 214, 178), (178, 205, 232), (255, 255, 255)
 """Colours of ground: never seen; never seen, but surely free floor; seen before the last pick-up; seen

@@ -5,17 +5,17 @@ from collections import defaultdict
 import msgspec
 import numpy as np
 
-from agent.planner import FREE, TAKEN, Planner
-from agent.planner.belief_map import BeliefMap
-from agent.planner.frame import metres, quarters
-from agent.policies.episodes import Moment
-from agent.policies.policies import Explorer, QPolicy
-from agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
-from logic import House
-from sim import HouseVectorEnv
-from sim.actions import ACTION_NAMES
-from sim.film import Scene
-from sim.geometry import geometry
+from vitruvius.agent.planner import FREE, TAKEN, Planner
+from vitruvius.agent.planner.belief_map import BeliefMap
+from vitruvius.agent.planner.frame import metres, quarters
+from vitruvius.agent.policies.episodes import Moment
+from vitruvius.agent.policies.policies import Explorer, QPolicy
+from vitruvius.agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
+from vitruvius.logic import House
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import ACTION_NAMES
+from vitruvius.sim.film import Scene
+from vitruvius.sim.geometry import geometry
 
 EVERY = 5
 """Steps between two pictures of the map: 20 a second of the paper's 15 s."""

@@ -17,10 +17,10 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from logic import House
-from logic.errors import VitruviusError
-from logic.house.files import write_whole
-from logic.opener import content_of, from_json
+from vitruvius.logic import House
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.opener import content_of, from_json
 
 FORMAT = "vitruvius-trace-1"
 """Format of traces. Other versions are refused: what a column means may have changed."""

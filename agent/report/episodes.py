@@ -5,15 +5,15 @@ from pathlib import Path
 
 import msgspec
 
-from agent.recording.trace import AROUND, Trace, load
-from agent.report.page import Section
-from logic import House
-from logic.drawing.canvas import Drawing, svg
-from logic.drawing.frame import Frame, extent
-from logic.drawing.labels import background
-from logic.house.looks import looks_of
-from logic.spelling import markup, numbered
-from sim.tasks.words import in_words
+from vitruvius.agent.recording.trace import AROUND, Trace, load
+from vitruvius.agent.report.page import Section
+from vitruvius.logic import House
+from vitruvius.logic.drawing.canvas import Drawing, svg
+from vitruvius.logic.drawing.frame import Frame, extent
+from vitruvius.logic.drawing.labels import background
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.spelling import markup, numbered
+from vitruvius.sim.tasks.words import in_words
 
 SIZE = 640
 """Length of a plan's longer side, in CSS pixels."""

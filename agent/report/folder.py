@@ -10,10 +10,10 @@ from pathlib import Path
 
 import msgspec
 
-from agent.report.page import ReportError, Section, inline, page
-from logic.errors import RequestError
-from logic.house.files import write_whole
-from logic.opener import content_of, from_json
+from vitruvius.agent.report.page import ReportError, Section, inline, page
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.opener import content_of, from_json
 
 NAME = "report.html"
 
@@ -24,10 +24,10 @@ ABOUT = "about.json"
 """File in which a run describes itself: see ``About``."""
 
 SECTIONS = (
-    (("*.trace.json",), "agent.report.episodes:section"),
-    (("evaluation.json",), "agent.report.measured:section"),
-    (("config.json", "metrics.jsonl"), "agent.report.learning:section"),
-    (("*.jsonl", "*.jsonl.gz", "evaluation.json"), "agent.report.plans:section"),
+    (("*.trace.json",), "vitruvius.agent.report.episodes:section"),
+    (("evaluation.json",), "vitruvius.agent.report.measured:section"),
+    (("config.json", "metrics.jsonl"), "vitruvius.agent.report.learning:section"),
+    (("*.jsonl", "*.jsonl.gz", "evaluation.json"), "vitruvius.agent.report.plans:section"),
 )
 """Sections in the order of the page: file patterns, and the function that makes a section of the files,
 ``module:function``. A function is imported only if such files exist. Sections of a study stand before the
@@ -98,7 +98,7 @@ def _lead(files: Sequence[Path]) -> str:
     """Return the first sentence of a report of agents; a study of houses has none, and needs no agents."""
     if not files:
         return ""
-    from agent.report.measured import lead  # here: it imports torch
+    from vitruvius.agent.report.measured import lead  # here: it imports torch
 
     return lead(files)
 

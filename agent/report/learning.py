@@ -7,11 +7,11 @@ from typing import Any
 
 import msgspec
 
-from agent.learning.learner import Progress
-from agent.report.page import Cell, ReportError, Section, details, inline, table
-from agent.report.plots import Axis, DataSeries, line_plot, slots, some
-from agent.runs.runs import MOST_METRICS, Folder
-from logic.opener import content_of, from_json, opened
+from vitruvius.agent.learning.learner import Progress
+from vitruvius.agent.report.page import Cell, ReportError, Section, details, inline, table
+from vitruvius.agent.report.plots import Axis, DataSeries, line_plot, slots, some
+from vitruvius.agent.runs.runs import MOST_METRICS, Folder
+from vitruvius.logic.opener import content_of, from_json, opened
 
 MAX_CONFIG_BYTES = 1 << 20
 """Largest size of ``config.json``, in bytes."""

@@ -5,21 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from agent.banks import BANKS, benchmark
-from agent.evaluation import scores
-from agent.evaluation.baselines import KNOWS
-from agent.evaluation.drivers import NO_AGENTS
-from agent.evaluation.learnt_in import warnings
-from agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
-from agent.evaluation.scores import Figure, ModeScores, PolicyScores, ScoredBank
-from agent.evaluation.statistics import Estimate, interquartile_mean
-from agent.evaluation.tables import DRIVE_NOTE, LABELS, SCORE_NOTE, capital, human_name
-from agent.report.page import Cell, Section, details, inline, table
-from agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
-from logic import load
-from logic.house.looks import looks_of, spaced
-from logic.spelling import markup, numbered
-from sim.tasks.words import in_words
+from vitruvius.agent.banks import BANKS, benchmark
+from vitruvius.agent.evaluation import scores
+from vitruvius.agent.evaluation.baselines import KNOWS
+from vitruvius.agent.evaluation.drivers import NO_AGENTS
+from vitruvius.agent.evaluation.learnt_in import warnings
+from vitruvius.agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
+from vitruvius.agent.evaluation.scores import Figure, ModeScores, PolicyScores, ScoredBank
+from vitruvius.agent.evaluation.statistics import Estimate, interquartile_mean
+from vitruvius.agent.evaluation.tables import DRIVE_NOTE, LABELS, SCORE_NOTE, capital, human_name
+from vitruvius.agent.report.page import Cell, Section, details, inline, table
+from vitruvius.agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
+from vitruvius.logic import load
+from vitruvius.logic.house.looks import looks_of, spaced
+from vitruvius.logic.spelling import markup, numbered
+from vitruvius.sim.tasks.words import in_words
 
 COLUMNS = {
     "targets": ("targets", 1),

@@ -12,8 +12,8 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import VitruviusError
-from logic.spelling import markup
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.spelling import markup
 
 
 class ReportError(VitruviusError):

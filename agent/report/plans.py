@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from agent.banks import BANKS, bank_hash, benchmark
-from agent.evaluation import scores
-from agent.evaluation.result import yardstick
-from agent.evaluation.tables import LABELS
-from agent.report.page import Section, data
-from logic import House, load
-from logic.drawing.draw import plan_svg
-from logic.house.files import MOST_BYTES, MOST_LINE
-from logic.house.looks import looks_of
-from logic.opener import DAMAGED, from_json, opened
-from logic.spelling import numbered
-from sim.tasks.words import in_words
+from vitruvius.agent.banks import BANKS, bank_hash, benchmark
+from vitruvius.agent.evaluation import scores
+from vitruvius.agent.evaluation.result import yardstick
+from vitruvius.agent.evaluation.tables import LABELS
+from vitruvius.agent.report.page import Section, data
+from vitruvius.logic import House, load
+from vitruvius.logic.drawing.draw import plan_svg
+from vitruvius.logic.house.files import MOST_BYTES, MOST_LINE
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.opener import DAMAGED, from_json, opened
+from vitruvius.logic.spelling import numbered
+from vitruvius.sim.tasks.words import in_words
 
 MOST = 1000
 """Largest number of plans in a report. If there are more houses, the plans are spread evenly over each

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from agent.evaluation.statistics import Estimate
-from agent.report.page import details, table
-from logic.spelling import markup
+from vitruvius.agent.evaluation.statistics import Estimate
+from vitruvius.agent.report.page import details, table
+from vitruvius.logic.spelling import markup
 
 SLOTS = {
     "oracle": 1,

@@ -10,13 +10,13 @@ import safetensors
 import safetensors.torch
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.table import ALGORITHMS
-from agent.learning.config import TrainConfig
-from agent.runs.released import FORMAT, LEARNT_IN, CheckpointError, located, require_sizes
-from logic.errors import RequestError
-from logic.house.files import write_whole
-from logic.spelling import printable
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.table import ALGORITHMS
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.runs.released import FORMAT, LEARNT_IN, CheckpointError, located, require_sizes
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.spelling import printable
 
 MAX_LEARNT_HOUSES = 1 << 20
 """Largest number of houses that a checkpoint names; a house file holds at most the same number."""

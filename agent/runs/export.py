@@ -25,8 +25,8 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from logic.errors import RequestError, VitruviusError
-from logic.house.files import write_whole
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.files import write_whole
 
 INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
 

@@ -27,27 +27,27 @@ from typing import Any
 import msgspec
 import torch
 
-from agent.algorithms.build import learner_of
-from agent.banks import bank_hash, house_key, require_training_seeds
-from agent.learning import ranks
-from agent.learning.allocation import keep_freed_memory
-from agent.learning.config import TrainConfig
-from agent.learning.environments import make_envs
-from agent.learning.learner import Diverged, Learner, Progress
-from agent.learning.precision import set_precision
-from agent.learning.simulator import simulator
-from agent.progress import progress
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
-from agent.runs.released import CheckpointError
-from agent.runs.watching import RunWatcher, Watching
-from logic import House, HouseSet, HouseStream
-from logic.errors import RequestError, VitruviusError
-from logic.house.files import write_whole
-from logic.opener import archive_of, content_of, opened, reason
-from logic.spelling import keywords
-from logic.stopping import Terminated, at_signals
-from sim import HouseRotation
+from vitruvius.agent.algorithms.build import learner_of
+from vitruvius.agent.banks import bank_hash, house_key, require_training_seeds
+from vitruvius.agent.learning import ranks
+from vitruvius.agent.learning.allocation import keep_freed_memory
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.learner import Diverged, Learner, Progress
+from vitruvius.agent.learning.precision import set_precision
+from vitruvius.agent.learning.simulator import simulator
+from vitruvius.agent.progress import progress
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.agent.runs.released import CheckpointError
+from vitruvius.agent.runs.watching import RunWatcher, Watching
+from vitruvius.logic import House, HouseSet, HouseStream
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.opener import archive_of, content_of, opened, reason
+from vitruvius.logic.spelling import keywords
+from vitruvius.logic.stopping import Terminated, at_signals
+from vitruvius.sim import HouseRotation
 
 NOTHING = Watching()
 """Options of a run without evaluation, checkpoints and hook."""
@@ -143,7 +143,7 @@ def run(
 ) -> tuple[Checkpoint, list[Progress]]:
     """Train an agent in the houses to the end of its run, with the run's files in the folder ``path``.
 
-    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``sim.HouseRotation``. With ``resume``, a
+    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``vitruvius.sim.HouseRotation``. With ``resume``, a
     run in the folder continues from its last saved state, bit for bit on the CPU; in an empty folder a new
     run begins. ``every`` is the time between two lines of progress in a pipe, in seconds; None: no lines.
     ``watching`` has the options for evaluation, checkpoints and the hook.

@@ -10,20 +10,20 @@ from typing import Any
 
 import torch
 
-from agent.algorithms.build import policy_of
-from agent.banks import house_key, require_training
-from agent.learning.config import TrainConfig
-from agent.learning.environments import make_envs
-from agent.learning.learner import Progress
-from agent.learning.simulator import simulator
-from agent.policies.episodes import moments
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
-from logic import House
-from logic.dataset.splits import VALIDATION
-from logic.errors import RequestError
-from sim.tasks.tasks import task
-from sim.tasks.terms import counted
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.banks import house_key, require_training
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.learner import Progress
+from vitruvius.agent.learning.simulator import simulator
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House
+from vitruvius.logic.dataset.splits import VALIDATION
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim.tasks.tasks import task
+from vitruvius.sim.tasks.terms import counted
 
 MAX_HELD_OUT = 1024
 """Largest number of held-out houses on which an agent is evaluated during training."""

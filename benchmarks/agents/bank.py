@@ -6,10 +6,10 @@ It takes half a minute on two cores. The same solver versions (``requirements.lo
 import sys
 from argparse import ArgumentParser
 
-from agent.banks import BANKS, bank_hash, benchmark_path, geometry_hash
 from benchmarks.common.houses import in_turns
-from logic import check, save
-from logic.dataset.splits import TEST
+from vitruvius.agent.banks import BANKS, bank_hash, benchmark_path, geometry_hash
+from vitruvius.logic import check, save
+from vitruvius.logic.dataset.splits import TEST
 
 HOUSES = 256
 

@@ -5,8 +5,8 @@ A name is made of everything that a result depends on.
 
 import hashlib
 
-from agent.runs.checkpoint import Checkpoint
 from benchmarks.common.pages import ROOT
+from vitruvius.agent.runs.checkpoint import Checkpoint
 
 
 def code() -> str:

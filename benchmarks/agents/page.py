@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
-from agent.evaluation.tables import LABELS, WHERE
 from benchmarks.agents.records import Difference, Study, TrainingEntry, by_seed, difference
 from benchmarks.common.pages import table_rows
+from vitruvius.agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
+from vitruvius.agent.evaluation.tables import LABELS, WHERE
 
 UNMEASURED = "-"
 

@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
-from agent.evaluation.plots import COLOURS, plain, png
-from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
-from agent.evaluation.statistics import Estimate
-from agent.evaluation.tables import WHERE
 from benchmarks.agents.records import Study, TrainingEntry, by_seed, difference
+from vitruvius.agent.evaluation.plots import COLOURS, plain, png
+from vitruvius.agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
+from vitruvius.agent.evaluation.statistics import Estimate
+from vitruvius.agent.evaluation.tables import WHERE
 
 AGENTS = ("#1f5ea8", "#c0392b", "#4c9be8", "#7b5ea7", "#2d2d2d", "#8a6d3b")
 """Colours of agents, in the order of the study."""

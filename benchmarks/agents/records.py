@@ -7,11 +7,11 @@ from typing import Any
 
 from scipy.stats import trim_mean
 
-from agent.algorithms.table import PRESETS
-from agent.evaluation.baselines import BASELINES, PAPERS
-from agent.evaluation.result import Result
-from agent.evaluation.statistics import Estimate, paired_difference
-from agent.learning.config import TrainConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.evaluation.baselines import BASELINES, PAPERS
+from vitruvius.agent.evaluation.result import Result
+from vitruvius.agent.evaluation.statistics import Estimate, paired_difference
+from vitruvius.agent.learning.config import TrainConfig
 
 
 @dataclass(frozen=True)

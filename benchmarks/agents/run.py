@@ -12,10 +12,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
-from agent.banks import BANKS, NAME
-from agent.evaluation import scores
-from agent.learning.config import TARGET_MODES
-from agent.report.folder import describe, write_report
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
@@ -24,9 +20,13 @@ from benchmarks.agents.runs import EntryRun, ExternalRun, given
 from benchmarks.common.houses import TRAINING, training_houses
 from benchmarks.common.pages import ROOT, machine, revision, versions, write
 from benchmarks.common.processes import CLI, Job, StudyFailed, run_all
-from logic.cluster import Cluster, engine
-from logic.errors import RequestError
-from logic.spelling import unknown
+from vitruvius.agent.banks import BANKS, NAME
+from vitruvius.agent.evaluation import scores
+from vitruvius.agent.learning.config import TARGET_MODES
+from vitruvius.agent.report.folder import describe, write_report
+from vitruvius.logic.cluster import Cluster, engine
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import unknown
 
 
 @dataclass(frozen=True)

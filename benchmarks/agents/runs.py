@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from agent.evaluation import scores
-from agent.evaluation.episodes import EpisodeScores
-from agent.evaluation.result import Result
-from agent.learning.config import TrainConfig, differences
-from agent.runs import checkpoint
-from agent.runs.runs import Folder
 from benchmarks.agents.entries import EXTERNALS
 from benchmarks.agents.records import External, Outcome, TrainingEntry, options
 from benchmarks.common.pages import ROOT
 from benchmarks.common.processes import CLI, Job, StudyFailed, failure, why
-from logic.errors import RequestError
+from vitruvius.agent.evaluation import scores
+from vitruvius.agent.evaluation.episodes import EpisodeScores
+from vitruvius.agent.evaluation.result import Result
+from vitruvius.agent.learning.config import TrainConfig, differences
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.runs import Folder
+from vitruvius.logic.errors import RequestError
 
 
 @dataclass(frozen=True)

@@ -12,22 +12,22 @@ import numpy as np
 import torch
 import tyro
 
-from agent.banks import bank_hash
-from agent.evaluation import scores
-from agent.evaluation.protocol import measure
-from agent.evaluation.statistics import Estimate
-from agent.evaluation.tables import Table
-from agent.learning.config import TargetMode
-from agent.planner import TUNED, Planner
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns, kept_houses
 from benchmarks.common.pages import ROOT, write_tables
-from logic import House, load
-from logic.dataset.splits import VALIDATION
-from logic.house.files import write_whole
-from sim.config import DEFAULT
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.evaluation import scores
+from vitruvius.agent.evaluation.protocol import measure
+from vitruvius.agent.evaluation.statistics import Estimate
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.config import TargetMode
+from vitruvius.agent.planner import TUNED, Planner
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House, load
+from vitruvius.logic.dataset.splits import VALIDATION
+from vitruvius.logic.house.files import write_whole
+from vitruvius.sim.config import DEFAULT
 
 ORIGINAL = ROOT / "tests/fixtures/example1.json"
 """House of the original program; the study leaves it out if the file is missing."""

@@ -16,11 +16,11 @@ from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.score import Answer
 from benchmarks.common.houses import INFERENCES
 from benchmarks.common.processes import LIBC
-from logic.errors import LimitReached, Unsatisfiable
-from logic.generation.builder import Builder
-from logic.proofs.answer import house_or_proof
-from logic.request.brief import Brief
-from logic.request.request import Request
+from vitruvius.logic.errors import LimitReached, Unsatisfiable
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.brief import Brief
+from vitruvius.logic.request.request import Request
 
 PATIENCE = 20
 """Clock seconds per second of processor time that an attempt may take, because the machine has other work."""

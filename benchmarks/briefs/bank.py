@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import msgspec
 
-from logic.errors import HouseFileError
-from logic.house.files import write_whole
-from logic.request.brief import Brief, read_brief
+from vitruvius.logic.errors import HouseFileError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.request.brief import Brief, read_brief
 
 FILE = Path(__file__).with_name("briefs-v1.jsonl.gz")
 HASH = "58b4ab9521c5c4a7da9522b591a271608d0093288888aa1f1c45c898a4878a46"

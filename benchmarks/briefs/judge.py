@@ -15,10 +15,10 @@ from benchmarks.briefs.boxes import (
     outer_parts,
     shared,
 )
-from logic.errors import HouseFileError
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Rect, Room
-from logic.request.brief import Brief, BriefRoom, Entrance, Span
+from vitruvius.logic.errors import HouseFileError
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Rect, Room
+from vitruvius.logic.request.brief import Brief, BriefRoom, Entrance, Span
 
 DOOR = 0.7
 """Smallest width of a door, in metres."""

@@ -19,7 +19,7 @@ from benchmarks.briefs.bank import BriefEntry, save_entries
 from benchmarks.briefs.boxes import SIDES
 from benchmarks.briefs.judge import faults, lines
 from benchmarks.briefs.plans import KnownPlan, of_dissection, of_houses
-from logic.dataset.splits import TEST
+from vitruvius.logic.dataset.splits import TEST
 
 HOUSES = {
     "home": {5: 20, 8: 20, 10: 20, 12: 20},

@@ -11,7 +11,7 @@ from benchmarks.briefs.attempts import Attempt
 from benchmarks.briefs.bank import HASH, BriefEntry, frozen
 from benchmarks.briefs.score import JudgedAnswer, score
 from benchmarks.common.pages import machine, table_rows, versions
-from logic.layout.account import GROUNDING, LAYOUT, LENGTHS
+from vitruvius.logic.layout.account import GROUNDING, LAYOUT, LENGTHS
 
 TEMPLATE = Path(__file__).with_name("template.md")
 

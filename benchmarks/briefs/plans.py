@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.briefs.boxes import Box, around, contact, outer_parts, shared
-from logic import generate
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Room, Window
+from vitruvius.logic import generate
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Room, Window
 
 DOORWAY = 0.92
 """Length of wall that a door of a plan has, in metres. It is more than the 0.9 m that ours take, with

@@ -22,12 +22,12 @@ from benchmarks.briefs.tightened import tightened
 from benchmarks.common.houses import INFERENCES
 from benchmarks.common.processes import say
 from benchmarks.common.rows import read_rows, write_rows
-from logic.errors import RequestError
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.request.brief import alone
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.request.brief import alone
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 BRIEF, GIVEN = "brief", ("grammar", "plan")
 """Kinds of requests: a brief of a random tiling, and a grammar and a plan of a generated house."""

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Collection
 
 from benchmarks.briefs.attempts import Attempt
-from logic.request.brief import Brief
-from logic.request.brief_lines import requirements
-from logic.request.eased import without
+from vitruvius.logic.request.brief import Brief
+from vitruvius.logic.request.brief_lines import requirements
+from vitruvius.logic.request.eased import without
 
 
 def needed(brief: Brief, because: Collection[str], tried: Callable[[Brief], Attempt]) -> tuple[int, int, int]:

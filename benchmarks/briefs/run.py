@@ -16,11 +16,11 @@ from benchmarks.briefs.proofs import needed
 from benchmarks.briefs.score import Answer, judged_all, read_answers, score
 from benchmarks.common.pages import write
 from benchmarks.common.processes import say
-from logic.errors import RequestError
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.files import write_whole
-from logic.request.brief import Brief, alone
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.request.brief import Brief, alone
 
 KINDS: tuple[Kind, ...] = ("house", "dissection", "changed", "impossible")
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.judge import JudgedLine, faults, lines, plan_of
-from logic.errors import HouseFileError
-from logic.house.files import MOST_BYTES
-from logic.house.house import House
-from logic.opener import opened
-from logic.spelling import unknown
+from vitruvius.logic.errors import HouseFileError
+from vitruvius.logic.house.files import MOST_BYTES
+from vitruvius.logic.house.house import House
+from vitruvius.logic.opener import opened
+from vitruvius.logic.spelling import unknown
 
 
 class Answer(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -7,8 +7,8 @@ from math import ceil, floor
 from pathlib import Path
 
 from benchmarks.briefs.boxes import around
-from logic.generation.builder import Builder
-from logic.house.house import House
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.house.house import House
 
 PER_METRE = 1e6
 """Steps of a stated length per metre, and of a stated area per square metre."""

@@ -5,10 +5,10 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from agent.banks import bank_hash
 from benchmarks.common.processes import say
-from logic import House, generate, load, save
-from logic.errors import VitruviusError
+from vitruvius.agent.banks import bank_hash
+from vitruvius.logic import House, generate, load, save
+from vitruvius.logic.errors import VitruviusError
 
 INFERENCES = 10**9
 """Largest number of inferences of stage 2 for a house: more than any house takes."""

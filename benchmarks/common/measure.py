@@ -12,7 +12,7 @@ from typing import Any
 from benchmarks.common.pages import ROOT, write
 from benchmarks.common.plot import plot
 from benchmarks.common.series import is_rate, law, series_of
-from logic import VitruviusError
+from vitruvius.logic import VitruviusError
 
 INTERRUPTED = 2
 """Exit code of pytest after Ctrl-C."""

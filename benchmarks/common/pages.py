@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from logic.errors import RequestError
-from logic.house.files import write_whole
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.files import write_whole
 
 if TYPE_CHECKING:
-    from agent.evaluation.tables import Table
+    from vitruvius.agent.evaluation.tables import Table
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the checkout, or of the installed wheel."""

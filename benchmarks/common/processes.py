@@ -17,9 +17,9 @@ from pathlib import Path
 from time import sleep
 
 from benchmarks.common.pages import ROOT
-from logic.cluster import Cluster
-from logic.errors import MissingProgram, VitruviusError
-from logic.house.files import write_whole
+from vitruvius.logic.cluster import Cluster
+from vitruvius.logic.errors import MissingProgram, VitruviusError
+from vitruvius.logic.house.files import write_whole
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
 """Environment of a process whose libraries use one thread each."""

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from agent.report.page import ReportError, Section, inline, table
-from agent.report.plots import Axis, DataSeries, line_plot
 from benchmarks.common.pages import machine
 from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
+from vitruvius.agent.report.page import ReportError, Section, inline, table
+from vitruvius.agent.report.plots import Axis, DataSeries, line_plot
 
 COLOURS = 10
 """Number of line colours: classes of a report's style."""

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, label
 
 from benchmarks.exploration.seen import OPEN, UNSEEN, Seen
-from sim.actions import FORWARD, HEADINGS, LEFT, RIGHT
+from vitruvius.sim.actions import FORWARD, HEADINGS, LEFT, RIGHT
 
 SMALLEST = 10
 """Size in cells of a frontier that is too small: frontiers of no more cells are left out, as in MapEx."""

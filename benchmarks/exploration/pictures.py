@@ -6,8 +6,8 @@ import numpy as np
 
 from benchmarks.common.pages import png
 from benchmarks.exploration.play import AGENTS, Walk
-from logic import House
-from logic.house.occupancy import FREE, OCCUPIED
+from vitruvius.logic import House
+from vitruvius.logic.house.occupancy import FREE, OCCUPIED
 
 Walks = Mapping[tuple[str, str, str], list[Walk]]
 """Walks by sensor, map and agent."""

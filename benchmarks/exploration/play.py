@@ -7,16 +7,16 @@ import numpy as np
 import torch
 from scipy.ndimage import label
 
-from agent.evaluation.episodes import reset
-from agent.learning.environments import shield
-from agent.planner import TUNED
-from agent.policies.policies import Explorer
 from benchmarks.exploration.frontier import NearestFrontier
 from benchmarks.exploration.seen import OPEN, Seen
-from logic import House
-from logic.house.occupancy import FREE
-from sim import HouseVectorEnv
-from sim.config import DEFAULT, Config
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.planner import TUNED
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.logic import House
+from vitruvius.logic.house.occupancy import FREE
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT, Config
 
 EXPLORER, FRONTIER = "explorer", "nearest frontier"
 AGENTS = EXPLORER, FRONTIER

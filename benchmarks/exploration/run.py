@@ -11,14 +11,14 @@ from typing import Literal
 import numpy as np
 import tyro
 
-from agent import planner
-from agent.banks import bank_hash
-from agent.policies import policies
 from benchmarks.common.pages import machine, table_rows, versions, write, write_arrays
 from benchmarks.common.processes import say
 from benchmarks.exploration import frontier, pictures, play, seen
 from benchmarks.exploration.play import AGENTS, EXPLORER, FRONTIER, Walk
-from logic import House, RequestError, load
+from vitruvius.agent import planner
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.policies import policies
+from vitruvius.logic import House, RequestError, load
 
 PARTS = 6
 """Number of distances for which the seen area is listed."""

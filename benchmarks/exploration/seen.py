@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from logic.house.occupancy import FREE, OccupancyGrid
-from sim.actions import HEADINGS
-from sim.backends.backend import Lattice
-from sim.runtime import Array, Bytes, Floats, Ints, Launch, kernel, start, ti
+from vitruvius.logic.house.occupancy import FREE, OccupancyGrid
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.backends.backend import Lattice
+from vitruvius.sim.runtime import Array, Bytes, Floats, Ints, Launch, kernel, start, ti
 
 UNSEEN, OPEN, SHUT = range(3)
 """States of a cell."""

@@ -12,24 +12,24 @@ import msgspec
 import numpy as np
 from clingo import Symbol
 
-from agent.report.folder import write_report
 from benchmarks import SECTIONS
 from benchmarks.common.houses import INFERENCES
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
 from benchmarks.generator.section import Times
-from logic import check
-from logic.drawing.draw import contact_sheet
-from logic.errors import RequestError
-from logic.generation.builder import Builder
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.grammar import find
-from logic.house.files import save, write_whole
-from logic.house.house import House
-from logic.layout.program import Nogood
-from logic.placement.plan import Plan
-from logic.request.request import Request
+from vitruvius.agent.report.folder import write_report
+from vitruvius.logic import check
+from vitruvius.logic.drawing.draw import contact_sheet
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.files import save, write_whole
+from vitruvius.logic.house.house import House
+from vitruvius.logic.layout.program import Nogood
+from vitruvius.logic.placement.plan import Plan
+from vitruvius.logic.request.request import Request
 
 WARM = 20
 """Number of houses that are made before any is timed, because the first searches of a program take longer."""

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from logic.cluster import ENVIRONMENT, STORE
+from vitruvius.logic.cluster import ENVIRONMENT, STORE
 
 
 class Plain:

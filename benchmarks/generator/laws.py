@@ -13,14 +13,14 @@ import numpy as np
 from clingo import Function, parse_term
 from scipy.stats import beta, kstest
 
-from logic import House
-from logic.generation.builder import Builder
-from logic.generation.star import StarMaker, house
-from logic.placement import prolog
-from logic.placement.layout import Layout, RoomLayout
-from logic.placement.lengths import stated_lengths
-from logic.placement.placer import Infeasible, Misfit
-from logic.request.request import Request
+from vitruvius.logic import House
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.star import StarMaker, house
+from vitruvius.logic.placement import prolog
+from vitruvius.logic.placement.layout import Layout, RoomLayout
+from vitruvius.logic.placement.lengths import stated_lengths
+from vitruvius.logic.placement.placer import Infeasible, Misfit
+from vitruvius.logic.request.request import Request
 
 CHAINS = Path(__file__).with_name("chains.pl")
 

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from clingo import Symbol
 
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.layout.program import EVERY, Program
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.layout.program import EVERY, Program
 
 PARTS = {
     "types": {"room": (0, 1)},

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median, quantiles
 
-from logic.house.house import House
+from vitruvius.logic.house.house import House
 
 PASSAGES = ("corridor", "hall")
 """Types of rooms that people pass through."""

@@ -5,12 +5,12 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from agent.report.folder import write_report
 from benchmarks import SECTIONS
 from benchmarks.common.measure import study
 from benchmarks.generator.page import generator_page
-from logic.errors import RequestError
-from logic.grammar import find
+from vitruvius.agent.report.folder import write_report
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.grammar import find
 
 Part = Literal["loading", "house", "layout", "place", "workers", "rejection", "decide", "sample"]
 

@@ -18,9 +18,9 @@ import numpy as np
 from benchmarks.common.pages import machine, png, table_rows, versions, write
 from benchmarks.generator.laws import Law, laws
 from benchmarks.generator.layouts import Spread, entropy, spread
-from logic import House, generate
-from logic.generation.builder import Builder
-from logic.grammar import find
+from vitruvius.logic import House, generate
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
 
 GRAMMARS = ("family", "paper")
 """Grammars of stars, whose rules make the outline of a plan full."""

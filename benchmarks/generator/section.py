@@ -6,8 +6,8 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from agent.report.page import ReportError, Section, table
-from agent.report.plots import Axis, DataSeries, line_plot
+from vitruvius.agent.report.page import ReportError, Section, table
+from vitruvius.agent.report.plots import Axis, DataSeries, line_plot
 
 
 class Times(msgspec.Struct):

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from benchmarks.generator.killing import Plain, victims
-from logic.dataset.sets import files_of_shards, read_manifest
-from logic.errors import RequestError, VitruviusError
-from logic.house.files import write_whole
-from logic.terminal import say
+from vitruvius.logic.dataset.sets import files_of_shards, read_manifest
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.terminal import say
 
 
 class NotMade(VitruviusError):

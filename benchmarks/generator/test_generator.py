@@ -19,15 +19,15 @@ from scipy.optimize import linprog
 from scipy.sparse import block_diag, coo_array, csr_array
 
 from benchmarks.common.houses import INFERENCES
-from logic import House, generate
-from logic.generation.builder import Builder
-from logic.generation.star import StarMaker
-from logic.grammar import find
-from logic.language.loaded import LoadedGrammar
-from logic.placement import prolog
-from logic.placement.layout import Layout
-from logic.placement.plan import StarPlan
-from logic.request.request import Request
+from vitruvius.logic import House, generate
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.star import StarMaker
+from vitruvius.logic.grammar import find
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.placement import prolog
+from vitruvius.logic.placement.layout import Layout
+from vitruvius.logic.placement.plan import StarPlan
+from vitruvius.logic.request.request import Request
 
 GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
 ROOMS = [int(number) for number in os.environ.get("VITRUVIUS_ROOMS", "1 2 4 8 16 32 64 128").split()]

@@ -13,21 +13,21 @@ from scipy.optimize import linprog
 
 from benchmarks.briefs.bank import frozen
 from benchmarks.common.houses import INFERENCES
-from logic.errors import LimitReached
-from logic.generation.brief import BriefMaker
-from logic.generation.builder import Builder
-from logic.generation.evidence import NoLayout
-from logic.generation.furnish import Frame
-from logic.generation.shared_walls import SharedWallsMaker, given_room
-from logic.grammar import find
-from logic.layout.differences import DIFFERENCES
-from logic.layout.program import Program
-from logic.layout.programs import GIVEN
-from logic.layout.terms import parts
-from logic.placement import prolog
-from logic.placement.plan import Plan
-from logic.request.brief import alone
-from logic.request.request import Request
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.brief import BriefMaker
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.furnish import Frame
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker, given_room
+from vitruvius.logic.grammar import find
+from vitruvius.logic.layout.differences import DIFFERENCES
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.terms import parts
+from vitruvius.logic.placement import prolog
+from vitruvius.logic.placement.plan import Plan
+from vitruvius.logic.request.brief import alone
+from vitruvius.logic.request.request import Request
 
 WIDE = [Number(mm) for mm in (1, 99_999, 1, 99_999)]
 

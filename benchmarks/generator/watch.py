@@ -16,8 +16,8 @@ from tempfile import TemporaryDirectory
 from urllib.parse import SplitResult, urlsplit
 
 from benchmarks.common.pages import machine
-from logic.errors import RequestError
-from logic.grammar import find
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.grammar import find
 
 LONGEST = 120.0
 """Longest time for an answer, in seconds."""

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.avoidance import Free, PaperRule
-from agent.evaluation.baselines import explorer, oracle
-from agent.evaluation.episodes import play
-from agent.evaluation.result import HUMAN
-from agent.learning.environments import make_envs
-from agent.policies.policies import Policy, QPolicy
-from agent.runs import checkpoint
 from benchmarks.common.pages import table_rows
-from logic.house.files import write_whole
-from sim import HouseVectorEnv
-from sim.config import DEFAULT, PAPER
-from sim.environment.arguments import PAPER_HOUSE, house_list
+from vitruvius.agent.avoidance import Free, PaperRule
+from vitruvius.agent.evaluation.baselines import explorer, oracle
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.evaluation.result import HUMAN
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.policies.policies import Policy, QPolicy
+from vitruvius.agent.runs import checkpoint
+from vitruvius.logic.house.files import write_whole
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT, PAPER
+from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
 
 TASKS = ("paper-main", "paper-secondary", "paper-mixed")
 

@@ -19,13 +19,13 @@ import numpy as np
 
 from benchmarks.common.pages import DOCS, machine, png, table_rows
 from benchmarks.common.processes import say
-from logic.cluster import engine
-from logic.errors import LimitReached, RequestError, VitruviusError
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.files import write_whole
-from logic.placement import prolog
-from logic.request.request import Request
+from vitruvius.logic.cluster import engine
+from vitruvius.logic.errors import LimitReached, RequestError, VitruviusError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.placement import prolog
+from vitruvius.logic.request.request import Request
 
 TYPES = ("bedroom", "bathroom", "kitchen", "hall")
 """Types of rooms in turn, so that a house has one room of each type before it has two: the original allows

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from agent.evaluation.result import HUMAN
 from benchmarks.paper import agents, complexity, training
 from benchmarks.paper.agents import TASKS, mean
+from vitruvius.agent.evaluation.result import HUMAN
 
 PARTS: dict[str, Any] = {"agents": agents, "training": training, "complexity": complexity}
 """Parts of the study by name: modules with ``measure(out)``, the data, and ``section(data)``, its

@@ -13,9 +13,9 @@ import tyro
 
 from benchmarks.common.pages import DOCS, write
 from benchmarks.paper.page import PARTS, paper_page
-from logic.errors import RequestError
-from logic.house.files import require_folder, write_whole
-from logic.spelling import unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.files import require_folder, write_whole
+from vitruvius.logic.spelling import unknown
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import one_hot
 
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.paper.learner import q_targets
-from agent.algorithms.paper.network import PaperNetwork
-from agent.policies.policies import MIDDLE
-from sim import HouseVectorEnv
-from sim.actions import ACTIONS, FORWARD
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.paper.learner import q_targets
+from vitruvius.agent.algorithms.paper.network import PaperNetwork
+from vitruvius.agent.policies.policies import MIDDLE
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import ACTIONS, FORWARD
 
 Layers = list[tuple[Tensor, Tensor]]
 """Weights (N, inputs, outputs) and biases (N, 1, outputs) of the dense layers, in order."""

@@ -13,17 +13,17 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import torch
 
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.table import PRESETS
-from agent.evaluation.result import HUMAN
-from agent.learning.environments import make_envs
-from agent.progress import progress
 from benchmarks.common.pages import png, table_rows
 from benchmarks.paper.agents import TASKS, mean
 from benchmarks.paper.side_by_side import Actors, Layers, Runs
-from logic import generate
-from logic.house.files import write_whole
-from sim.environment.arguments import PAPER_HOUSE, house_list
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.evaluation.result import HUMAN
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.progress import progress
+from vitruvius.logic import generate
+from vitruvius.logic.house.files import write_whole
+from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
 
 PRESET = cast(PaperConfig, PRESETS["paper"])
 

@@ -13,21 +13,21 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.chooser import best
-from agent.algorithms.search.values import TrueValues
-from agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps, views
-from agent.learning.environments import shield
-from agent.planner import Planner
-from agent.planner.frame import AXES
-from agent.policies.policies import Explorer
 from benchmarks.planner.true_views import TrueChooser
-from sim import HouseVectorEnv
-from sim.baselines.coverage import WORD, LineOfSight, bit
-from sim.baselines.posterior import AT_ONCE, SAMPLE, SAMPLED, SPOT, VIEW
-from sim.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
-from sim.baselines.views import ViewValues
-from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from sim.world.episodes import Episodes, WorldArrays, loaded
+from vitruvius.agent.algorithms.search.chooser import best
+from vitruvius.agent.algorithms.search.values import TrueValues
+from vitruvius.agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps, views
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.frame import AXES
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines.coverage import WORD, LineOfSight, bit
+from vitruvius.sim.baselines.posterior import AT_ONCE, SAMPLE, SAMPLED, SPOT, VIEW
+from vitruvius.sim.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
+from vitruvius.sim.baselines.views import ViewValues
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
+from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
 
 FIRST = 12
 """Number of places whose best views are tried as the first one."""

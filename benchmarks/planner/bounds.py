@@ -13,11 +13,16 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.map_completion.truth import Truth
-from agent.algorithms.search.chooser import best, by_parts
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.learner import LearnedSearch
-from agent.algorithms.search.network import (
+from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
+from benchmarks.common.pages import write_arrays, write_tables
+from benchmarks.planner.explorers import SEED
+from benchmarks.planner.learning import clustered
+from benchmarks.planner.views import AGENT, INPUTS
+from vitruvius.agent.algorithms.map_completion.truth import Truth
+from vitruvius.agent.algorithms.search.chooser import best, by_parts
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.search.learner import LearnedSearch
+from vitruvius.agent.algorithms.search.network import (
     DENSE,
     HARDLY,
     PASSES,
@@ -29,20 +34,15 @@ from agent.algorithms.search.network import (
     stands,
     unforeseen,
 )
-from agent.algorithms.search.windows import PLACES, SCALE, ViewMaps, views
-from agent.algorithms.table import PRESETS
-from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs
-from agent.planner.frame import AXES
-from agent.runs import checkpoint
-from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
-from benchmarks.common.pages import write_arrays, write_tables
-from benchmarks.planner.explorers import SEED
-from benchmarks.planner.learning import clustered
-from benchmarks.planner.views import AGENT, INPUTS
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.baselines.posterior import SPOT, SPOTS
+from vitruvius.agent.algorithms.search.windows import PLACES, SCALE, ViewMaps, views
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.planner.frame import AXES
+from vitruvius.agent.runs import checkpoint
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines.posterior import SPOT, SPOTS
 
 NOTED = 0.3
 """Fraction of the choices that are judged, because the choices of an episode are similar."""

@@ -13,19 +13,19 @@ import torch
 from torch import Tensor
 
 import agent
-from agent.algorithms.build import policy_of
-from agent.evaluation.baselines import BASELINES
-from agent.learning.config import TrainConfig
-from agent.learning.environments import shield
-from agent.policies.policies import Explorer, Policy
-from agent.runs import checkpoint
-from agent.runs.released import located
 from benchmarks.planner import prior
 from benchmarks.planner.prior import Informed
 from benchmarks.planner.truth import truth
-from logic.errors import RequestError
-from logic.spelling import unknown
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.policies.policies import Explorer, Policy
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.released import located
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim import HouseVectorEnv
 
 EXPLORER = "explorer"
 

@@ -13,15 +13,15 @@ from typing import Protocol
 import numpy as np
 import torch
 
-from agent.evaluation.episodes import reset
-from agent.learning.environments import shield
-from agent.planner import STATE, Planner
-from agent.planner.paths import FAR
-from agent.planner.state import AT, NONE, SEARCH, SIZE
-from agent.policies.episodes import moments
-from agent.policies.policies import Explorer, Policy, Tracker
-from sim import HouseVectorEnv
-from sim.world.kernels import BLOCKED
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.planner import STATE, Planner
+from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.state import AT, NONE, SEARCH, SIZE
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.agent.policies.policies import Explorer, Policy, Tracker
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.world.kernels import BLOCKED
 
 MEMORY = tuple(name for name in STATE if name != "advice")
 """Arrays of planners that determine their next steps."""

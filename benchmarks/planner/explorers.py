@@ -25,28 +25,28 @@ import torch
 import tyro
 from torch import Tensor
 
-from agent import avoidance, planner
-from agent.banks import bank_hash
-from agent.evaluation.baselines import BASELINES
-from agent.evaluation.episodes import reset
-from agent.evaluation.statistics import interquartile_mean
-from agent.evaluation.tables import Table
-from agent.learning.config import TargetMode
-from agent.learning.environments import make_envs, shield
-from agent.planner import TUNED, Planner, PlannerConfig
-from agent.policies import policies
-from agent.policies.episodes import moments
-from agent.policies.policies import Explorer, Policy, Tracker
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
 from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner import prior
-from logic import House
-from logic.dataset.splits import VALIDATION
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.baselines import oracle, searcher
-from sim.config import DEFAULT
+from vitruvius.agent import avoidance, planner
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.evaluation.statistics import interquartile_mean
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.config import TargetMode
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import TUNED, Planner, PlannerConfig
+from vitruvius.agent.policies import policies
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.agent.policies.policies import Explorer, Policy, Tracker
+from vitruvius.logic import House
+from vitruvius.logic.dataset.splits import VALIDATION
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines import oracle, searcher
+from vitruvius.sim.config import DEFAULT
 
 SEED = VALIDATION[len(VALIDATION) // 2]
 """Seed of the houses: those with r rooms have ``SEED + r``. Other studies take theirs from the range's

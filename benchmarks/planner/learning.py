@@ -19,26 +19,26 @@ import numpy as np
 import torch
 import tyro
 
-from agent.banks import bank_hash, named
-from agent.evaluation.episodes import reset
-from agent.evaluation.protocol import shortest_ways
-from agent.evaluation.statistics import mean
-from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs, playable
-from agent.learning.simulator import sensor
-from agent.policies.episodes import moments
-from agent.policies.policies import Policy
 from benchmarks.common.houses import by_rooms, kept_houses
 from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
 from benchmarks.planner.decisions import Decisions, Tracked, decisions
 from benchmarks.planner.explorers import ORACLE, SEED
-from logic import House
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.config import DEFAULT
-from sim.tasks.tasks import task
+from vitruvius.agent.banks import bank_hash, named
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.evaluation.protocol import shortest_ways
+from vitruvius.agent.evaluation.statistics import mean
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.environments import make_envs, playable
+from vitruvius.agent.learning.simulator import sensor
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.agent.policies.policies import Policy
+from vitruvius.logic import House
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT
+from vitruvius.sim.tasks.tasks import task
 
 EARLY = 500
 """Number of first steps that have a column of their own."""

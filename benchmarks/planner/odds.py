@@ -16,22 +16,22 @@ from scipy.ndimage import label
 from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
-from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs, shield
-from agent.planner import TUNED, Planner
-from agent.planner.config import CERTAIN
-from agent.planner.frame import metres
-from agent.planner.mapping.occupancy import NEAR, SOLID, Occupancy
-from agent.planner.viewpoints.belief import Belief
-from agent.policies.episodes import moments
-from agent.policies.policies import Explorer
 from benchmarks.common.houses import ROOMS, by_rooms
-from logic import House
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.baselines.coverage import PITCH, Coverage
-from sim.config import DEFAULT
-from sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, ti
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import TUNED, Planner
+from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.frame import metres
+from vitruvius.agent.planner.mapping.occupancy import NEAR, SOLID, Occupancy
+from vitruvius.agent.planner.viewpoints.belief import Belief
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.logic import House
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines.coverage import PITCH, Coverage
+from vitruvius.sim.config import DEFAULT
+from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, ti
 
 SIDE = 1 << TUNED.map_bits
 

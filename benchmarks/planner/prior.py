@@ -7,12 +7,12 @@ Each kind of ``PRIORS`` includes the ones before it. ``benchmarks.planner.explor
 import numpy as np
 from torch import Tensor
 
-from agent.learning.environments import make_envs
-from agent.planner import Planner
-from agent.planner.config import CERTAIN
-from agent.policies.policies import Tracker
 from benchmarks.planner.odds import BESIDE, SIDE, TargetSpots
-from sim import HouseVectorEnv
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.policies.policies import Tracker
+from vitruvius.sim import HouseVectorEnv
 
 FLOOR, ROOMS, WALLS = PRIORS = "floor", "rooms", "walls"
 """Kinds of prior knowledge: the unseen ground that is floor, where targets may lie in some room; the rooms in

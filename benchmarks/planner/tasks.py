@@ -19,26 +19,26 @@ import numpy as np
 import torch
 import tyro
 
-from agent.banks import bank_hash
-from agent.evaluation.baselines import Privileged, explorer, oracle
-from agent.evaluation.episodes import EpisodeScores, play
-from agent.evaluation.protocol import shortest_ways
-from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs, playable
-from agent.policies.policies import Policy
 from benchmarks.common.houses import in_turns, kept_houses
 from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.explorers import difference
-from logic import House
-from logic.dataset.splits import VALIDATION
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.baselines import posterior, priors, searcher, view_planner
-from sim.baselines.priors import PriorName
-from sim.baselines.searcher import Searcher
-from sim.tasks import furniture as furniture_tasks
-from sim.tasks.tasks import task
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.evaluation.baselines import Privileged, explorer, oracle
+from vitruvius.agent.evaluation.episodes import EpisodeScores, play
+from vitruvius.agent.evaluation.protocol import shortest_ways
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.environments import make_envs, playable
+from vitruvius.agent.policies.policies import Policy
+from vitruvius.logic import House
+from vitruvius.logic.dataset.splits import VALIDATION
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines import posterior, priors, searcher, view_planner
+from vitruvius.sim.baselines.priors import PriorName
+from vitruvius.sim.baselines.searcher import Searcher
+from vitruvius.sim.tasks import furniture as furniture_tasks
+from vitruvius.sim.tasks.tasks import task
 
 SEED = VALIDATION[len(VALIDATION) // 2] + 100
 """Seed of the houses; other studies of the planner use smaller ones."""

@@ -8,18 +8,18 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.map_completion.marks import Marks
-from agent.algorithms.map_completion.network import CompletionNetwork
-from agent.algorithms.search.chooser import ViewChooser, by_parts
-from agent.algorithms.search.network import ViewNetwork, foreseen
-from agent.algorithms.search.windows import ViewMaps
-from agent.learning.config import TrainConfig
-from agent.learning.environments import shield
-from agent.planner import Planner
-from agent.policies.policies import Explorer, Tracker
-from agent.runs import checkpoint
-from sim import HouseVectorEnv
-from sim.config import Config
+from vitruvius.agent.algorithms.map_completion.marks import Marks
+from vitruvius.agent.algorithms.map_completion.network import CompletionNetwork
+from vitruvius.agent.algorithms.search.chooser import ViewChooser, by_parts
+from vitruvius.agent.algorithms.search.network import ViewNetwork, foreseen
+from vitruvius.agent.algorithms.search.windows import ViewMaps
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.policies.policies import Explorer, Tracker
+from vitruvius.agent.runs import checkpoint
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import Config
 
 AGENT = "search"
 

@@ -4,14 +4,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.chooser import ViewChooser, best
-from agent.algorithms.search.network import ViewNetwork
-from agent.algorithms.search.values import TrueValues
-from agent.algorithms.search.windows import ViewMaps, views
-from agent.learning.environments import shield
-from agent.planner import Planner
-from agent.policies.policies import Explorer
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.search.chooser import ViewChooser, best
+from vitruvius.agent.algorithms.search.network import ViewNetwork
+from vitruvius.agent.algorithms.search.values import TrueValues
+from vitruvius.agent.algorithms.search.windows import ViewMaps, views
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
 
 
 class TrueChooser(ViewChooser):

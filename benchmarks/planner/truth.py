@@ -3,12 +3,12 @@
 import numpy as np
 import torch
 
-from agent.algorithms.map_completion.foresight import Foresight
-from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.algorithms.map_completion.truth import Truth
-from agent.learning.environments import shield
-from agent.policies.policies import Explorer
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.map_completion.foresight import Foresight
+from vitruvius.agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from vitruvius.agent.algorithms.map_completion.truth import Truth
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
 
 SURE = 9.0
 """Logit that is as good as certain."""

@@ -21,30 +21,30 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from agent.algorithms.build import policy_of
-from agent.algorithms.search.chooser import ViewChooser, best, by_parts
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.learner import HELD, LearnedSearch
-from agent.algorithms.search.network import ViewNetwork, cost, in_view, stands, unforeseen
-from agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps, views
-from agent.algorithms.table import PRESETS
-from agent.banks import bank_hash
-from agent.evaluation.tables import Table
-from agent.learning.environments import make_envs, shield
-from agent.planner import TUNED
-from agent.policies.policies import Explorer
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
 from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import Maker, Shuffled
 from benchmarks.planner.explorers import SEED
 from benchmarks.planner.learning import clustered
-from logic import House
-from logic.errors import RequestError
-from logic.spelling import unknown
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.build import policy_of
+from vitruvius.agent.algorithms.search.chooser import ViewChooser, best, by_parts
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.search.learner import HELD, LearnedSearch
+from vitruvius.agent.algorithms.search.network import ViewNetwork, cost, in_view, stands, unforeseen
+from vitruvius.agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps, views
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import TUNED
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.logic import House
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim import HouseVectorEnv
 
 AGENT = "search"
 

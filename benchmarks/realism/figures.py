@@ -8,9 +8,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from logic.house.boxes import Box
-from logic.house.house import House
-from logic.request.own_plan import OwnPlan
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.house import House
+from vitruvius.logic.request.own_plan import OwnPlan
 
 SHARED = 0.1
 """Smallest length of wall, in metres, at which two rooms count as sharing a wall."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.realism.figures import PlanFigures
-from logic.grammar import Grammar
+from vitruvius.logic.grammar import Grammar
 
 GREATEST = 1000
 """Weight of the most frequent type; the other weights are rounded fractions of it."""

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from benchmarks.realism.figures import PlanFigures, measured
-from logic import generate, load
-from logic.errors import HouseFileError, RequestError
-from logic.request.given_plan import read_plan
+from vitruvius.logic import generate, load
+from vitruvius.logic.errors import HouseFileError, RequestError
+from vitruvius.logic.request.given_plan import read_plan
 
 HOUSES = (".jsonl", ".gz")
 """File name endings of files of houses."""

@@ -19,10 +19,10 @@ import numpy as np
 from gymnasium.error import Error
 
 from benchmarks.reliability.random_calls import COUNT, KINDS, WEIGHTS, Draw, banks_of
-from logic import House
-from logic.errors import HouseFileError
-from sim import HouseRotation, HouseVectorEnv
-from sim.world.episodes import SEED
+from vitruvius.logic import House
+from vitruvius.logic.errors import HouseFileError
+from vitruvius.sim import HouseRotation, HouseVectorEnv
+from vitruvius.sim.world.episodes import SEED
 
 REFUSALS = (ValueError, TypeError, Error, HouseFileError)
 """Errors that refuse a call."""

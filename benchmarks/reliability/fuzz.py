@@ -161,8 +161,8 @@ class Fuzz:
 
     def run(self) -> int:
         """Print the figures of each reader, and return 1 if a content fails."""
-        from logic.errors import RequestError
-        from logic.spelling import unknown
+        from vitruvius.logic.errors import RequestError
+        from vitruvius.logic.spelling import unknown
 
         for name in self.readers:
             if name not in READERS:
@@ -220,9 +220,9 @@ def _ended(out: Path, name: str) -> dict[str, str] | None:
 
 def _by_a_solver(name: str, path: Path) -> bool:
     """Return True for rules that ``lint`` answers in a solver process."""
-    from logic import lint
-    from logic.errors import GrammarError, LimitReached
-    from logic.grammar import SHIPPED
+    from vitruvius.logic import lint
+    from vitruvius.logic.errors import GrammarError, LimitReached
+    from vitruvius.logic.grammar import SHIPPED
 
     if name not in ("answer-sets", "prolog"):
         return False

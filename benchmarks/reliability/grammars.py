@@ -17,13 +17,13 @@ import numpy as np
 
 from benchmarks.reliability.figures import AnswerFigures
 from benchmarks.reliability.readers import scratch
-from logic import check
-from logic.errors import GrammarError, LimitReached, MissingProgram, RequestError, Unsatisfiable
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.language.loaded import LoadedGrammar
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
+from vitruvius.logic import check
+from vitruvius.logic.errors import GrammarError, LimitReached, MissingProgram, RequestError, Unsatisfiable
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 2_000_000
 """Largest number of Prolog's inferences for a house; most houses take some hundred thousand."""

@@ -20,11 +20,11 @@ from xml.etree import ElementTree
 import msgspec
 from PIL import Image
 
-from logic import load
-from logic.dataset.sets import BESIDE
-from logic.errors import RequestError, VitruviusError
-from logic.house.files import write_whole
-from logic.terminal import say
+from vitruvius.logic import load
+from vitruvius.logic.dataset.sets import BESIDE
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.terminal import say
 
 COMMANDS = {
     "convert": "convert houses.jsonl --out OUT/houses.jsonl.gz",
@@ -122,10 +122,10 @@ def _prepare() -> None:
 
 def _started(words: str) -> int:
     """Start a command in its own process, forked from this one, which has imported what it needs."""
-    import agent.evaluation.protocol
-    import agent.report.folder
-    import agent.runs.runs
-    import logic.drawing.draw  # noqa: F401
+    import vitruvius.agent.evaluation.protocol
+    import vitruvius.agent.report.folder
+    import vitruvius.agent.runs.runs
+    import vitruvius.logic.drawing.draw  # noqa: F401
 
     if process := os.fork():
         return process
@@ -242,7 +242,7 @@ def _words(path: Path) -> None:
 
 
 def _checkpoint(path: Path) -> None:
-    from agent.runs import checkpoint
+    from vitruvius.agent.runs import checkpoint
 
     checkpoint.load(path)
 

@@ -20,7 +20,7 @@ from benchmarks.common.processes import say
 from benchmarks.common.rows import read_rows, write_rows
 from benchmarks.reliability.changes import Mutant, mutants
 from benchmarks.reliability.mutant_tests import MutantRow, MutantTests, scratch
-from logic.errors import RequestError
+from vitruvius.logic.errors import RequestError
 
 EXPLAINED = Path(__file__).with_name("explained.json")
 """Reasons why no test can or should notice a survivor, by the name of the mutant."""

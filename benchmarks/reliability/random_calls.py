@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from logic import House, generate
-from sim import HouseVectorEnv
-from sim.config import DEFAULT, PRESETS, Config
-from sim.drive import COMMANDS, Drive
+from vitruvius.logic import House, generate
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT, PRESETS, Config
+from vitruvius.sim.drive import COMMANDS, Drive
 
 COUNT = 3
 """Number of environments in a batch."""

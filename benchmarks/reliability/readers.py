@@ -33,8 +33,8 @@ class FuzzReader(NamedTuple):
 
 def _houses(path: Path) -> None:
     """Read houses, and check that each is written as it was read."""
-    from logic import House
-    from logic.dataset.reading import load
+    from vitruvius.logic import House
+    from vitruvius.logic.dataset.reading import load
 
     for house in load(path):
         assert House.from_dict(house.to_dict()) == house
@@ -44,8 +44,8 @@ def _drawn(path: Path) -> None:
     """Read houses, check them and draw them, and check that a drawing is XML."""
     from xml.etree import ElementTree
 
-    from logic import check, load
-    from logic.drawing.draw import plan_svg
+    from vitruvius.logic import check, load
+    from vitruvius.logic.drawing.draw import plan_svg
 
     for house in load(path):
         check(house)
@@ -59,13 +59,13 @@ def _map(path: Path) -> None:
 
 
 def _pixels(path: Path) -> None:
-    from logic import load
+    from vitruvius.logic import load
 
     load(path, whole_pixels=True)
 
 
 def _plan(path: Path) -> None:
-    from logic.request.given_plan import read_plan
+    from vitruvius.logic.request.given_plan import read_plan
 
     read_plan(path)
 
@@ -74,7 +74,7 @@ def _ifc(path: Path) -> None:
     """Read a plan without IfcOpenShell's process, which is not there."""
     from unittest.mock import patch
 
-    from logic.readers import ifc
+    from vitruvius.logic.readers import ifc
 
     with patch.object(ifc.subprocess, "run", return_value=_Done(b'{"error": "plan: IFC without spaces"}')):
         _plan(path)
@@ -88,16 +88,16 @@ def _solids(path: Path) -> None:
     """Read the answer of IfcOpenShell's process."""
     from unittest.mock import patch
 
-    from logic.readers import ifc
-    from logic.readers.regular import regular
+    from vitruvius.logic.readers import ifc
+    from vitruvius.logic.readers.regular import regular
 
     with patch.object(ifc.subprocess, "run", return_value=_Done(path.read_bytes())):
         regular(ifc.read_ifc(b"", None, None), None, 0.01)
 
 
 def _brief(path: Path) -> None:
-    from logic.request.brief import alone, read_brief
-    from logic.request.brief_lines import requirements
+    from vitruvius.logic.request.brief import alone, read_brief
+    from vitruvius.logic.request.brief_lines import requirements
 
     brief = read_brief(path)
     requirements(brief)
@@ -106,8 +106,8 @@ def _brief(path: Path) -> None:
 
 def _rules(path: Path) -> None:
     """Lint a grammar of this file and the other files of ``family``."""
-    from logic.grammar import SHIPPED, find
-    from logic.language.linter import findings
+    from vitruvius.logic.grammar import SHIPPED, find
+    from vitruvius.logic.language.linter import findings
 
     folder = path.parent
     for file in (SHIPPED / "family").glob("*.[lp][lp]"):
@@ -119,14 +119,14 @@ def _rules(path: Path) -> None:
 
 def _statements(path: Path) -> None:
     """Read an answer set program as statements, with its includes and encodings."""
-    from logic.grammar import find
+    from vitruvius.logic.grammar import find
 
     (path.parent / "sizes.pl").touch()
     _ = find(path.parent).hash
 
 
 def _looks(path: Path) -> None:
-    from logic.house.looks import folder_looks
+    from vitruvius.logic.house.looks import folder_looks
 
     folder_looks(path.parent)
 
@@ -135,7 +135,7 @@ def _promises(path: Path) -> None:
     """Read promises in the form of a grammar's ``promise/2``."""
     import json
 
-    from logic.house.promises import Promises, read_promises
+    from vitruvius.logic.house.promises import Promises, read_promises
 
     stated = json.loads(path.read_bytes())
     if isinstance(stated, dict):
@@ -144,7 +144,7 @@ def _promises(path: Path) -> None:
 
 def _set(path: Path) -> None:
     """Read a set's description, and if it is valid, the division of the set."""
-    from logic.dataset.sets import read_set
+    from vitruvius.logic.dataset.sets import read_set
 
     if found := read_set(path.parent):
         found.divided()
@@ -152,7 +152,7 @@ def _set(path: Path) -> None:
 
 def _manifest(path: Path) -> None:
     """Read a set by its manifest, and each of its houses."""
-    from logic.dataset.reading import HouseSet
+    from vitruvius.logic.dataset.reading import HouseSet
 
     _beside(path, "set.json", "train-00000-of-00001.jsonl")
     list(HouseSet(path.parent))
@@ -160,7 +160,7 @@ def _manifest(path: Path) -> None:
 
 def _rows(path: Path) -> None:
     """Read a set by a file of rows, and the parts of the rows."""
-    from logic.dataset.reading import HouseSet
+    from vitruvius.logic.dataset.reading import HouseSet
 
     _beside(path, "set.json", "manifest.json")
     data = path.parent / "data"
@@ -170,8 +170,8 @@ def _rows(path: Path) -> None:
 
 
 def _parquet(path: Path) -> None:
-    from logic.dataset.formats import read
-    from logic.dataset.rows import house_of
+    from vitruvius.logic.dataset.formats import read
+    from vitruvius.logic.dataset.rows import house_of
 
     for row in read(path):
         house_of(row, {}, None)
@@ -186,26 +186,26 @@ def _beside(path: Path, *names: str) -> None:
 
 
 def _checkpoint(path: Path) -> None:
-    from agent.runs.checkpoint import load
+    from vitruvius.agent.runs.checkpoint import load
 
     load(path)
 
 
 def _trace(path: Path) -> None:
-    from agent.recording.trace import load
+    from vitruvius.agent.recording.trace import load
 
     load(path)
 
 
 def _scores(path: Path) -> None:
     """Read an evaluation, and show it as a report does."""
-    from agent.evaluation.scores import load
+    from vitruvius.agent.evaluation.scores import load
 
     load(path)
 
 
 def _games(path: Path) -> None:
-    from agent.play.results import load
+    from vitruvius.agent.play.results import load
 
     load(path)
 
@@ -218,14 +218,14 @@ def _settings(path: Path) -> None:
 
 def _task(path: Path) -> None:
     """Read a task from a JSON text, as in checkpoints and evaluations."""
-    from sim.tasks.tasks import task
+    from vitruvius.sim.tasks.tasks import task
 
     task(path.read_text("utf-8", "replace"))
 
 
 def _report(path: Path) -> None:
     """Write the report of a folder with this file; for a description of a run, add a run."""
-    from agent.report.folder import report
+    from vitruvius.agent.report.folder import report
 
     if path.name == "about.json":
         shutil.copy(CORPUS / "report-runs" / "metrics.jsonl", path.parent)
@@ -305,7 +305,7 @@ def answer(reader: FuzzReader, content: bytes, folder: Path) -> str:
 
     Raises ``WrongAnswer`` for an error of several lines, and any other error that reading raises.
     """
-    from logic.errors import VitruviusError
+    from vitruvius.logic.errors import VitruviusError
 
     if any(folder.iterdir()):
         raise ValueError(f"{folder}: is not empty, and all that is in it would be removed")

@@ -10,7 +10,7 @@ from typing import Any
 from clingo.ast import AST, ASTType, Location, parse_string
 from clingo.symbol import SymbolType
 
-from logic.errors import MissingProgram
+from vitruvius.logic.errors import MissingProgram
 
 POSITIONS = Path(__file__).with_name("positions.pl")
 

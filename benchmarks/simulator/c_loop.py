@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from sim import HouseVectorEnv
-from sim.backends.blocks import CELL
-from sim.backends.body import SKIN
-from sim.backends.continuous import Continuous
-from sim.backends.free import FreeMotion
-from sim.backends.free.contact import NEVER
-from sim.backends.free.move import CORNER
-from sim.backends.rays import MARGIN, OVERLAP
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.backends.blocks import CELL
+from vitruvius.sim.backends.body import SKIN
+from vitruvius.sim.backends.continuous import Continuous
+from vitruvius.sim.backends.free import FreeMotion
+from vitruvius.sim.backends.free.contact import NEVER
+from vitruvius.sim.backends.free.move import CORNER
+from vitruvius.sim.backends.rays import MARGIN, OVERLAP
 
 SOURCES = {Continuous: Path(__file__).with_name("step.c"), FreeMotion: Path(__file__).with_name("free.c")}
 ROOT = Path(__file__).parents[2]

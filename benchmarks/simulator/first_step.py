@@ -17,9 +17,9 @@ def main(file: str) -> None:
     begun = perf_counter()
     import numpy as np
 
-    from logic import load
-    from sim import HouseVectorEnv
-    from sim.world.world import World
+    from vitruvius.logic import load
+    from vitruvius.sim import HouseVectorEnv
+    from vitruvius.sim.world.world import World
 
     imported = perf_counter() - begun
     houses = load(file)

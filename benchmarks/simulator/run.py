@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from agent.report.folder import write_report
 from benchmarks import SECTIONS
 from benchmarks.common.measure import study
 from benchmarks.simulator.page import simulator_page
 from benchmarks.simulator.peers.run import Peers
+from vitruvius.agent.report.folder import write_report
 
 
 @dataclass(frozen=True)

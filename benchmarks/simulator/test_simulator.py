@@ -25,11 +25,11 @@ import torch
 from benchmarks.simulator.c_loop import Loop, compiler, version
 from benchmarks.simulator.cores import confined, processors
 from benchmarks.simulator.peers.ours import ROBOT, peers_house
-from logic import House, generate, save
-from sim import DEFAULT, Config, HouseVectorEnv, Oracle
-from sim.backends.continuous.layout import lines_listed as listed_at
-from sim.runtime import start
-from sim.tracing import COMPILERS, VARIABLE
+from vitruvius.logic import House, generate, save
+from vitruvius.sim import DEFAULT, Config, HouseVectorEnv, Oracle
+from vitruvius.sim.backends.continuous.layout import lines_listed as listed_at
+from vitruvius.sim.runtime import start
+from vitruvius.sim.tracing import COMPILERS, VARIABLE
 
 ENVIRONMENTS = [1, 16, 256, 4096, 65536]
 MANY = 4096
@@ -322,7 +322,10 @@ def test_what_is_asked_for(benchmark, what):
 
 @study
 def test_one_environment_beside_CartPole(benchmark):
-    ours, theirs = gymnasium.make("sim:Vitruvius/House-v0", preset="long"), gymnasium.make("CartPole-v1")
+    ours, theirs = (
+        gymnasium.make("vitruvius:Vitruvius/House-v0", preset="long"),
+        gymnasium.make("CartPole-v1"),
+    )
 
     def again(env: Any) -> Callable[[Any], None]:
         def step(action: Any) -> None:
@@ -341,7 +344,7 @@ def test_one_environment_beside_CartPole(benchmark):
 @study
 def test_the_adapter_of_Stable_Baselines3(benchmark):
     pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     mode = gymnasium.vector.AutoresetMode.SAME_STEP
     raw, other = (HouseVectorEnv(bank(), num_envs=256, autoreset_mode=mode, seed=0) for _ in range(2))

@@ -15,11 +15,11 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Literal
 
-from agent.algorithms.table import PRESETS
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import ONE_THREAD, output, say
 from benchmarks.planner.contenders import contender
-from logic.errors import RequestError
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.logic.errors import RequestError
 
 Part = Literal["kernel", "step", "planner", "play", "train"]
 

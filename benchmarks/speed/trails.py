@@ -8,8 +8,8 @@ import numpy as np
 
 from benchmarks.common.pages import write_arrays
 from benchmarks.speed.worker import follower, random_actions
-from sim import HouseVectorEnv
-from sim.config import PRESETS
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import PRESETS
 
 TRAIL, TRAILED = 500, 64
 """Steps and environments whose outcomes are compared."""

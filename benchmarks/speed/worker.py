@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.learning import ranks
-from sim import HouseVectorEnv
+from vitruvius.agent.learning import ranks
+from vitruvius.sim import HouseVectorEnv
 
 Work = Callable[[], int]
 """A function that makes some steps and returns their number."""
@@ -70,9 +70,9 @@ def planner(_: str, device: str, count: int) -> Work:
 
 def play(agent: str, device: str, count: int) -> Work:
     """Return the work of an agent with simulator, planner and network, targets in secondary rooms."""
-    from agent.evaluation.episodes import reset
-    from agent.policies.episodes import moments
     from benchmarks.planner.contenders import contender
+    from vitruvius.agent.evaluation.episodes import reset
+    from vitruvius.agent.policies.episodes import moments
 
     envs = made("continuous", device, count, "secondary")
     now = moments(envs, contender(agent).make(envs), reset(envs, 0), through=True)
@@ -87,11 +87,11 @@ def play(agent: str, device: str, count: int) -> Work:
 
 def train(preset: str, device: str, count: int) -> Work:
     """Return the work of a learner: a rollout with its updates."""
-    from agent.algorithms.build import learner_of
-    from agent.algorithms.table import PRESETS
-    from agent.learning.environments import make_envs
-    from agent.learning.simulator import simulator
-    from sim.environment.arguments import BANK, house_list
+    from vitruvius.agent.algorithms.build import learner_of
+    from vitruvius.agent.algorithms.table import PRESETS
+    from vitruvius.agent.learning.environments import make_envs
+    from vitruvius.agent.learning.simulator import simulator
+    from vitruvius.sim.environment.arguments import BANK, house_list
 
     config = replace(PRESETS[preset], num_envs=ranks.size() * count, steps=10**9, device=device)
     envs = make_envs(house_list(BANK), count, config.targets, preset=simulator(config), device=device)
@@ -127,7 +127,7 @@ def random_actions(envs: HouseVectorEnv, steps: int) -> np.ndarray:
 
 def follower(envs: HouseVectorEnv) -> tuple[Callable[[], None], Any]:
     """Return a step of environments by the advice of their planners, and the planners."""
-    from agent.planner import Planner
+    from vitruvius.agent.planner import Planner
 
     planner, device = Planner(envs.config, envs.num_envs), envs.device
     begun = torch.ones(envs.num_envs, dtype=torch.bool, device=device)

@@ -19,8 +19,8 @@ from pathlib import Path
 import tyro
 
 from docs.builder.pages import MADE, listing, source
-from logic.errors import RequestError, VitruviusError
-from logic.terminal import say
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.terminal import say
 
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent

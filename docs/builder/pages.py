@@ -14,17 +14,17 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 AGENT = (
     *(
-        "agent.learning.environments",
-        "agent.avoidance",
-        "agent.policies.policies",
-        "agent.runs.checkpoint",
-        "agent.banks",
+        "vitruvius.agent.learning.environments",
+        "vitruvius.agent.avoidance",
+        "vitruvius.agent.policies.policies",
+        "vitruvius.agent.runs.checkpoint",
+        "vitruvius.agent.banks",
     ),
     *(
-        "agent.learning.config",
-        "agent.evaluation.episodes",
-        "agent.evaluation.protocol",
-        "agent.evaluation.result",
+        "vitruvius.agent.learning.config",
+        "vitruvius.agent.evaluation.episodes",
+        "vitruvius.agent.evaluation.protocol",
+        "vitruvius.agent.evaluation.result",
     ),
 )
 """Modules that users' programs import from ``agent``, as those in ``examples/`` do."""
@@ -196,7 +196,10 @@ MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/schema.md": schema,
     "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
     "docs/reference/sim.md": package(
-        "sim", "Environments, tasks, baselines, backends.", "sim.actions", "sim.backends.backend"
+        "sim",
+        "Environments, tasks, baselines, backends.",
+        "vitruvius.sim.actions",
+        "vitruvius.sim.backends.backend",
     ),
     "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
     "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),

@@ -4,8 +4,8 @@ import errno
 import os
 import webbrowser
 
-from logic.errors import RequestError
-from logic.terminal import say
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.terminal import say
 
 LOOPBACK = "127.0.0.1"
 

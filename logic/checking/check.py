@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from logic.checking.fault import Fault
-from logic.checking.figures import figure, number
-from logic.checking.grid import broken_cells, cell_of, off_grid, on_grid
-from logic.checking.names import named
-from logic.checking.openings import plan_corners, plan_doors, plan_windows
-from logic.checking.room import (
+from vitruvius.logic.checking.fault import Fault
+from vitruvius.logic.checking.figures import figure, number
+from vitruvius.logic.checking.grid import broken_cells, cell_of, off_grid, on_grid
+from vitruvius.logic.checking.names import named
+from vitruvius.logic.checking.openings import plan_corners, plan_doors, plan_windows
+from vitruvius.logic.checking.room import (
     blocked_fronts,
     misplaced,
     no_turning,
@@ -28,8 +28,8 @@ from logic.checking.room import (
     wrong_fronts,
     wrong_sizes,
 )
-from logic.checking.rows import uneven_rows
-from logic.checking.shared_walls import (
+from vitruvius.logic.checking.rows import uneven_rows
+from vitruvius.logic.checking.shared_walls import (
     plan_degrees,
     plan_outline,
     plan_parts,
@@ -37,12 +37,19 @@ from logic.checking.shared_walls import (
     plan_sizes,
     plan_units,
 )
-from logic.checking.star import star_doors, star_main_room, star_rooms, star_shape, star_sides, star_sizes
-from logic.checking.walking import impassable, unentered
-from logic.house.boxes import TOLERANCE
-from logic.house.house import House
-from logic.house.kinds import Kind
-from logic.house.promises import Promises
+from vitruvius.logic.checking.star import (
+    star_doors,
+    star_main_room,
+    star_rooms,
+    star_shape,
+    star_sides,
+    star_sizes,
+)
+from vitruvius.logic.checking.walking import impassable, unentered
+from vitruvius.logic.house.boxes import TOLERANCE
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.kinds import Kind
+from vitruvius.logic.house.promises import Promises
 
 MAX_VIOLATIONS = 1000
 """Largest number of violations that are listed for a house. Crowded pieces and doors have millions."""

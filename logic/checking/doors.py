@@ -5,14 +5,14 @@ The topology decides which doors count and how distance is measured.
 
 from collections.abc import Callable, Iterator
 
-from logic.checking.figures import figure, number
-from logic.checking.names import space_name
-from logic.checking.walk import way_through
-from logic.house.boxes import TOLERANCE, distance, front, overlap
-from logic.house.house import House
-from logic.house.kinds import Kind
-from logic.house.parts import OUTSIDE, Door, Piece, Room
-from logic.house.promises import FRONTAL, Promises
+from vitruvius.logic.checking.figures import figure, number
+from vitruvius.logic.checking.names import space_name
+from vitruvius.logic.checking.walk import way_through
+from vitruvius.logic.house.boxes import TOLERANCE, distance, front, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.kinds import Kind
+from vitruvius.logic.house.parts import OUTSIDE, Door, Piece, Room
+from vitruvius.logic.house.promises import FRONTAL, Promises
 
 
 def near_doors(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:

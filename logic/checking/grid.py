@@ -5,13 +5,13 @@ from collections.abc import Iterator
 
 import msgspec
 
-from logic.checking.fault import Fault
-from logic.checking.figures import apart, figure, number
-from logic.checking.names import named, named_pieces
-from logic.checking.walk import way_through
-from logic.house.boxes import TOLERANCE
-from logic.house.house import House
-from logic.house.promises import Promises, Thickness
+from vitruvius.logic.checking.fault import Fault
+from vitruvius.logic.checking.figures import apart, figure, number
+from vitruvius.logic.checking.names import named, named_pieces
+from vitruvius.logic.checking.walk import way_through
+from vitruvius.logic.house.boxes import TOLERANCE
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.promises import Promises, Thickness
 
 
 def cell_of(house: House) -> float:

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator, Mapping
 from itertools import pairwise, product
 
-from logic.house.boxes import TOLERANCE, WALLS, is_on_wall
-from logic.house.star import Star, StarRoom
+from vitruvius.logic.house.boxes import TOLERANCE, WALLS, is_on_wall
+from vitruvius.logic.house.star import Star, StarRoom
 
 ELONGATION = 2.0
 """Largest ratio of the main room's length to its width."""

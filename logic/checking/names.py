@@ -2,8 +2,8 @@
 
 from collections import Counter
 
-from logic.house.house import House
-from logic.house.parts import Piece, Room
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Piece, Room
 
 
 def named(room: Room) -> str:

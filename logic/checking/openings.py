@@ -10,14 +10,14 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import shapely
 
-from logic.checking.fault import Fault
-from logic.checking.figures import figure, number
-from logic.checking.names import named
-from logic.house.boxes import TOLERANCE, Box, is_on_wall, overlap
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Rect, Room, Window
-from logic.house.promises import PASSAGE, Promises
-from logic.spelling import article
+from vitruvius.logic.checking.fault import Fault
+from vitruvius.logic.checking.figures import figure, number
+from vitruvius.logic.checking.names import named
+from vitruvius.logic.house.boxes import TOLERANCE, Box, is_on_wall, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Rect, Room, Window
+from vitruvius.logic.house.promises import PASSAGE, Promises
+from vitruvius.logic.spelling import article
 
 T = TypeVar("T", bound=Rect)
 

@@ -7,14 +7,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from logic.checking.doors import near_doors
-from logic.checking.figures import figure, number, percent
-from logic.checking.names import named_pieces
-from logic.checking.walk import free_floor
-from logic.house.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
-from logic.house.house import House
-from logic.house.parts import Piece, Room
-from logic.house.promises import Promises, Relation, Sizes
+from vitruvius.logic.checking.doors import near_doors
+from vitruvius.logic.checking.figures import figure, number, percent
+from vitruvius.logic.checking.names import named_pieces
+from vitruvius.logic.checking.walk import free_floor
+from vitruvius.logic.house.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Piece, Room
+from vitruvius.logic.house.promises import Promises, Relation, Sizes
 
 
 def unfurnished(_: House, room: Room, promises: Promises) -> Iterator[str]:

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise, product
 
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.house import House
-from logic.house.parts import Piece, Room
-from logic.house.promises import Promises
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Piece, Room
+from vitruvius.logic.house.promises import Promises
 
 
 def uneven_rows(_: House, room: Room, promises: Promises) -> Iterator[str]:

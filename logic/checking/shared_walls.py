@@ -9,15 +9,15 @@ from typing import Any
 
 import shapely
 
-from logic.checking.fault import Fault
-from logic.checking.figures import figure, number
-from logic.checking.names import named
-from logic.checking.room import out_of
-from logic.house.boxes import TOLERANCE, Box, overlap
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Room
-from logic.house.promises import PASSAGE, Promises
-from logic.spelling import numbered
+from vitruvius.logic.checking.fault import Fault
+from vitruvius.logic.checking.figures import figure, number
+from vitruvius.logic.checking.names import named
+from vitruvius.logic.checking.room import out_of
+from vitruvius.logic.house.boxes import TOLERANCE, Box, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Room
+from vitruvius.logic.house.promises import PASSAGE, Promises
+from vitruvius.logic.spelling import numbered
 
 COURT = 1.0
 """Least width of a court between rooms, metres."""

@@ -10,17 +10,17 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 
-from logic.checking.fault import Fault
-from logic.checking.figures import apart, figure, number
-from logic.checking.least_main_room import ELONGATION, least_area, side_of
-from logic.checking.names import named
-from logic.checking.room import out_of, sizes_of_pieces
-from logic.house.boxes import TOLERANCE, distance, is_on_wall, overlap
-from logic.house.house import House
-from logic.house.kinds import Kind
-from logic.house.parts import Room
-from logic.house.promises import Promises
-from logic.spelling import numbered
+from vitruvius.logic.checking.fault import Fault
+from vitruvius.logic.checking.figures import apart, figure, number
+from vitruvius.logic.checking.least_main_room import ELONGATION, least_area, side_of
+from vitruvius.logic.checking.names import named
+from vitruvius.logic.checking.room import out_of, sizes_of_pieces
+from vitruvius.logic.house.boxes import TOLERANCE, distance, is_on_wall, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.kinds import Kind
+from vitruvius.logic.house.parts import Room
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.spelling import numbered
 
 SPACIOUSNESS = 2.0
 """Largest ratio of the main room's area to that of the least main room that fits its rooms."""

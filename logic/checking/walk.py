@@ -11,9 +11,9 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Rect, Room
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Rect, Room
 
 
 def spaces(house: House, *sides: float) -> Iterator[list[Polygon]]:

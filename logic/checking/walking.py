@@ -7,10 +7,10 @@ import shapely
 from shapely import Polygon, STRtree
 from shapely.geometry.base import BaseGeometry
 
-from logic.checking.fault import Fault
-from logic.checking.figures import figure, number, percent
-from logic.checking.names import named, space_name
-from logic.checking.walk import (
+from vitruvius.logic.checking.fault import Fault
+from vitruvius.logic.checking.figures import figure, number, percent
+from vitruvius.logic.checking.names import named, space_name
+from vitruvius.logic.checking.walk import (
     doorway,
     first_room,
     first_space,
@@ -20,9 +20,9 @@ from logic.checking.walk import (
     spaces,
     swept,
 )
-from logic.house.house import House
-from logic.house.parts import BODY, Door, Room
-from logic.house.promises import Promises
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import BODY, Door, Room
+from vitruvius.logic.house.promises import Promises
 
 REACHABLE = 0.6
 """Least fraction of a room's free floor that the robot must reach from the room's doors."""

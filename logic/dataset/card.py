@@ -5,7 +5,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from logic.dataset.sets import CARD, CROISSANT, DATA, MANIFEST, Manifest, Set, encoded
+from vitruvius.logic.dataset.sets import CARD, CROISSANT, DATA, MANIFEST, Manifest, Set, encoded
 
 REAL, WHOLE, TEXT = "sc:Float", "sc:Integer", "sc:Text"
 

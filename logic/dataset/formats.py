@@ -11,9 +11,9 @@ from typing import Any, BinaryIO, Literal, get_args
 
 import msgspec
 
-from logic.dataset.parquet import MAX_FILE_BYTES, groups
-from logic.dataset.rows import SIDES, Row
-from logic.opener import opened
+from vitruvius.logic.dataset.parquet import MAX_FILE_BYTES, groups
+from vitruvius.logic.dataset.rows import SIDES, Row
+from vitruvius.logic.opener import opened
 
 Files = Literal["parquet", "jsonl"]
 

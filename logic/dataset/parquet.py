@@ -10,7 +10,7 @@ from gzip import GzipFile
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from logic.opener import opened
+from vitruvius.logic.opener import opened
 
 MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 26
 """Largest size of a file, and of its footer, which lists the row groups, in bytes."""

@@ -9,18 +9,18 @@ from typing import Any, BinaryIO, SupportsIndex, overload
 
 import msgspec
 
-from logic.dataset.formats import GROUP, read
-from logic.dataset.parquet import MAX_FILE_BYTES
-from logic.dataset.rows import Row, house_of, house_sha256
-from logic.dataset.sets import MANIFEST, SET, Held, Set, inside, read_manifest, read_set
-from logic.dataset.splits import SPLITS
-from logic.errors import HouseFileError, RequestError
-from logic.house.files import load as load_file
-from logic.house.gallery import Houses
-from logic.house.house import House
-from logic.opener import content_of, opened
-from logic.readers.world import MOST_BYTES, read_world
-from logic.spelling import numbered, unknown
+from vitruvius.logic.dataset.formats import GROUP, read
+from vitruvius.logic.dataset.parquet import MAX_FILE_BYTES
+from vitruvius.logic.dataset.rows import Row, house_of, house_sha256
+from vitruvius.logic.dataset.sets import MANIFEST, SET, Held, Set, inside, read_manifest, read_set
+from vitruvius.logic.dataset.splits import SPLITS
+from vitruvius.logic.errors import HouseFileError, RequestError
+from vitruvius.logic.house.files import load as load_file
+from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.house.house import House
+from vitruvius.logic.opener import content_of, opened
+from vitruvius.logic.readers.world import MOST_BYTES, read_world
+from vitruvius.logic.spelling import numbered, unknown
 
 WORLDS = (".json", ".geojson", ".geojsonl", ".geojsons")
 """Suffixes of the names of plans that are read as houses to simulate."""

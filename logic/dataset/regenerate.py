@@ -6,19 +6,19 @@ from typing import NamedTuple
 
 import msgspec
 
-from logic.dataset.formats import FILES, lines, read
-from logic.dataset.parquet import MAX_FILE_BYTES
-from logic.dataset.reading import HouseSet
-from logic.dataset.rows import HOUSE, Columns, Row, columns_of, house_sha256
-from logic.dataset.sets import SET, Set, read_set
-from logic.errors import GrammarError, HouseFileError, LimitReached
-from logic.grammar import Grammar, find, find_shipped
-from logic.house.house import House
-from logic.opener import DAMAGED, STANDARD, opened, reason
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
-from logic.request.request import require_series, whole
-from logic.workers.series import HouseSeries
+from vitruvius.logic.dataset.formats import FILES, lines, read
+from vitruvius.logic.dataset.parquet import MAX_FILE_BYTES
+from vitruvius.logic.dataset.reading import HouseSet
+from vitruvius.logic.dataset.rows import HOUSE, Columns, Row, columns_of, house_sha256
+from vitruvius.logic.dataset.sets import SET, Set, read_set
+from vitruvius.logic.errors import GrammarError, HouseFileError, LimitReached
+from vitruvius.logic.grammar import Grammar, find, find_shipped
+from vitruvius.logic.house.house import House
+from vitruvius.logic.opener import DAMAGED, STANDARD, opened, reason
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import require_series, whole
+from vitruvius.logic.workers.series import HouseSeries
 
 INFERENCES, SECONDS = 100_000_000, 60.0
 """Limits for a house without a set: Prolog inferences and seconds."""

@@ -13,11 +13,11 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
-from logic.dataset.splits import split_of
-from logic.house.house import House
-from logic.house.parts import Piece, Provenance
-from logic.house.promises import Promises
-from logic.opener import from_json
+from vitruvius.logic.dataset.splits import split_of
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Piece, Provenance
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.opener import from_json
 
 HOUSE, LIMIT = "house", "limit"
 """Values of the column ``verdict``."""

@@ -18,17 +18,17 @@ from typing import Any, Literal, NamedTuple, TypeVar
 
 import msgspec
 
-from logic.dataset.formats import Files
-from logic.dataset.rows import Row, source
-from logic.dataset.splits import SPLITS
-from logic.errors import GrammarError, HouseFileError, RequestError
-from logic.grammar import Grammar, find, shipped
-from logic.house.files import write_whole
-from logic.house.promises import Promises
-from logic.opener import content_of, from_json
-from logic.request.request import MOST, request_at, require_series, whole
-from logic.spelling import unknown
-from logic.workers.series import HouseSeries
+from vitruvius.logic.dataset.formats import Files
+from vitruvius.logic.dataset.rows import Row, source
+from vitruvius.logic.dataset.splits import SPLITS
+from vitruvius.logic.errors import GrammarError, HouseFileError, RequestError
+from vitruvius.logic.grammar import Grammar, find, shipped
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.opener import content_of, from_json
+from vitruvius.logic.request.request import MOST, request_at, require_series, whole
+from vitruvius.logic.spelling import unknown
+from vitruvius.logic.workers.series import HouseSeries
 
 Kind = TypeVar("Kind")
 

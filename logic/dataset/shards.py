@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
-from logic.dataset.card import described
-from logic.dataset.formats import in_groups, read, written
-from logic.dataset.rows import LIMIT, Row, house_of, house_row, limit_row
-from logic.dataset.sets import SET, Held, Manifest, Set, Shard, finish, read_set
-from logic.errors import HouseFileError, Killed, MissingProgram, RequestError
-from logic.house.house import House
-from logic.workers.series import HouseSeries
+from vitruvius.logic.dataset.card import described
+from vitruvius.logic.dataset.formats import in_groups, read, written
+from vitruvius.logic.dataset.rows import LIMIT, Row, house_of, house_row, limit_row
+from vitruvius.logic.dataset.sets import SET, Held, Manifest, Set, Shard, finish, read_set
+from vitruvius.logic.errors import HouseFileError, Killed, MissingProgram, RequestError
+from vitruvius.logic.house.house import House
+from vitruvius.logic.workers.series import HouseSeries
 
 Mapper = Callable[[Callable[[Shard], Held], list[Shard]], Iterable[Held]]
 """Function with the signature of the built-in ``map``."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from logic.spelling import markup, printable
+from vitruvius.logic.spelling import markup, printable
 
 Box = tuple[float, float, float, float]
 """(left, top, right, bottom), CSS pixels."""

@@ -3,16 +3,16 @@
 from collections import Counter
 from collections.abc import Iterator
 
-from logic.drawing.canvas import Drawing, Line, Point, Shape, Text, svg, text_width
-from logic.drawing.door_leaves import door_leaves
-from logic.drawing.draw import FOOT, MARGIN, TITLE, WIDTH
-from logic.drawing.frame import Frame, drawn_extent, grown
-from logic.drawing.labels import legend, room_names, title
-from logic.drawing.palettes import Fill, Style, style
-from logic.drawing.plan import house_shapes
-from logic.house.boxes import Box
-from logic.house.diff import Change, changes
-from logic.house.house import House
+from vitruvius.logic.drawing.canvas import Drawing, Line, Point, Shape, Text, svg, text_width
+from vitruvius.logic.drawing.door_leaves import door_leaves
+from vitruvius.logic.drawing.draw import FOOT, MARGIN, TITLE, WIDTH
+from vitruvius.logic.drawing.frame import Frame, drawn_extent, grown
+from vitruvius.logic.drawing.labels import legend, room_names, title
+from vitruvius.logic.drawing.palettes import Fill, Style, style
+from vitruvius.logic.drawing.plan import house_shapes
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.diff import Change, changes
+from vitruvius.logic.house.house import House
 
 COLOURS = {"came": "#0072b2", "went": "#d55e00", "moved": "#cc79a7"}
 """Colours of the marks, by Okabe and Ito, for the colour-blind.

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from logic.house.boxes import TOLERANCE, Box, distance, excess, overlap
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Room
+from vitruvius.logic.house.boxes import TOLERANCE, Box, distance, excess, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Room
 
 Place = tuple[float, float]
 """Point, metres."""

@@ -9,12 +9,12 @@ from typing import Literal
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from logic.drawing import palettes
-from logic.drawing.canvas import DENSITY, Drawing, Point, Shape, Text, png, svg
-from logic.drawing.door_leaves import door_leaves
-from logic.drawing.frame import Frame, drawn_extent
-from logic.drawing.furniture import unlabelled
-from logic.drawing.labels import (
+from vitruvius.logic.drawing import palettes
+from vitruvius.logic.drawing.canvas import DENSITY, Drawing, Point, Shape, Text, png, svg
+from vitruvius.logic.drawing.door_leaves import door_leaves
+from vitruvius.logic.drawing.frame import Frame, drawn_extent
+from vitruvius.logic.drawing.furniture import unlabelled
+from vitruvius.logic.drawing.labels import (
     SWATCH,
     abbreviations,
     entries,
@@ -25,12 +25,12 @@ from logic.drawing.labels import (
     title,
     unnamed,
 )
-from logic.drawing.measures import DIMENSION, NORTH, dimensions, north_arrow
-from logic.drawing.palettes import Style, style
-from logic.drawing.plan import house_shapes
-from logic.house.files import write_whole
-from logic.house.house import House
-from logic.house.replacing import DRAWN_BY
+from vitruvius.logic.drawing.measures import DIMENSION, NORTH, dimensions, north_arrow
+from vitruvius.logic.drawing.palettes import Style, style
+from vitruvius.logic.drawing.plan import house_shapes
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.replacing import DRAWN_BY
 
 TITLE, FOOT, MARGIN = 30, 22, 12
 """Space above a plan, below it and around it, CSS pixels."""
@@ -143,7 +143,7 @@ def write_pages(
     ``unit`` is ``mm`` if an SVG states its size in millimetres.
     """
     if format == "pdf":
-        from logic.drawing.pdf import pdf
+        from vitruvius.logic.drawing.pdf import pdf
 
         write_whole(out / "plans.pdf", pdf(pages))
         return [out / "plans.pdf"]

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from logic.drawing.canvas import Box, Point
-from logic.house.house import House
-from logic.house.parts import Rect
+from vitruvius.logic.drawing.canvas import Box, Point
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Rect
 
 OUTER, INNER = 0.2, 0.1
 """Drawn thickness of walls, metres, in houses whose walls have none.

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 
-from logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Text, text_width
-from logic.drawing.frame import Frame
-from logic.drawing.palettes import Inks, Style
-from logic.house.boxes import walls_touched
-from logic.house.house import House
-from logic.house.part_names import part_names
-from logic.house.parts import ORIGINAL, Piece, Rect
+from vitruvius.logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Text, text_width
+from vitruvius.logic.drawing.frame import Frame
+from vitruvius.logic.drawing.palettes import Inks, Style
+from vitruvius.logic.house.boxes import walls_touched
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import part_names
+from vitruvius.logic.house.parts import ORIGINAL, Piece, Rect
 
 
 def furniture_parts(house: House, frame: Frame, style: Style, numbers: Mapping[str, str]) -> Iterator[Part]:

@@ -9,16 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from logic.drawing.canvas import Block, Box, Line, Shape, Text, text_width
-from logic.drawing.door_leaves import Leaf
-from logic.drawing.frame import Frame
-from logic.drawing.furniture import has_mark
-from logic.drawing.palettes import Fill, Style, style
-from logic.drawing.plan import floor, house_shapes
-from logic.house.house import House
-from logic.house.looks import spaced
-from logic.house.parts import ORIGINAL, Room
-from logic.spelling import numbered
+from vitruvius.logic.drawing.canvas import Block, Box, Line, Shape, Text, text_width
+from vitruvius.logic.drawing.door_leaves import Leaf
+from vitruvius.logic.drawing.frame import Frame
+from vitruvius.logic.drawing.furniture import has_mark
+from vitruvius.logic.drawing.palettes import Fill, Style, style
+from vitruvius.logic.drawing.plan import floor, house_shapes
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.looks import spaced
+from vitruvius.logic.house.parts import ORIGINAL, Room
+from vitruvius.logic.spelling import numbered
 
 LEAST = 6.5
 """Smallest font size of a name, CSS pixels. A room that is too small for its name has an abbreviation."""

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
-from logic.drawing.canvas import Block, Box, Line, Point, Shape, Text, text_width
-from logic.drawing.frame import Frame, drawn_extent, extent
-from logic.drawing.palettes import Inks
-from logic.house.house import House
+from vitruvius.logic.drawing.canvas import Block, Box, Line, Point, Shape, Text, text_width
+from vitruvius.logic.drawing.frame import Frame, drawn_extent, extent
+from vitruvius.logic.drawing.palettes import Inks
+from vitruvius.logic.house.house import House
 
 DIMENSION = 26.0
 """Space for dimension lines beside and below a plan, CSS pixels."""

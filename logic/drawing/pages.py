@@ -3,14 +3,14 @@
 import math
 import re
 
-from logic.drawing.canvas import Drawing
-from logic.drawing.draw import MILLIMETRE, Page, least_scale, plan
-from logic.drawing.frame import drawn_extent
-from logic.drawing.labels import title
-from logic.drawing.measures import BLOCK, title_block
-from logic.drawing.palettes import Style
-from logic.errors import RequestError
-from logic.house.house import House
+from vitruvius.logic.drawing.canvas import Drawing
+from vitruvius.logic.drawing.draw import MILLIMETRE, Page, least_scale, plan
+from vitruvius.logic.drawing.frame import drawn_extent
+from vitruvius.logic.drawing.labels import title
+from vitruvius.logic.drawing.measures import BLOCK, title_block
+from vitruvius.logic.drawing.palettes import Style
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.house import House
 
 SIZES = {"A4": (210, 297), "A3": (297, 420), "A2": (420, 594), "A1": (594, 841), "A0": (841, 1189)}
 """Sizes of paper by ISO 216, millimetres."""

@@ -13,10 +13,10 @@ from typing import Literal, get_args
 
 import msgspec
 
-from logic.errors import RequestError
-from logic.house.house import House
-from logic.house.looks import INK, Looks, looks_of
-from logic.spelling import unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.looks import INK, Looks, looks_of
+from vitruvius.logic.spelling import unknown
 
 Name = Literal["colour", "distinct", "grey"]
 """``colour``: each type has its own colour. ``distinct``: colours that the colour-blind tell apart.

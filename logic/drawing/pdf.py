@@ -15,7 +15,7 @@ from matplotlib.patches import Ellipse, FancyBboxPatch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
-from logic.drawing.canvas import (
+from vitruvius.logic.drawing.canvas import (
     ASCENT,
     Block,
     Curve,
@@ -28,8 +28,8 @@ from logic.drawing.canvas import (
     Strokes,
     flat,
 )
-from logic.house.replacing import DRAWN_BY
-from logic.spelling import printable
+from vitruvius.logic.house.replacing import DRAWN_BY
+from vitruvius.logic.spelling import printable
 
 POINT = 72 / 96
 """Points per CSS pixel. The point is matplotlib's unit of lines and letters."""

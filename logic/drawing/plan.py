@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from msgspec import structs
 
-from logic.drawing.canvas import (
+from vitruvius.logic.drawing.canvas import (
     Block,
     Box,
     Curve,
@@ -16,16 +16,16 @@ from logic.drawing.canvas import (
     Shape,
     Strokes,
 )
-from logic.drawing.door_leaves import Leaf
-from logic.drawing.frame import INNER, Frame, thickness
-from logic.drawing.furniture import furniture_parts, stroke, thin
-from logic.drawing.palettes import Fill, Inks, Style
-from logic.drawing.wall_union import wall_rings
-from logic.house.house import House
-from logic.house.occupancy import OCCUPIED, UNKNOWN, OccupancyGrid
-from logic.house.part_names import doors_by_name, windows_by_name
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.house.walls import crossing
+from vitruvius.logic.drawing.door_leaves import Leaf
+from vitruvius.logic.drawing.frame import INNER, Frame, thickness
+from vitruvius.logic.drawing.furniture import furniture_parts, stroke, thin
+from vitruvius.logic.drawing.palettes import Fill, Inks, Style
+from vitruvius.logic.drawing.wall_union import wall_rings
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.occupancy import OCCUPIED, UNKNOWN, OccupancyGrid
+from vitruvius.logic.house.part_names import doors_by_name, windows_by_name
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.house.walls import crossing
 
 QUARTER_CIRCLE = 0.5523
 """Distance of the inner points from the ends of a cubic curve that draws a quarter of a circle, in radii."""

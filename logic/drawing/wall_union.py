@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator
 
 import shapely
 
-from logic.drawing.frame import grown
-from logic.house.boxes import Box
-from logic.house.house import House
+from vitruvius.logic.drawing.frame import grown
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.house import House
 
 GRID_M = 1e-4
 """Rounding of corners, metres, which makes the corners of adjacent walls equal."""

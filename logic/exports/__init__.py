@@ -9,11 +9,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from logic.errors import RequestError
-from logic.spelling import unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import unknown
 
 if TYPE_CHECKING:
-    from logic.house.house import House
+    from vitruvius.logic.house.house import House
 
 
 class Format(NamedTuple):
@@ -51,7 +51,7 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     if not houses:
         raise ValueError(f"no house to write to {out}")
     module, endings, _ = FORMATS[format]
-    write: Callable[[House, Path], None] = import_module(f"logic.exports.{module}").write
+    write: Callable[[House, Path], None] = import_module(f"vitruvius.logic.exports.{module}").write
     digits = len(str(len(houses) - 1))
     paths = []
     for index, house in enumerate(houses):

@@ -4,9 +4,9 @@ from typing import Any
 
 import shapely
 
-from logic.house.house import House
-from logic.house.occupancy import FREE
-from logic.house.parts import FreeWall, Room
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.occupancy import FREE
+from vitruvius.logic.house.parts import FreeWall, Room
 
 
 def floor(house: House, room: Room) -> Any:

@@ -12,10 +12,10 @@ import numpy as np
 import shapely
 from shapely.geometry import mapping
 
-from logic.exports.floor import floor
-from logic.house.files import write_whole
-from logic.house.house import House
-from logic.house.parts import FreeWall, Rect
+from vitruvius.logic.exports.floor import floor
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import FreeWall, Rect
 
 
 def write(house: House, path: Path) -> None:

@@ -8,9 +8,9 @@ from trimesh.exchange.gltf import export_glb
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from logic.exports.solids import solids
-from logic.house.files import write_whole
-from logic.house.house import House
+from vitruvius.logic.exports.solids import solids
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.house import House
 
 
 def write(house: House, path: Path) -> None:

@@ -11,12 +11,12 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import shapely
 
-from logic.errors import RequestError
-from logic.exports.floor import floor, outline
-from logic.exports.solids import Solid, solids
-from logic.house.files import write_whole
-from logic.house.house import House
-from logic.house.parts import BODY
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.exports.floor import floor, outline
+from vitruvius.logic.exports.solids import Solid, solids
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import BODY
 
 RAYS, FIRST_RAY, SPACING = 40, 58.5, 3.0
 """The simulator's rays: their number, the angle from the heading to ray 0 and the angle between rays.

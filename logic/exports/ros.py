@@ -10,14 +10,14 @@ import numpy as np
 import shapely
 from PIL import Image
 
-from logic.drawing.frame import drawn_extent, extent
-from logic.exports.floor import outline
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.files import write_whole
-from logic.house.house import House
-from logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
-from logic.house.occupancy import OccupancyGrid
-from logic.house.wall_parts import wall_parts
+from vitruvius.logic.drawing.frame import drawn_extent, extent
+from vitruvius.logic.exports.floor import outline
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
+from vitruvius.logic.house.occupancy import OccupancyGrid
+from vitruvius.logic.house.wall_parts import wall_parts
 
 RESOLUTION = 0.05
 """Side of a cell, metres, in the map of a house that is not a map itself."""

@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from logic.drawing.palettes import Inks, style
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.house import House
-from logic.house.looks import looks_of
-from logic.house.wall_parts import wall_parts
-from logic.house.walls import Interval, Line, crossing, near, remaining
-from logic.spelling import printable
+from vitruvius.logic.drawing.palettes import Inks, style
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.house.wall_parts import wall_parts
+from vitruvius.logic.house.walls import Interval, Line, crossing, near, remaining
+from vitruvius.logic.spelling import printable
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
 """Heights of walls and of doors, metres."""

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
 
-from logic.exports.solids import solids
-from logic.house.files import write_whole
-from logic.house.house import House
+from vitruvius.logic.exports.solids import solids
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.house.house import House
 
 
 def write(house: House, path: Path) -> None:

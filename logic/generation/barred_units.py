@@ -5,14 +5,14 @@ from functools import cache
 
 from clingo import Function, Number, Symbol
 
-from logic.errors import Reason
-from logic.generation.feasibility import Feasibility, option
-from logic.grammar import Grammar
-from logic.language.loaded import LoadedGrammar
-from logic.layout.programs import Programs
-from logic.layout.relaxed import Relaxed, Statement
-from logic.layout.terms import granted, parts, requirements, shared_requirements
-from logic.request.request import Request
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.feasibility import Feasibility, option
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.layout.relaxed import Relaxed, Statement
+from vitruvius.logic.layout.terms import granted, parts, requirements, shared_requirements
+from vitruvius.logic.request.request import Request
 
 
 def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:

@@ -11,21 +11,21 @@ import numpy as np
 from clingo import Symbol
 from msgspec import structs
 
-from logic.errors import LimitReached, RequestError
-from logic.generation.evidence import NoLayout
-from logic.generation.feasibility import Feasibility
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.grammar import Grammar
-from logic.house.house import House
-from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
-from logic.layout.program import Nogood, Program
-from logic.layout.programs import Programs
-from logic.layout.terms import ASKED_DOORS, brief_facts, wall_facts
-from logic.placement.lengths import brief_lengths, metres
-from logic.placement.plan import Pieces, Plan
-from logic.request.brief import Brief
-from logic.request.request import Request
-from logic.spelling import numbered
+from vitruvius.logic.errors import LimitReached, RequestError
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.house import House
+from vitruvius.logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
+from vitruvius.logic.layout.program import Nogood, Program
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.layout.terms import ASKED_DOORS, brief_facts, wall_facts
+from vitruvius.logic.placement.lengths import brief_lengths, metres
+from vitruvius.logic.placement.plan import Pieces, Plan
+from vitruvius.logic.request.brief import Brief
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import numbered
 
 MAX_UNDECIDED_LAYOUTS = 1
 """Number of undecided layouts of a house after which all layouts are decided thoroughly, which is slower."""

@@ -10,27 +10,27 @@ import clingo
 import msgspec
 import numpy as np
 
-from logic.errors import LimitReached, OutOfInferences, Reason, RequestError
-from logic.generation.brief import BriefMaker
-from logic.generation.exact_areas import ExactAreasMaker
-from logic.generation.feasibility import Feasibility
-from logic.generation.given_plan import GivenPlanMaker
-from logic.generation.maker import Maker
-from logic.generation.promised import labelled, promised, with_openings
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.generation.star import StarMaker
-from logic.generation.units import UnitsMaker
-from logic.grammar import Grammar
-from logic.house.house import House
-from logic.house.parts import Provenance
-from logic.house.promises import Promises
-from logic.language.loaded import LoadedGrammar
-from logic.layout.program import Program
-from logic.placement.lengths import metres
-from logic.request.brief import Brief
-from logic.request.own_plan import OwnPlan
-from logic.request.request import Request, known
-from logic.spelling import unknown
+from vitruvius.logic.errors import LimitReached, OutOfInferences, Reason, RequestError
+from vitruvius.logic.generation.brief import BriefMaker
+from vitruvius.logic.generation.exact_areas import ExactAreasMaker
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.given_plan import GivenPlanMaker
+from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.generation.promised import labelled, promised, with_openings
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.generation.star import StarMaker
+from vitruvius.logic.generation.units import UnitsMaker
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Provenance
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.placement.lengths import metres
+from vitruvius.logic.request.brief import Brief
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import Request, known
+from vitruvius.logic.spelling import unknown
 
 OF_GIVEN: dict[type, type[BriefMaker] | type[GivenPlanMaker]] = {Brief: BriefMaker, OwnPlan: GivenPlanMaker}
 """Classes that generate the houses of a given brief or plan."""

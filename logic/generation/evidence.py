@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 from clingo import Symbol
 
-from logic.generation.feasibility import Feasibility
-from logic.generation.movable_doors import Refuted
-from logic.request.request import Request
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.movable_doors import Refuted
+from vitruvius.logic.request.request import Request
 
 
 @dataclass

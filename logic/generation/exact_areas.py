@@ -8,16 +8,16 @@ from collections.abc import Collection
 
 from clingo import Symbol
 
-from logic.errors import LimitReached
-from logic.generation.feasibility import Feasibility
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.grammar import Grammar
-from logic.language.loaded import LoadedGrammar
-from logic.layout.terms import wall_facts
-from logic.placement.lengths import brief_lengths
-from logic.placement.plan import Plan
-from logic.request.request import Request
-from logic.spelling import numbered
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.terms import wall_facts
+from vitruvius.logic.placement.lengths import brief_lengths
+from vitruvius.logic.placement.plan import Plan
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import numbered
 
 
 class ExactAreasMaker(SharedWallsMaker):

@@ -12,15 +12,15 @@ from functools import partial
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import Reason
-from logic.generation.movable_doors import Refuted
-from logic.generation.question import Question
-from logic.grammar import Grammar
-from logic.layout.conditional import Source
-from logic.layout.program import HOUSE, Conflict
-from logic.layout.programs import GIVEN
-from logic.layout.relaxed import Relaxed, Statement
-from logic.layout.terms import (
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.movable_doors import Refuted
+from vitruvius.logic.generation.question import Question
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.layout.conditional import Source
+from vitruvius.logic.layout.program import HOUSE, Conflict
+from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.relaxed import Relaxed, Statement
+from vitruvius.logic.layout.terms import (
     Lengths,
     brief_requirements,
     granted,
@@ -30,10 +30,10 @@ from logic.layout.terms import (
     room_requirements,
     to_furnish,
 )
-from logic.placement.layout import Layout, RoomLayout
-from logic.placement.placer import Infeasible, Placer
-from logic.request.fixed_rooms import FixedRoom
-from logic.request.request import Range, Request, as_option
+from vitruvius.logic.placement.layout import Layout, RoomLayout
+from vitruvius.logic.placement.placer import Infeasible, Placer
+from vitruvius.logic.request.fixed_rooms import FixedRoom
+from vitruvius.logic.request.request import Range, Request, as_option
 
 HouseFacts = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
 """Facts of stage 1 about a house's walls and areas, each with the clauses that state it."""

@@ -14,19 +14,19 @@ from typing import NamedTuple
 import numpy as np
 from clingo import Function, Number, Symbol, parse_term
 
-from logic.errors import OutOfInferences
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.parts import Rect
-from logic.layout.account import FURNITURE
-from logic.layout.program import Nogood, Program, TooMany
-from logic.layout.programs import Programs
-from logic.layout.terms import granted
-from logic.placement.layout import RoomLayout
-from logic.placement.placer import Placer
-from logic.placement.plan import Pieces
-from logic.placement.prolog import Term
-from logic.request.request import Request
-from logic.spelling import article, numbered
+from vitruvius.logic.errors import OutOfInferences
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.layout.account import FURNITURE
+from vitruvius.logic.layout.program import Nogood, Program, TooMany
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.layout.terms import granted
+from vitruvius.logic.placement.layout import RoomLayout
+from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.plan import Pieces
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import article, numbered
 
 WALLS = {
     "front": ("front_left", "front_right"),

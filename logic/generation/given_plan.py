@@ -9,24 +9,24 @@ from collections.abc import Collection
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import LimitReached, RequestError
-from logic.generation.evidence import NoLayout
-from logic.generation.feasibility import Feasibility, HouseFacts
-from logic.generation.furnish import Unfurnishable
-from logic.generation.movable_doors import MOST_LAYOUTS, LooseRoom, OneDoor, Refuted
-from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, at_face, given_room
-from logic.grammar import Grammar
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Rect
-from logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
-from logic.layout.account import FURNITURE
-from logic.layout.program import Nogood, TooMany
-from logic.layout.terms import granted, own_requirements
-from logic.placement.given_plan import inner_span, openings, plan_faults, within_walls
-from logic.placement.lengths import metres as lengths_of
-from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
-from logic.request.own_plan import OwnPlan
-from logic.request.request import Request
+from vitruvius.logic.errors import LimitReached, RequestError
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.feasibility import Feasibility, HouseFacts
+from vitruvius.logic.generation.furnish import Unfurnishable
+from vitruvius.logic.generation.movable_doors import MOST_LAYOUTS, LooseRoom, OneDoor, Refuted
+from vitruvius.logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, at_face, given_room
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Rect
+from vitruvius.logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
+from vitruvius.logic.layout.account import FURNITURE
+from vitruvius.logic.layout.program import Nogood, TooMany
+from vitruvius.logic.layout.terms import granted, own_requirements
+from vitruvius.logic.placement.given_plan import inner_span, openings, plan_faults, within_walls
+from vitruvius.logic.placement.lengths import metres as lengths_of
+from vitruvius.logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import Request
 
 PATIENCE = 5
 """Number of failures of a room at sampled places of its doors, after which other places are searched."""

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from logic.generation.feasibility import Feasibility
-from logic.grammar import Grammar
-from logic.house.house import House
-from logic.language.loaded import LoadedGrammar
-from logic.layout.program import Program
-from logic.request.request import Request
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.house import House
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.request.request import Request
 
 
 class Maker(ABC):

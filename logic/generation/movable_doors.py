@@ -11,16 +11,16 @@ import numpy as np
 from clingo import Symbol
 from msgspec import structs
 
-from logic.errors import LimitReached
-from logic.generation.furnish import Frame, GivenRoom, Span
-from logic.house.parts import Rect
-from logic.layout.program import Nogood, TooMany
-from logic.layout.programs import Programs
-from logic.layout.terms import granted
-from logic.placement.placer import Placer
-from logic.placement.prolog import Term
-from logic.request.request import Request
-from logic.spelling import article
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.furnish import Frame, GivenRoom, Span
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.layout.program import Nogood, TooMany
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.layout.terms import granted
+from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import article
 
 MOST_LAYOUTS = 500
 """Number of refuted layouts of one room after which the room stays undecided."""

@@ -7,10 +7,10 @@ from typing import Any
 import msgspec
 from clingo import Symbol
 
-from logic.house.parts import OUTSIDE
-from logic.house.promises import Promises, Relation, Sizes, Thickness
-from logic.layout.program import Program
-from logic.request.own_plan import OwnPlan
+from vitruvius.logic.house.parts import OUTSIDE
+from vitruvius.logic.house.promises import Promises, Relation, Sizes, Thickness
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.request.own_plan import OwnPlan
 
 
 def promised(

@@ -5,8 +5,8 @@ from collections.abc import Callable, Collection, Sequence
 
 from clingo import Symbol
 
-from logic.layout.program import Conflict
-from logic.layout.relaxed import Relaxed, Statement
+from vitruvius.logic.layout.program import Conflict
+from vitruvius.logic.layout.relaxed import Relaxed, Statement
 
 Refutation = Callable[[Sequence[Symbol], Collection[Symbol]], Conflict | None]
 """Function that returns the conflict of a layout in stage 2 without some clauses, or None."""

@@ -13,21 +13,21 @@ import numpy as np
 from clingo import Symbol
 from msgspec import structs
 
-from logic.errors import LimitReached, OutOfInferences, RequestError
-from logic.generation.evidence import NoLayout
-from logic.generation.furnish import Furnished, GivenRoom, Unfurnishable, furnished
-from logic.generation.maker import Maker
-from logic.generation.tiling import require_tiling
-from logic.grammar import DISSECTION, GUARD
-from logic.house.house import House
-from logic.house.parts import Rect
-from logic.layout.account import LAYOUT, PROOF
-from logic.layout.program import Nogood, Program, TooMany
-from logic.layout.terms import granted, room_requirements, to_furnish
-from logic.placement.placer import Infeasible
-from logic.placement.plan import Pieces, Plan, UnitRange
-from logic.request.request import Request
-from logic.spelling import article
+from vitruvius.logic.errors import LimitReached, OutOfInferences, RequestError
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.furnish import Furnished, GivenRoom, Unfurnishable, furnished
+from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.generation.tiling import require_tiling
+from vitruvius.logic.grammar import DISSECTION, GUARD
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.layout.account import LAYOUT, PROOF
+from vitruvius.logic.layout.program import Nogood, Program, TooMany
+from vitruvius.logic.layout.terms import granted, room_requirements, to_furnish
+from vitruvius.logic.placement.placer import Infeasible
+from vitruvius.logic.placement.plan import Pieces, Plan, UnitRange
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import article
 
 MOST_TRIES = 200
 """Number of layouts with a room that cannot be furnished at its size, though it might at another size."""

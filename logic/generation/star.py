@@ -12,21 +12,21 @@ import msgspec
 import numpy as np
 from clingo import Function, Number
 
-from logic.errors import LimitReached, OutOfInferences
-from logic.generation.evidence import NoLayout
-from logic.generation.maker import Maker
-from logic.house.house import House
-from logic.house.parts import Rect
-from logic.house.star import Star
-from logic.layout.account import EASE, FURNITURE, LAYOUT
-from logic.layout.program import Nogood, Program, TooMany
-from logic.layout.terms import to_furnish
-from logic.placement.layout import Layout
-from logic.placement.placer import Infeasible, Misfit
-from logic.placement.plan import StarPlan
-from logic.placement.prolog import Term
-from logic.request.request import Request
-from logic.spelling import article
+from vitruvius.logic.errors import LimitReached, OutOfInferences
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.house.star import Star
+from vitruvius.logic.layout.account import EASE, FURNITURE, LAYOUT
+from vitruvius.logic.layout.program import Nogood, Program, TooMany
+from vitruvius.logic.layout.terms import to_furnish
+from vitruvius.logic.placement.layout import Layout
+from vitruvius.logic.placement.placer import Infeasible, Misfit
+from vitruvius.logic.placement.plan import StarPlan
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import article
 
 MOST_MISFITS = 200
 """Number of failures of sampled rooms to fit together, though others might, before a house fails."""

@@ -10,10 +10,10 @@ from collections.abc import Iterable
 
 from clingo import Symbol
 
-from logic.checking.check import faults
-from logic.house.house import House
-from logic.house.promises import Promises
-from logic.language.loaded import LoadedGrammar
+from vitruvius.logic.checking.check import faults
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.language.loaded import LoadedGrammar
 
 NO_PLAN = (
     "a house of {rooms} rooms by this topology is no plan: {fault}: rooms fill what they enclose, and of two "

@@ -16,21 +16,21 @@ import numpy as np
 from clingo import Function, Number, Symbol
 from msgspec import structs
 
-from logic.errors import LimitReached
-from logic.generation.barred_units import UnitsFeasibility, barred_units
-from logic.generation.evidence import NoUnits
-from logic.generation.feasibility import Feasibility
-from logic.generation.shared_walls import MOST_TRIES, Making, SharedWallsMaker
-from logic.grammar import Grammar
-from logic.house.parts import Rect
-from logic.language.loaded import LoadedGrammar
-from logic.layout.account import LAYOUT
-from logic.layout.program import Nogood, Program
-from logic.placement.placer import Infeasible
-from logic.placement.plan import Pieces, Plan, UnitRange
-from logic.placement.prolog import Term
-from logic.request.request import Request
-from logic.spelling import numbered
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.barred_units import UnitsFeasibility, barred_units
+from vitruvius.logic.generation.evidence import NoUnits
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.shared_walls import MOST_TRIES, Making, SharedWallsMaker
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.account import LAYOUT
+from vitruvius.logic.layout.program import Nogood, Program
+from vitruvius.logic.placement.placer import Infeasible
+from vitruvius.logic.placement.plan import Pieces, Plan, UnitRange
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import numbered
 
 SIDES = ("west", "east", "north", "south")
 

@@ -2,7 +2,7 @@
 
 import math
 
-from logic.house.parts import Rect
+from vitruvius.logic.house.parts import Rect
 
 Box = tuple[float, float, float, float]
 """(west, north, east, south), metres. A segment has no width or no height."""

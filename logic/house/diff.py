@@ -7,10 +7,10 @@ from typing import Literal
 
 import msgspec
 
-from logic.house.boxes import Box
-from logic.house.house import House
-from logic.house.part_names import doors_by_name, part_names, windows_by_name
-from logic.house.parts import Room
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import doors_by_name, part_names, windows_by_name
+from vitruvius.logic.house.parts import Room
 
 TOLERANCE = 1e-3
 """Smallest difference that counts, metres."""

@@ -13,14 +13,14 @@ from typing import Any, BinaryIO
 
 import msgspec
 
-from logic.encoding import MARKS
-from logic.errors import HouseFileError, RequestError
-from logic.grammar import shipped
-from logic.house.gallery import Houses
-from logic.house.house import House
-from logic.house.ros_map import DESCRIPTIONS, PICTURES, read_map
-from logic.opener import DAMAGED, from_json, opened, reason
-from logic.spelling import closest, quoted
+from vitruvius.logic.encoding import MARKS
+from vitruvius.logic.errors import HouseFileError, RequestError
+from vitruvius.logic.grammar import shipped
+from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.ros_map import DESCRIPTIONS, PICTURES, read_map
+from vitruvius.logic.opener import DAMAGED, from_json, opened, reason
+from vitruvius.logic.spelling import closest, quoted
 
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
 """Suffixes of house files."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import SupportsIndex, overload
 
-from logic.house.house import House
-from logic.spelling import numbered
+from vitruvius.logic.house.house import House
+from vitruvius.logic.spelling import numbered
 
 SHOWN, CELL = 24, 260
 """Number of plans of a list that a notebook shows, and width of each, CSS pixels."""

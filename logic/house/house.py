@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Literal
 import msgspec
 import numpy as np
 
-from logic.house.boxes import Box
-from logic.house.kinds import STARS, Kind, kind_of
-from logic.house.occupancy import OccupancyGrid
-from logic.house.parts import (
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.kinds import STARS, Kind, kind_of
+from vitruvius.logic.house.occupancy import OccupancyGrid
+from vitruvius.logic.house.parts import (
     FORMAT,
     MAIN,
     MAP,
@@ -25,12 +25,12 @@ from logic.house.parts import (
     Room,
     Window,
 )
-from logic.house.promises import Thickness
-from logic.house.records import Record, read
-from logic.house.star import Star, star_record
-from logic.house.walls import Line, doorway, walls_of_rooms, walls_of_star
-from logic.plain import plain
-from logic.spelling import unknown
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.house.records import Record, read
+from vitruvius.logic.house.star import Star, star_record
+from vitruvius.logic.house.walls import Line, doorway, walls_of_rooms, walls_of_star
+from vitruvius.logic.plain import plain
+from vitruvius.logic.spelling import unknown
 
 PARAPET_M = 0.05
 """Thickness of the parapets around outdoor rooms, metres, in houses whose walls have none."""

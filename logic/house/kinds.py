@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-from logic.house.parts import MAP, ORIGINAL, STAR
+from vitruvius.logic.house.parts import MAP, ORIGINAL, STAR
 
 
 class Kind(Enum):

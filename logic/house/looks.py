@@ -14,13 +14,13 @@ from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from logic.encoding import illegible
-from logic.errors import GrammarError
-from logic.grammar import SHIPPED, folder, shipped
-from logic.house.house import House
-from logic.house.parts import ORIGINAL
-from logic.opener import content_of, from_json
-from logic.spelling import closest, listed
+from vitruvius.logic.encoding import illegible
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import SHIPPED, folder, shipped
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import ORIGINAL
+from vitruvius.logic.opener import content_of, from_json
+from vitruvius.logic.spelling import closest, listed
 
 NAME = "looks.json"
 """Name of the file, here and in a grammar's folder."""

@@ -14,9 +14,9 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from logic.house.boxes import Box
-from logic.house.parts import FARTHEST, Place
-from logic.house.walls import Line
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.parts import FARTHEST, Place
+from vitruvius.logic.house.walls import Line
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 """Values of cells, as in ROS's ``nav_msgs/OccupancyGrid``."""

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from logic.errors import RequestError
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Room, Window
-from logic.spelling import closest
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Room, Window
+from vitruvius.logic.spelling import closest
 
 DOOR, ENTRANCE, WINDOW = "door", "entrance", "window"
 """Names of parts that are not pieces."""

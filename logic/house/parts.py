@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal, Self
 import msgspec
 from msgspec import UNSET, Meta, UnsetType
 
-from logic.house.promises import Promises, Type
-from logic.plain import plain
+from vitruvius.logic.house.promises import Promises, Type
+from vitruvius.logic.plain import plain
 
 FORMAT = "vitruvius-2"
 """Format of files for any house, with lists of rooms, doors and windows (``records.py``)."""

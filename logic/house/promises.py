@@ -7,9 +7,9 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 from msgspec import Meta
 
-from logic.errors import RequestError
-from logic.plain import plain
-from logic.spelling import unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.plain import plain
+from vitruvius.logic.spelling import unknown
 
 CLEARANCE = 0.45
 """Least distance of everything from a door, on either side of its wall, metres."""

@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from logic.house.boxes import TOLERANCE
-from logic.house.kinds import STARS, Kind, kind_of
-from logic.house.occupancy import OccupancyGrid
-from logic.house.parts import (
+from vitruvius.logic.house.boxes import TOLERANCE
+from vitruvius.logic.house.kinds import STARS, Kind, kind_of
+from vitruvius.logic.house.occupancy import OccupancyGrid
+from vitruvius.logic.house.parts import (
     BODY,
     FARTHEST,
     FORMAT,
@@ -34,9 +34,9 @@ from logic.house.parts import (
     Room,
     Window,
 )
-from logic.house.promises import Thickness
-from logic.house.star import Star, read_star
-from logic.spelling import unknown
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.house.star import Star, read_star
+from vitruvius.logic.spelling import unknown
 
 
 class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):

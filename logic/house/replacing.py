@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from logic.errors import HouseFileError, RequestError
-from logic.house.files import load, write_whole
-from logic.house.house import House
-from logic.house.parts import Provenance
+from vitruvius.logic.errors import HouseFileError, RequestError
+from vitruvius.logic.house.files import load, write_whole
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Provenance
 
 DRAWN_BY = b"drawn by vitruvius"
 """Text in every picture file."""

@@ -19,10 +19,10 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from logic.errors import HouseFileError
-from logic.house.occupancy import FREE, MOST_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid, too_many
-from logic.opener import content_of, opened
-from logic.spelling import unknown
+from vitruvius.logic.errors import HouseFileError
+from vitruvius.logic.house.occupancy import FREE, MOST_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid, too_many
+from vitruvius.logic.opener import content_of, opened
+from vitruvius.logic.spelling import unknown
 
 DESCRIPTIONS, PICTURES = (".yaml", ".yml"), (".pgm", ".png", ".bmp")
 """Suffixes of a map's files."""

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from logic.house.parts import (
+from vitruvius.logic.house.parts import (
     MAIN,
     MOST_ROOMS,
     ORIGINAL,
@@ -22,7 +22,7 @@ from logic.house.parts import (
     Room,
     pieces_of,
 )
-from logic.house.promises import Type
+from vitruvius.logic.house.promises import Type
 
 
 class StarRoom(Rect, frozen=True, forbid_unknown_fields=True):

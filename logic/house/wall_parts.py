@@ -4,10 +4,10 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from logic.house.boxes import TOLERANCE, Box, overlap
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Rect, Window
-from logic.house.walls import doorway
+from vitruvius.logic.house.boxes import TOLERANCE, Box, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Rect, Window
+from vitruvius.logic.house.walls import doorway
 
 WALL_PARTS = ("", "wall", "door", "opening", "entrance", "window", "parapet", "gate")
 """Kinds of boxes that ``wall_parts`` distinguishes."""

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.parts import Door, Rect, Room
-from logic.house.star import StarRoom
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.parts import Door, Rect, Room
+from vitruvius.logic.house.star import StarRoom
 
 Interval = tuple[float, float]
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 
-from logic.errors import GrammarError, Reason
-from logic.language.loaded import LoadedGrammar
-from logic.layout.conditional import Source
-from logic.layout.conflicts import minimal
-from logic.layout.program import HOUSE
-from logic.layout.relaxed import Relaxed, Statement, TooMany
-from logic.layout.terms import granted, parts, requirements
-from logic.spelling import listed
+from vitruvius.logic.errors import GrammarError, Reason
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.conditional import Source
+from vitruvius.logic.layout.conflicts import minimal
+from vitruvius.logic.layout.program import HOUSE
+from vitruvius.logic.layout.relaxed import Relaxed, Statement, TooMany
+from vitruvius.logic.layout.terms import granted, parts, requirements
+from vitruvius.logic.spelling import listed
 
 MAX_CONFLICTS = 2_000
 """Number of conflicts of clingo in each search; a search that needs more reports nothing."""

@@ -7,19 +7,19 @@ from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
 
-from logic.errors import Finding, GrammarError, Reason
-from logic.grammar import Grammar
-from logic.house.looks import DEFAULT, NAME, read_looks, unused
-from logic.language.absent import absent
-from logic.language.asp.audit import UNITS
-from logic.language.loaded import LoadedGrammar
-from logic.language.unread import unread
-from logic.layout.account import GROUNDING
-from logic.layout.conditional import Source
-from logic.layout.program import HOUSE, Part
-from logic.layout.programs import GIVEN
-from logic.layout.relaxed import Relaxed
-from logic.placement.lengths import typical_lengths
+from vitruvius.logic.errors import Finding, GrammarError, Reason
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.looks import DEFAULT, NAME, read_looks, unused
+from vitruvius.logic.language.absent import absent
+from vitruvius.logic.language.asp.audit import UNITS
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.language.unread import unread
+from vitruvius.logic.layout.account import GROUNDING
+from vitruvius.logic.layout.conditional import Source
+from vitruvius.logic.layout.program import HOUSE, Part
+from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.relaxed import Relaxed
+from vitruvius.logic.placement.lengths import typical_lengths
 
 SIZES = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms of the houses in which lint tests if a rule binds, in this order."""

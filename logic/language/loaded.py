@@ -7,28 +7,35 @@ from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.errors import GrammarError
-from logic.grammar import LENGTHS, STAR, Grammar
-from logic.language.asp.audit import unreadable
-from logic.language.asp.causes import Mistake, first_causes, misspelt_name
-from logic.language.asp.facts import NAME, stated
-from logic.language.asp.rules import StatedRules
-from logic.language.asp.vocabulary import (
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import LENGTHS, STAR, Grammar
+from vitruvius.logic.language.asp.audit import unreadable
+from vitruvius.logic.language.asp.causes import Mistake, first_causes, misspelt_name
+from vitruvius.logic.language.asp.facts import NAME, stated
+from vitruvius.logic.language.asp.rules import StatedRules
+from vitruvius.logic.language.asp.vocabulary import (
     capitalised,
     contradictory,
     misspelt_lines,
     misspelt_names,
     unknown_choices,
 )
-from logic.language.metres import impossible, unlikely
-from logic.language.prolog_problems import problem, unknown
-from logic.layout.conditional import Source
-from logic.layout.ground import Endless
-from logic.layout.program import HOUSE, Part, Program
-from logic.layout.programs import Programs, crowded
-from logic.layout.relaxed import Relaxed
-from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
-from logic.placement.lengths import (
+from vitruvius.logic.language.metres import impossible, unlikely
+from vitruvius.logic.language.prolog_problems import problem, unknown
+from vitruvius.logic.layout.conditional import Source
+from vitruvius.logic.layout.ground import Endless
+from vitruvius.logic.layout.program import HOUSE, Part, Program
+from vitruvius.logic.layout.programs import Programs, crowded
+from vitruvius.logic.layout.relaxed import Relaxed
+from vitruvius.logic.layout.terms import (
+    Lengths,
+    area_facts,
+    berth_fact,
+    depth_steps,
+    length_facts,
+    wall_facts,
+)
+from vitruvius.logic.placement.lengths import (
     area_bounds,
     disagreements,
     size_clauses,
@@ -36,10 +43,10 @@ from logic.placement.lengths import (
     unit_depths,
     wall_lengths,
 )
-from logic.placement.placer import Placer
-from logic.placement.prolog import Term
-from logic.request.request import MOST_ROOMS
-from logic.spelling import closest
+from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.request import MOST_ROOMS
+from vitruvius.logic.spelling import closest
 
 MOST_INSTANCES = 50_000
 """Largest number of ground rules of a house of one room without furniture; grammars have hundreds."""

@@ -5,8 +5,8 @@ from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.errors import GrammarError
-from logic.house.parts import FARTHEST
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.house.parts import FARTHEST
 
 SHORTEST = 0.01
 """Length in metres below which another unit is likely, unless the length is 0."""

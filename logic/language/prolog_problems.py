@@ -3,10 +3,10 @@
 import re
 from pathlib import Path
 
-from logic.errors import GrammarError
-from logic.language.asp.inexpressible import inexpressible
-from logic.language.asp.vocabulary import core_words
-from logic.language.prolog_syntax import explained
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.language.asp.inexpressible import inexpressible
+from vitruvius.logic.language.asp.vocabulary import core_words
+from vitruvius.logic.language.prolog_syntax import explained
 
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:

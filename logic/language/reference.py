@@ -14,8 +14,8 @@ from typing import Any
 
 from clingo.ast import ASTType, parse_files
 
-from logic.grammar import ADJACENT, PLANS, RULES, STAR, STATED, TOPOLOGIES
-from logic.layout.program import CORE
+from vitruvius.logic.grammar import ADJACENT, PLANS, RULES, STAR, STATED, TOPOLOGIES
+from vitruvius.logic.layout.program import CORE
 
 PAGE = Path(__file__).with_name("reference.md")
 """The page's text, with places for generated parts."""

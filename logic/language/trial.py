@@ -14,21 +14,21 @@ import clingo
 from clingo import Function, ast
 from clingo.ast import ASTType
 
-from logic.errors import GrammarError
-from logic.grammar import Grammar
-from logic.language.asp.audit import audit, unreadable
-from logic.language.asp.statements import Statement, read
-from logic.language.asp.stratification import unstratified
-from logic.language.asp.vocabulary import words
-from logic.language.linter import SIZES
-from logic.language.loaded import furniture_of
-from logic.layout.conditional import HERE
-from logic.layout.differences import STATING
-from logic.layout.messages import written
-from logic.layout.program import CORE, HOUSE, Part, Program
-from logic.layout.terms import length_facts, parts
-from logic.placement.lengths import stated_lengths
-from logic.placement.placer import Placer
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.language.asp.audit import audit, unreadable
+from vitruvius.logic.language.asp.statements import Statement, read
+from vitruvius.logic.language.asp.stratification import unstratified
+from vitruvius.logic.language.asp.vocabulary import words
+from vitruvius.logic.language.linter import SIZES
+from vitruvius.logic.language.loaded import furniture_of
+from vitruvius.logic.layout.conditional import HERE
+from vitruvius.logic.layout.differences import STATING
+from vitruvius.logic.layout.messages import written
+from vitruvius.logic.layout.program import CORE, HOUSE, Part, Program
+from vitruvius.logic.layout.terms import length_facts, parts
+from vitruvius.logic.placement.lengths import stated_lengths
+from vitruvius.logic.placement.placer import Placer
 
 TOO_MUCH = "takes too much time or memory"
 

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from logic.errors import GrammarError
-from logic.opener import content_of
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.opener import content_of
 
 SUFFIXES = ".lp", ".pl"
 

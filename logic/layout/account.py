@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from logic.errors import Reason
-from logic.spelling import article
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.spelling import article
 
 if TYPE_CHECKING:
     from clingo import Symbol

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 from clingo import Function, Number, Symbol, SymbolType, ast
 
-from logic.errors import Reason
-from logic.grammar import RULES, TYPICAL, Places
-from logic.layout.messages import written
-from logic.layout.program import CORE
-from logic.layout.reading import parse
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.grammar import RULES, TYPICAL, Places
+from vitruvius.logic.layout.messages import written
+from vitruvius.logic.layout.program import CORE
+from vitruvius.logic.layout.reading import parse
 
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)

@@ -14,8 +14,8 @@ from weakref import finalize
 from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
-from logic.grammar import ADJACENT, BRIEF, GUARD, RULES, Places
-from logic.layout.reading import load, parse
+from vitruvius.logic.grammar import ADJACENT, BRIEF, GUARD, RULES, Places
+from vitruvius.logic.layout.reading import load, parse
 
 DIFFERENCES, ROOM = RULES / "shared_walls" / "differences.lp", "room"
 """File that states differences, and the part of the rules that has none: furniture."""

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from logic.errors import GrammarError
+from vitruvius.logic.errors import GrammarError
 
 _PLACED = re.compile(
     r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-(?:(?P<last>\d+):)?(?P<end>\d+))?:"

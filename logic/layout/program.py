@@ -20,12 +20,12 @@ import clingo
 import numpy as np
 from clingo import Function, Symbol
 
-from logic.errors import GrammarError
-from logic.grammar import RULES, TYPICAL, Places
-from logic.layout.branching import Brancher
-from logic.layout.differences import Differences
-from logic.layout.ground import Instances, Literals
-from logic.layout.messages import clingo_error
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import RULES, TYPICAL, Places
+from vitruvius.logic.layout.branching import Brancher
+from vitruvius.logic.layout.differences import Differences
+from vitruvius.logic.layout.ground import Instances, Literals
+from vitruvius.logic.layout.messages import clingo_error
 
 Part = tuple[str, Sequence[Symbol]]
 """``#program`` part of the rules, and its arguments."""

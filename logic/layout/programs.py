@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 from clingo import Symbol
 
-from logic.errors import GrammarError
-from logic.grammar import Grammar
-from logic.layout.account import GROUNDING, LAYOUT, Account
-from logic.layout.messages import placed_error
-from logic.layout.program import EVERY, HOUSE, Program
-from logic.layout.terms import (
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.layout.account import GROUNDING, LAYOUT, Account
+from vitruvius.logic.layout.messages import placed_error
+from vitruvius.logic.layout.program import EVERY, HOUSE, Program
+from vitruvius.logic.layout.terms import (
     Lengths,
     granted,
     parts,
@@ -21,8 +21,8 @@ from logic.layout.terms import (
     room_requirements,
     shared_requirements,
 )
-from logic.request.request import Request
-from logic.spelling import article
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import article
 
 GIVEN = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room/room.lp`` for rooms of given sizes."""

@@ -18,8 +18,8 @@ from clingo.ast import (
     parse_string,
 )
 
-from logic.grammar import RULES, TYPICAL, Places
-from logic.includes import below, height
+from vitruvius.logic.grammar import RULES, TYPICAL, Places
+from vitruvius.logic.includes import below, height
 
 Logger = Callable[[MessageCode, str], None]
 

@@ -21,8 +21,8 @@ from clingo import Symbol, ast
 from clingo.backend import HeuristicType
 from msgspec import structs
 
-from logic.errors import Reason
-from logic.layout.conditional import (
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.layout.conditional import (
     ABSENT,
     HERE,
     LEFT_OUT,
@@ -34,9 +34,9 @@ from logic.layout.conditional import (
     stated_symbol,
     unbound,
 )
-from logic.layout.differences import Differences
-from logic.layout.ground import Endless, Instances, Literals
-from logic.layout.program import CORE, Conflict, Part, TooMany
+from vitruvius.logic.layout.differences import Differences
+from vitruvius.logic.layout.ground import Endless, Instances, Literals
+from vitruvius.logic.layout.program import CORE, Conflict, Part, TooMany
 
 
 @dataclass(frozen=True)

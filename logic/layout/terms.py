@@ -6,13 +6,13 @@ from typing import Any
 
 from clingo import Function, Number, Symbol, parse_term
 
-from logic.layout.program import Part
-from logic.request.brief import LEAST_SIDE, Brief, length_range, tolerance_of
-from logic.request.brief_lines import area_ranges, void_numbers
-from logic.request.brief_lines import requirements as brief_lines
-from logic.request.fixed_rooms import FixedRoom
-from logic.request.own_plan import OwnPlan
-from logic.request.request import MOST, Range, Request
+from vitruvius.logic.layout.program import Part
+from vitruvius.logic.request.brief import LEAST_SIDE, Brief, length_range, tolerance_of
+from vitruvius.logic.request.brief_lines import area_ranges, void_numbers
+from vitruvius.logic.request.brief_lines import requirements as brief_lines
+from vitruvius.logic.request.fixed_rooms import FixedRoom
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import MOST, Range, Request
 
 STEP = 500
 """Precision of the depth of a unit in stage 1, millimetres."""

@@ -5,11 +5,11 @@ from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.house.parts import Rect
-from logic.placement.layout import RoomLayout
-from logic.placement.placer import Placer
-from logic.placement.prolog import Term
-from logic.request.fixed_rooms import FixedRoom
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.placement.layout import RoomLayout
+from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.fixed_rooms import FixedRoom
 
 
 def room_bounds(

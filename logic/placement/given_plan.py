@@ -6,13 +6,13 @@ from typing import TypeVar
 import msgspec
 from clingo import Symbol, parse_term
 
-from logic.house.boxes import TOLERANCE, WALLS
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.house.promises import Thickness
-from logic.placement.placer import Placer
-from logic.placement.plan import PlanDoor, PlanWindow
-from logic.placement.prolog import Term
-from logic.request.own_plan import OwnPlan, Wall
+from vitruvius.logic.house.boxes import TOLERANCE, WALLS
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.plan import PlanDoor, PlanWindow
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.own_plan import OwnPlan, Wall
 
 Opening = TypeVar("Opening", Door, Window)
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from clingo import Symbol
 
-from logic.placement.prolog import Term
-from logic.request.fixed_rooms import FixedRoom
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.fixed_rooms import FixedRoom
 
 
 @dataclass(frozen=True)

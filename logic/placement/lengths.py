@@ -5,10 +5,10 @@ from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.errors import GrammarError, Reason
-from logic.grammar import LENGTHS
-from logic.placement.placer import Placer
-from logic.placement.prolog import Term
+from vitruvius.logic.errors import GrammarError, Reason
+from vitruvius.logic.grammar import LENGTHS
+from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.prolog import Term
 
 DOOR_WIDTH = Function("length", [Function("door_width")])
 """Clause of the width of doors, by its name as in ``Conflict``."""

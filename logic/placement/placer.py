@@ -13,18 +13,18 @@ import numpy as np
 from clingo import Symbol, parse_term
 from msgspec.structs import replace
 
-from logic.errors import GrammarError, OutOfInferences, Reason
-from logic.grammar import RULES, Grammar
-from logic.house.promises import Thickness
-from logic.includes import height
-from logic.layout import account
-from logic.layout.account import Account
-from logic.layout.program import Conflict
-from logic.placement import prolog
-from logic.placement.layout import Layout, RoomLayout
-from logic.placement.plan import Pieces, Plan, StarPlan, UnitRange
-from logic.placement.prolog import Term
-from logic.request.fixed_rooms import FixedRoom
+from vitruvius.logic.errors import GrammarError, OutOfInferences, Reason
+from vitruvius.logic.grammar import RULES, Grammar
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.includes import height
+from vitruvius.logic.layout import account
+from vitruvius.logic.layout.account import Account
+from vitruvius.logic.layout.program import Conflict
+from vitruvius.logic.placement import prolog
+from vitruvius.logic.placement.layout import Layout, RoomLayout
+from vitruvius.logic.placement.plan import Pieces, Plan, StarPlan, UnitRange
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.request.fixed_rooms import FixedRoom
 
 THOROUGH = "thorough"
 """Atom of a layout that stage 2 must decide thoroughly."""

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import msgspec
 from msgspec import UNSET
 
-from logic.house.house import House
-from logic.house.parts import Door, Piece, Rect, Room, Window
-from logic.house.promises import Thickness
-from logic.house.star import StarRoom
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Door, Piece, Rect, Room, Window
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.house.star import StarRoom
 
 Pieces = tuple[Piece, ...]
 

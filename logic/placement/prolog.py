@@ -14,7 +14,7 @@ from typing import Any
 
 from clingo import Symbol, SymbolType
 
-from logic.errors import MissingProgram, VitruviusError
+from vitruvius.logic.errors import MissingProgram, VitruviusError
 
 try:
     from pyswip import core as swi

@@ -1,13 +1,13 @@
 """A house of a request, or the proof that there is none."""
 
-from logic.errors import LimitReached, OutOfInferences, Unsatisfiable
-from logic.generation.builder import Builder
-from logic.generation.evidence import NoLayout, NoUnits
-from logic.house.house import House
-from logic.proofs.giving_way import giving_way, unlike_stated_sizes
-from logic.proofs.proof import Prover
-from logic.proofs.units import no_house
-from logic.request.request import Request
+from vitruvius.logic.errors import LimitReached, OutOfInferences, Unsatisfiable
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.evidence import NoLayout, NoUnits
+from vitruvius.logic.house.house import House
+from vitruvius.logic.proofs.giving_way import giving_way, unlike_stated_sizes
+from vitruvius.logic.proofs.proof import Prover
+from vitruvius.logic.proofs.units import no_house
+from vitruvius.logic.request.request import Request
 
 
 def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:

@@ -9,13 +9,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED
-from logic.layout.account import LAYOUT
-from logic.layout.conditional import ABSENT
-from logic.layout.program import TooMany
-from logic.layout.relaxed import Relaxed, Statement
-from logic.request.request import Request
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.layout.account import LAYOUT
+from vitruvius.logic.layout.conditional import ABSENT
+from vitruvius.logic.layout.program import TooMany
+from vitruvius.logic.layout.relaxed import Relaxed, Statement
+from vitruvius.logic.request.request import Request
 
 FIRST, LARGER = 2_000, 4
 """Number of conflicts of clingo in the first round, and the factor for each further round."""

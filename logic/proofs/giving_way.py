@@ -6,17 +6,17 @@ from functools import partial
 
 from clingo import Function
 
-from logic.errors import Reason
-from logic.generation.barred_units import no_unit
-from logic.generation.builder import Builder
-from logic.generation.evidence import NoLayout, NoUnits
-from logic.generation.question import Question
-from logic.layout.conflicts import minimal
-from logic.layout.relaxed import Statement, TooMany
-from logic.placement.lengths import DOOR_WIDTH, metres, typical_lengths
-from logic.proofs.proof import Prover, asked
-from logic.request.brief import bounds, tolerance_of
-from logic.request.request import Request
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.barred_units import no_unit
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.evidence import NoLayout, NoUnits
+from vitruvius.logic.generation.question import Question
+from vitruvius.logic.layout.conflicts import minimal
+from vitruvius.logic.layout.relaxed import Statement, TooMany
+from vitruvius.logic.placement.lengths import DOOR_WIDTH, metres, typical_lengths
+from vitruvius.logic.proofs.proof import Prover, asked
+from vitruvius.logic.request.brief import bounds, tolerance_of
+from vitruvius.logic.request.request import Request
 
 MAX_REFUTED = 60
 """Number of layouts that stage 2 refutes in a search for typical lengths that contradict a request."""

@@ -12,12 +12,12 @@ from functools import partial
 
 import clingo
 
-from logic.errors import Reason
-from logic.generation.question import Question
-from logic.grammar import SHIPPED
-from logic.layout.conflicts import minimal
-from logic.layout.program import TooMany
-from logic.layout.relaxed import Relaxed, Statement
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.question import Question
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.layout.conflicts import minimal
+from vitruvius.logic.layout.program import TooMany
+from vitruvius.logic.layout.relaxed import Relaxed, Statement
 
 MOST_LAYOUTS = 400
 """Largest number of layouts in the search for a smallest conflict, after which a minimal one suffices."""

@@ -6,21 +6,21 @@ import numpy as np
 from clingo import Symbol
 from msgspec.structs import replace
 
-from logic.generation.builder import Builder
-from logic.generation.evidence import NoLayout
-from logic.generation.feasibility import HouseFacts
-from logic.generation.given_plan import GivenPlanMaker
-from logic.house.boxes import WALLS
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.house.promises import Thickness
-from logic.language.loaded import LoadedGrammar
-from logic.placement.given_plan import inner_span
-from logic.placement.lengths import typical_lengths
-from logic.placement.prolog import Term
-from logic.proofs.answer import unsatisfiable
-from logic.proofs.giving_way import giving_way
-from logic.request.own_plan import OwnPlan, Wall
-from logic.request.request import Request
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.feasibility import HouseFacts
+from vitruvius.logic.generation.given_plan import GivenPlanMaker
+from vitruvius.logic.house.boxes import WALLS
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.placement.given_plan import inner_span
+from vitruvius.logic.placement.lengths import typical_lengths
+from vitruvius.logic.placement.prolog import Term
+from vitruvius.logic.proofs.answer import unsatisfiable
+from vitruvius.logic.proofs.giving_way import giving_way
+from vitruvius.logic.request.own_plan import OwnPlan, Wall
+from vitruvius.logic.request.request import Request
 
 R = TypeVar("R", Door, Window)
 

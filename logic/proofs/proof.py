@@ -6,24 +6,24 @@ from dataclasses import replace
 
 from clingo import Symbol
 
-from logic.errors import LimitReached, Reason, Unsatisfiable, VitruviusError
-from logic.generation.evidence import NoLayout
-from logic.generation.feasibility import Feasibility, barred, option
-from logic.generation.movable_doors import Refuted
-from logic.generation.question import Question
-from logic.layout.account import PROOF
-from logic.layout.program import Conflict, TooMany
-from logic.layout.relaxed import Statement
-from logic.layout.terms import (
+from vitruvius.logic.errors import LimitReached, Reason, Unsatisfiable, VitruviusError
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.feasibility import Feasibility, barred, option
+from vitruvius.logic.generation.movable_doors import Refuted
+from vitruvius.logic.generation.question import Question
+from vitruvius.logic.layout.account import PROOF
+from vitruvius.logic.layout.program import Conflict, TooMany
+from vitruvius.logic.layout.relaxed import Statement
+from vitruvius.logic.layout.terms import (
     brief_requirements,
     fixed_requirements,
     granted,
     own_requirements,
     to_furnish,
 )
-from logic.proofs.least import AnyOf, least, least_of_brief, least_of_plan
-from logic.request.request import MOST_ROOMS, Request
-from logic.spelling import article
+from vitruvius.logic.proofs.least import AnyOf, least, least_of_brief, least_of_plan
+from vitruvius.logic.request.request import MOST_ROOMS, Request
+from vitruvius.logic.spelling import article
 
 NEAR = 8
 """Largest distance of other numbers of rooms that are tried."""

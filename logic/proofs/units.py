@@ -1,9 +1,9 @@
 """Proof that there is no house of units: the infeasible units, and the reasons of each."""
 
-from logic.errors import Reason, Unsatisfiable
-from logic.generation.barred_units import no_unit, option_reasons
-from logic.generation.evidence import NoUnits
-from logic.proofs.proof import Prover
+from vitruvius.logic.errors import Reason, Unsatisfiable
+from vitruvius.logic.generation.barred_units import no_unit, option_reasons
+from vitruvius.logic.generation.evidence import NoUnits
+from vitruvius.logic.proofs.proof import Prover
 
 
 def no_house(found: NoUnits) -> Unsatisfiable:

@@ -4,12 +4,12 @@ from codecs import BOM_UTF8
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from logic.readers.cubicasa import is_cubicasa, read_cubicasa
-from logic.readers.houseexpo import is_houseexpo, read_houseexpo
-from logic.readers.ifc import is_ifc, read_ifc
-from logic.readers.imdf import is_imdf, read_imdf
-from logic.readers.resplan import is_resplan, read_resplan
-from logic.readers.sketch import Sketch, require_few
+from vitruvius.logic.readers.cubicasa import is_cubicasa, read_cubicasa
+from vitruvius.logic.readers.houseexpo import is_houseexpo, read_houseexpo
+from vitruvius.logic.readers.ifc import is_ifc, read_ifc
+from vitruvius.logic.readers.imdf import is_imdf, read_imdf
+from vitruvius.logic.readers.resplan import is_resplan, read_resplan
+from vitruvius.logic.readers.sketch import Sketch, require_few
 
 
 class Reader(NamedTuple):

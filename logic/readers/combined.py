@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import shapely
 from shapely import LineString, Polygon, affinity
 
-from logic.readers.sketch import Passage, Sketch, Space
-from logic.readers.types import TOGETHER, Least, least_sizes, uses
-from logic.readers.units import metres_to
-from logic.shapes.lines import MOST_WALL
+from vitruvius.logic.readers.sketch import Passage, Sketch, Space
+from vitruvius.logic.readers.types import TOGETHER, Least, least_sizes, uses
+from vitruvius.logic.readers.units import metres_to
+from vitruvius.logic.shapes.lines import MOST_WALL
 
 MAX_CORNERS, MAX_OUTLINE = 8, 64
 """Number of corners at which a room may be cut, for each axis; number of corners of a room that is cut."""

@@ -15,10 +15,18 @@ from xml.etree.ElementTree import Element
 
 from shapely import Polygon
 
-from logic.errors import RequestError
-from logic.opener import from_xml
-from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_none, require_plain
-from logic.readers.svg_shapes import Matrix, kind, placed, polygon_in
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.opener import from_xml
+from vitruvius.logic.readers.sketch import (
+    Passage,
+    Sketch,
+    Space,
+    chosen,
+    polygons,
+    require_none,
+    require_plain,
+)
+from vitruvius.logic.readers.svg_shapes import Matrix, kind, placed, polygon_in
 
 FORMAT = "a plan of CubiCasa5K"
 

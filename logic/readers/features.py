@@ -7,9 +7,9 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import RequestError
-from logic.house.promises import Thickness
-from logic.opener import from_json
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.opener import from_json
 
 GEOJSON = "FeatureCollection"
 

@@ -17,14 +17,23 @@ import shapely
 from shapely import Geometry, LineString, Point, STRtree
 from shapely.geometry import shape
 
-from logic.errors import RequestError
-from logic.house.parts import LONGEST_NAME
-from logic.opener import reason
-from logic.readers.features import GEOMETRIES, features
-from logic.readers.sketch import FAR, Passage, Sketch, Space, chosen, polygons, require_few, require_plain
-from logic.readers.types import element, meant
-from logic.readers.units import degrees_of, is_web_mercator, metres_to, plane
-from logic.spelling import numbered, printable
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.parts import LONGEST_NAME
+from vitruvius.logic.opener import reason
+from vitruvius.logic.readers.features import GEOMETRIES, features
+from vitruvius.logic.readers.sketch import (
+    FAR,
+    Passage,
+    Sketch,
+    Space,
+    chosen,
+    polygons,
+    require_few,
+    require_plain,
+)
+from vitruvius.logic.readers.types import element, meant
+from vitruvius.logic.readers.units import degrees_of, is_web_mercator, metres_to, plane
+from vitruvius.logic.spelling import numbered, printable
 
 FORMAT = "GeoJSON"
 

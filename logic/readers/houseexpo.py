@@ -12,12 +12,12 @@ import numpy as np
 import shapely
 from shapely import Geometry, Polygon
 
-from logic.errors import RequestError
-from logic.house.parts import MOST_ROOMS
-from logic.readers.sketch import Passage, Sketch, Space, numbers, require_none, require_plain
-from logic.readers.types import OUTSIDE, meant
-from logic.shapes.corners import parts_of
-from logic.shapes.doorways import SMALLEST, Doorway, cut
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.parts import MOST_ROOMS
+from vitruvius.logic.readers.sketch import Passage, Sketch, Space, numbers, require_none, require_plain
+from vitruvius.logic.readers.types import OUTSIDE, meant
+from vitruvius.logic.shapes.corners import parts_of
+from vitruvius.logic.shapes.doorways import SMALLEST, Doorway, cut
 
 FORMAT = "a plan of HouseExpo"
 

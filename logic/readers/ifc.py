@@ -14,10 +14,10 @@ from zipfile import ZipFile
 import msgspec
 import shapely
 
-from logic.errors import RequestError
-from logic.opener import ZIPPED, archive_of, member_of
-from logic.readers.ifc_solids import Solids, main
-from logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.opener import ZIPPED, archive_of, member_of
+from vitruvius.logic.readers.ifc_solids import Solids, main
+from vitruvius.logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
 
 FORMAT = "IFC"
 

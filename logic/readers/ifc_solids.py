@@ -15,8 +15,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from logic.errors import RequestError
-from logic.readers.sketch import chosen
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.readers.sketch import chosen
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
 """Largest address space, bytes, and processor time, seconds, of this process, as for a solver process."""

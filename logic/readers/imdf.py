@@ -11,10 +11,18 @@ import shapely
 from shapely import Geometry
 from shapely.geometry import shape
 
-from logic.errors import RequestError
-from logic.opener import ZIPPED, archive_of, from_json, member_of
-from logic.readers.sketch import Passage, Sketch, Space, chosen, polygons, require_few, require_plain
-from logic.readers.units import plane
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.opener import ZIPPED, archive_of, from_json, member_of
+from vitruvius.logic.readers.sketch import (
+    Passage,
+    Sketch,
+    Space,
+    chosen,
+    polygons,
+    require_few,
+    require_plain,
+)
+from vitruvius.logic.readers.units import plane
 
 FORMAT = "IMDF"
 

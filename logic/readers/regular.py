@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 import shapely
 from shapely import Geometry, Polygon, affinity
 
-from logic.errors import RequestError
-from logic.house.boxes import Box
-from logic.house.parts import LONGEST_NAME, MOST_ROOMS, OUTSIDE, Room
-from logic.readers.sketch import Sketch, Space, require_plain
-from logic.readers.types import OUTSIDE as NO_ROOM
-from logic.readers.types import kind_of
-from logic.readers.units import metres_to
-from logic.shapes.corners import moved, parts_of, squared
-from logic.shapes.lines import MOST_WALL, common_lines
-from logic.shapes.room_boxes import room_boxes, room_of
-from logic.shapes.tidy import open_borders, without_slivers, without_stubs
-from logic.spelling import numbered
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.house.parts import LONGEST_NAME, MOST_ROOMS, OUTSIDE, Room
+from vitruvius.logic.readers.sketch import Sketch, Space, require_plain
+from vitruvius.logic.readers.types import OUTSIDE as NO_ROOM
+from vitruvius.logic.readers.types import kind_of
+from vitruvius.logic.readers.units import metres_to
+from vitruvius.logic.shapes.corners import moved, parts_of, squared
+from vitruvius.logic.shapes.lines import MOST_WALL, common_lines
+from vitruvius.logic.shapes.room_boxes import room_boxes, room_of
+from vitruvius.logic.shapes.tidy import open_borders, without_slivers, without_stubs
+from vitruvius.logic.spelling import numbered
 
 MAX_CORNERS = 1 << 13
 """Number of corners of all rooms, once their sides lie along the axes."""

@@ -12,8 +12,8 @@ import shapely
 from shapely import Geometry
 from shapely.geometry import shape
 
-from logic.errors import RequestError
-from logic.readers.sketch import Passage, Sketch, Space, polygons, require_none, require_plain
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.readers.sketch import Passage, Sketch, Space, polygons, require_none, require_plain
 
 FORMAT = "a plan of ResPlan"
 

@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from shapely import Geometry, Polygon
 
-from logic.errors import RequestError
-from logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
-from logic.spelling import listed, numbered, quoted, unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
+from vitruvius.logic.spelling import listed, numbered, quoted, unknown
 
 FAR = 1e8
 """Greatest distance from the origin, in units of the file; coordinates of maps are smaller."""

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from shapely import Polygon, affinity
 
-from logic.errors import RequestError
+from vitruvius.logic.errors import RequestError
 
 MAX_LETTERS = 1 << 10
 """Number of characters of a ``transform``."""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import msgspec
 
-from logic.readers.sketch import Space
+from vitruvius.logic.readers.sketch import Space
 
 OUTSIDE = "outside"
 """Type in the table for an area that is no room of the house, such as a balcony or a column."""

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely import Geometry
 
-from logic.errors import RequestError
+from vitruvius.logic.errors import RequestError
 
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 """Metres per unit."""

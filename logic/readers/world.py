@@ -18,16 +18,16 @@ import shapely
 from shapely import LineString, Point
 from shapely.errors import GEOSException
 
-from logic.errors import HouseFileError, PlanWarning, RequestError
-from logic.house.house import House
-from logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
-from logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
-from logic.opener import reason
-from logic.readers.features import features, from_text, inner_wall, is_geojson
-from logic.readers.houseexpo import is_houseexpo, outline, without_bevels
-from logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
-from logic.readers.units import degrees_of, is_web_mercator, plane
-from logic.spelling import numbered
+from vitruvius.logic.errors import HouseFileError, PlanWarning, RequestError
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.occupancy import FREE, MOST_CELLS, UNKNOWN, OccupancyGrid, too_many
+from vitruvius.logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
+from vitruvius.logic.opener import reason
+from vitruvius.logic.readers.features import features, from_text, inner_wall, is_geojson
+from vitruvius.logic.readers.houseexpo import is_houseexpo, outline, without_bevels
+from vitruvius.logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
+from vitruvius.logic.readers.units import degrees_of, is_web_mercator, plane
+from vitruvius.logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
 """Largest size of a file, in bytes."""
@@ -197,7 +197,7 @@ def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
     if shut := sum(not inner.covers(door.centroid) for door in doors):
         join, are = ("joins", "is") if shut == 1 else ("join", "are")
         said = f"plan: {numbered(shut, 'door')} {join} no two polygons of floor, and {are} shut"
-        warnings.warn(said, PlanWarning, stacklevel=7)  # where ``logic.load`` is called
+        warnings.warn(said, PlanWarning, stacklevel=7)  # where ``vitruvius.load`` is called
 
 
 def _walls(shape: Any, thickness: float) -> list[FreeWall]:

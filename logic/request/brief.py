@@ -13,11 +13,11 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from logic.errors import RequestError
-from logic.house.parts import OUTSIDE, Name
-from logic.mismatch import mismatch
-from logic.opener import content_of, from_json
-from logic.spelling import unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.parts import OUTSIDE, Name
+from vitruvius.logic.mismatch import mismatch
+from vitruvius.logic.opener import content_of, from_json
+from vitruvius.logic.spelling import unknown
 
 MOST_BYTES = 1 << 20
 """Largest size of a file, unpacked, in bytes."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from logic.request.brief import (
+from vitruvius.logic.request.brief import (
     Brief,
     Entrance,
     Void,

@@ -6,9 +6,9 @@ from typing import Any
 
 import msgspec
 
-from logic.house.house import House
-from logic.request.brief import LARGEST, LARGEST_ROOM, LONGEST, Brief, bounds, tolerance_of
-from logic.request.brief_lines import Where
+from vitruvius.logic.house.house import House
+from vitruvius.logic.request.brief import LARGEST, LARGEST_ROOM, LONGEST, Brief, bounds, tolerance_of
+from vitruvius.logic.request.brief_lines import Where
 
 LENGTHS = {"area", "size", "width", "depth"}
 """Keys of a brief's areas and lengths."""

@@ -6,11 +6,11 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import RequestError
-from logic.house.boxes import WALLS, is_on_wall
-from logic.house.house import House
-from logic.house.kinds import Kind
-from logic.house.star import Star, StarRoom
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.boxes import WALLS, is_on_wall
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.kinds import Kind
+from vitruvius.logic.house.star import Star, StarRoom
 
 SIDES = ("north", "east", "south", "west")
 

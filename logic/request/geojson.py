@@ -9,16 +9,16 @@ import shapely
 from msgspec import UNSET
 from shapely import Geometry
 
-from logic.house.boxes import TOLERANCE, Box
-from logic.house.parts import Room
-from logic.readers.combined import divided
-from logic.readers.features import inner_wall
-from logic.readers.geojson import read_geojson
-from logic.readers.regular import Opening, Regular, bounds_of, passed_over, regular, unlike
-from logic.readers.sketch import Sketch
-from logic.readers.types import OUTSIDE, kind_of
-from logic.readers.units import metres_to
-from logic.shapes.lines import FACING, MOST_WALL
+from vitruvius.logic.house.boxes import TOLERANCE, Box
+from vitruvius.logic.house.parts import Room
+from vitruvius.logic.readers.combined import divided
+from vitruvius.logic.readers.features import inner_wall
+from vitruvius.logic.readers.geojson import read_geojson
+from vitruvius.logic.readers.regular import Opening, Regular, bounds_of, passed_over, regular, unlike
+from vitruvius.logic.readers.sketch import Sketch
+from vitruvius.logic.readers.types import OUTSIDE, kind_of
+from vitruvius.logic.readers.units import metres_to
+from vitruvius.logic.shapes.lines import FACING, MOST_WALL
 
 LEAST_WALL = 0.04
 """Least thickness of a wall, metres. Rooms nearer to each other are meant to touch."""

@@ -16,26 +16,26 @@ from typing import Any, NamedTuple
 import msgspec
 import shapely
 
-from logic.checking.figures import figure
-from logic.checking.shared_walls import gaps
-from logic.errors import HouseFileError, PlanWarning, RequestError
-from logic.house.boxes import TOLERANCE, Box, overlap
-from logic.house.files import load
-from logic.house.house import House
-from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
-from logic.opener import STANDARD, content_of
-from logic.readers import sketch
-from logic.readers.combined import divided
-from logic.readers.features import from_text, is_geojson
-from logic.readers.regular import regular
-from logic.readers.sketch import Sketch, require_none
-from logic.request.geojson import from_geojson
-from logic.request.openings import placed
-from logic.request.other_formats import READ, named
-from logic.request.own_plan import OwnPlan
-from logic.request.snapping import snapped
-from logic.shapes.lines import MOST_WALL
-from logic.spelling import numbered
+from vitruvius.logic.checking.figures import figure
+from vitruvius.logic.checking.shared_walls import gaps
+from vitruvius.logic.errors import HouseFileError, PlanWarning, RequestError
+from vitruvius.logic.house.boxes import TOLERANCE, Box, overlap
+from vitruvius.logic.house.files import load
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
+from vitruvius.logic.opener import STANDARD, content_of
+from vitruvius.logic.readers import sketch
+from vitruvius.logic.readers.combined import divided
+from vitruvius.logic.readers.features import from_text, is_geojson
+from vitruvius.logic.readers.regular import regular
+from vitruvius.logic.readers.sketch import Sketch, require_none
+from vitruvius.logic.request.geojson import from_geojson
+from vitruvius.logic.request.openings import placed
+from vitruvius.logic.request.other_formats import READ, named
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.snapping import snapped
+from vitruvius.logic.shapes.lines import MOST_WALL
+from vitruvius.logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
 """Largest size of a file, unpacked, in bytes."""

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import shapely
 
-from logic.house.boxes import WALLS, Box
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.readers.regular import Opening, Regular
-from logic.readers.types import table
-from logic.request.own_plan import OwnPlan, Wall
-from logic.shapes.lines import MOST_WALL
+from vitruvius.logic.house.boxes import WALLS, Box
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.readers.regular import Opening, Regular
+from vitruvius.logic.readers.types import table
+from vitruvius.logic.request.own_plan import OwnPlan, Wall
+from vitruvius.logic.shapes.lines import MOST_WALL
 
 REACH = MOST_WALL / 2 + 0.15
 """Greatest distance from a wall at which its doors and windows may be drawn, metres."""

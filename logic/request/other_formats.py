@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from logic.opener import from_json
+from vitruvius.logic.opener import from_json
 
 GEOJSON = "convert it to GeoJSON, a polygon for each room"
 DRAW = "draw its rooms as polygons in a GIS or CAD, and export GeoJSON"

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import msgspec
 
-from logic.house.boxes import TOLERANCE, WALLS, Box
-from logic.house.parts import OUTSIDE, Door, Room, Window
-from logic.house.walls import remaining
+from vitruvius.logic.house.boxes import TOLERANCE, WALLS, Box
+from vitruvius.logic.house.parts import OUTSIDE, Door, Room, Window
+from vitruvius.logic.house.walls import remaining
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import RequestError
-from logic.house.parts import BODY
-from logic.plain import plain
-from logic.request.brief import Brief, read_brief
-from logic.request.fixed_rooms import FixedRoom, from_records
-from logic.request.own_plan import OwnPlan
-from logic.spelling import numbered, unknown
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.parts import BODY
+from vitruvius.logic.plain import plain
+from vitruvius.logic.request.brief import Brief, read_brief
+from vitruvius.logic.request.fixed_rooms import FixedRoom, from_records
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.spelling import numbered, unknown
 
 Range = tuple[int, int | None]
 """Least and greatest number; None for no bound."""

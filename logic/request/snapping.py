@@ -7,9 +7,9 @@ from typing import NamedTuple, TypeVar
 
 from msgspec.structs import replace
 
-from logic.errors import RequestError
-from logic.house.boxes import TOLERANCE
-from logic.house.parts import Door, Rect, Room, Window
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.boxes import TOLERANCE
+from vitruvius.logic.house.parts import Door, Rect, Room, Window
 
 R = TypeVar("R", bound=Rect)
 

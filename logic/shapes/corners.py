@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely import Geometry, Polygon
 
-from logic.errors import RequestError
+from vitruvius.logic.errors import RequestError
 
 CHAMFER = 0.5
 """Greatest length of a diagonal wall that becomes a corner, metres."""

@@ -8,7 +8,7 @@ import shapely
 from shapely import Geometry, Point, Polygon
 from shapely.geometry.polygon import orient
 
-from logic.shapes.corners import parts_of
+from vitruvius.logic.shapes.corners import parts_of
 
 NOISE = 0.03
 """Tolerance of the simplified outlines, metres, which turns bevels into corners."""

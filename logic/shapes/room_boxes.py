@@ -10,9 +10,9 @@ import shapely
 from msgspec import UNSET, UnsetType
 from shapely import Geometry, Polygon
 
-from logic.house.parts import LONGEST_NAME, Room
-from logic.house.promises import PASSAGE
-from logic.shapes.corners import GRID, boxes, parts_of, size_of
+from vitruvius.logic.house.parts import LONGEST_NAME, Room
+from vitruvius.logic.house.promises import PASSAGE
+from vitruvius.logic.shapes.corners import GRID, boxes, parts_of, size_of
 
 NARROW = 0.6
 """Least width of a part of a room, metres; a narrower part is a niche."""

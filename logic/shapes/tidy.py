@@ -6,9 +6,9 @@ from itertools import pairwise
 import shapely
 from shapely import Polygon
 
-from logic.house.boxes import Box
-from logic.shapes.corners import GRID, parts_of, size_of, squared
-from logic.shapes.lines import MOST_WALL
+from vitruvius.logic.house.boxes import Box
+from vitruvius.logic.shapes.corners import GRID, parts_of, size_of, squared
+from vitruvius.logic.shapes.lines import MOST_WALL
 
 SLIVER = 0.2
 """Greatest width of a sliver, metres; narrower floor is removed."""

@@ -8,11 +8,11 @@ from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.errors import Reason
-from logic.generation.question import Question
-from logic.layout.conflicts import minimal, preferred
-from logic.layout.relaxed import Late, Statement
-from logic.why.answer import Alternative, Choice
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.question import Question
+from vitruvius.logic.layout.conflicts import minimal, preferred
+from vitruvius.logic.layout.relaxed import Late, Statement
+from vitruvius.logic.why.answer import Alternative, Choice
 
 OTHERS = "other choices"
 """Name for other choices that the search did not find in time."""

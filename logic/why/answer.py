@@ -9,8 +9,8 @@ from pathlib import Path
 
 import msgspec
 
-from logic.errors import Reason
-from logic.grammar import RULES
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.grammar import RULES
 
 INSTEAD = "What could be instead, all other picks as they are"
 

@@ -1,18 +1,18 @@
 """Witness of a house, by the class that generated the house."""
 
-from logic.generation.brief import BriefMaker
-from logic.generation.builder import Builder
-from logic.generation.given_plan import GivenPlanMaker
-from logic.generation.maker import Maker
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.generation.star import StarMaker
-from logic.generation.units import UnitsMaker
-from logic.house.house import House
-from logic.request.request import Request
-from logic.why.shared_walls import PlanWitness
-from logic.why.star import StarWitness
-from logic.why.units import UnitsWitness
-from logic.why.witness import Witness
+from vitruvius.logic.generation.brief import BriefMaker
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.given_plan import GivenPlanMaker
+from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.generation.star import StarMaker
+from vitruvius.logic.generation.units import UnitsMaker
+from vitruvius.logic.house.house import House
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.shared_walls import PlanWitness
+from vitruvius.logic.why.star import StarWitness
+from vitruvius.logic.why.units import UnitsWitness
+from vitruvius.logic.why.witness import Witness
 
 WITNESSES: dict[type[Maker], type[Witness]] = {
     StarMaker: StarWitness,

@@ -9,20 +9,20 @@ from typing import Any
 import msgspec
 from clingo import Function, Number, Symbol
 
-from logic.errors import Reason
-from logic.generation.movable_doors import LooseRoom, Refuted
-from logic.generation.shared_walls import Making
-from logic.house.house import House
-from logic.house.part_names import Part, target_in
-from logic.house.parts import OUTSIDE, Door, Provenance, Window
-from logic.placement.bounds import open_lengths, opening_lengths, wall_bounds
-from logic.placement.given_plan import inner_span
-from logic.request.own_plan import OwnPlan, Wall
-from logic.spelling import article
-from logic.why.alternatives import Search
-from logic.why.answer import Length, Why
-from logic.why.support import Support
-from logic.why.witness import Lengths, Witness
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.movable_doors import LooseRoom, Refuted
+from vitruvius.logic.generation.shared_walls import Making
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import Part, target_in
+from vitruvius.logic.house.parts import OUTSIDE, Door, Provenance, Window
+from vitruvius.logic.placement.bounds import open_lengths, opening_lengths, wall_bounds
+from vitruvius.logic.placement.given_plan import inner_span
+from vitruvius.logic.request.own_plan import OwnPlan, Wall
+from vitruvius.logic.spelling import article
+from vitruvius.logic.why.alternatives import Search
+from vitruvius.logic.why.answer import Length, Why
+from vitruvius.logic.why.support import Support
+from vitruvius.logic.why.witness import Lengths, Witness
 
 MOST = 5
 """Largest number of other choices that an alternative lists as necessary changes."""

@@ -7,18 +7,18 @@ from functools import cache, cached_property
 import msgspec
 from clingo import Function, Number
 
-from logic.errors import Reason
-from logic.house.house import House
-from logic.house.part_names import Part, target_in
-from logic.house.parts import Provenance
-from logic.placement.bounds import main_bounds
-from logic.placement.layout import Layout, RoomLayout
-from logic.request.fixed_rooms import fixed_rooms
-from logic.spelling import article
-from logic.why.alternatives import Search
-from logic.why.answer import Length, Why
-from logic.why.support import Support
-from logic.why.witness import Lengths, Witness
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import Part, target_in
+from vitruvius.logic.house.parts import Provenance
+from vitruvius.logic.placement.bounds import main_bounds
+from vitruvius.logic.placement.layout import Layout, RoomLayout
+from vitruvius.logic.request.fixed_rooms import fixed_rooms
+from vitruvius.logic.spelling import article
+from vitruvius.logic.why.alternatives import Search
+from vitruvius.logic.why.answer import Length, Why
+from vitruvius.logic.why.support import Support
+from vitruvius.logic.why.witness import Lengths, Witness
 
 
 class StarWitness(Witness):

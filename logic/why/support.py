@@ -16,14 +16,14 @@ import clingo
 from clingo import Number, Symbol, ast
 from msgspec import structs
 
-from logic.errors import Reason
-from logic.language.reference import asp_entries
-from logic.layout.conditional import HERE
-from logic.layout.messages import written
-from logic.layout.program import CORE, Program
-from logic.layout.reading import parse
-from logic.why.alternatives import Chosen
-from logic.why.answer import Derivation
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.language.reference import asp_entries
+from vitruvius.logic.layout.conditional import HERE
+from vitruvius.logic.layout.messages import written
+from vitruvius.logic.layout.program import CORE, Program
+from vitruvius.logic.layout.reading import parse
+from vitruvius.logic.why.alternatives import Chosen
+from vitruvius.logic.why.answer import Derivation
 
 SUPPORT = "support'"
 """Name that no rule of a user derives, although names may end with a quote."""

@@ -8,16 +8,16 @@ from typing import Any
 from clingo import Number, parse_term
 from msgspec import structs
 
-from logic.errors import Reason
-from logic.generation.shared_walls import Making
-from logic.generation.units import UnitMaker, UnitsMaker
-from logic.house.house import House
-from logic.house.part_names import Part, target_in
-from logic.house.parts import OUTSIDE, Door
-from logic.why.alternatives import Search
-from logic.why.answer import Derivation, Length, Why
-from logic.why.shared_walls import MOST, PlanWitness
-from logic.why.witness import Lengths
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.shared_walls import Making
+from vitruvius.logic.generation.units import UnitMaker, UnitsMaker
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import Part, target_in
+from vitruvius.logic.house.parts import OUTSIDE, Door
+from vitruvius.logic.why.alternatives import Search
+from vitruvius.logic.why.answer import Derivation, Length, Why
+from vitruvius.logic.why.shared_walls import MOST, PlanWitness
+from vitruvius.logic.why.witness import Lengths
 
 OF_UNIT = ("unit", "way", "deep", "share")
 """Atoms of a unit that are derived for a question about one of its rooms."""

@@ -12,23 +12,23 @@ from typing import Any
 import msgspec
 from clingo import Symbol, parse_term
 
-from logic.errors import HouseFileError, Reason, RequestError
-from logic.generation.builder import Builder
-from logic.generation.evidence import NoLayout
-from logic.generation.feasibility import Feasibility
-from logic.house.house import House
-from logic.house.part_names import part_names
-from logic.house.parts import Provenance
-from logic.layout.terms import brief_requirements, granted
-from logic.placement.bounds import room_bounds
-from logic.placement.layout import RoomLayout
-from logic.placement.placer import located
-from logic.proofs.answer import unsatisfiable
-from logic.request.request import Request
-from logic.spelling import article
-from logic.why.alternatives import Search, Tried
-from logic.why.answer import Alternative, Bound, Choice, Length, Why
-from logic.why.support import Support
+from vitruvius.logic.errors import HouseFileError, Reason, RequestError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import part_names
+from vitruvius.logic.house.parts import Provenance
+from vitruvius.logic.layout.terms import brief_requirements, granted
+from vitruvius.logic.placement.bounds import room_bounds
+from vitruvius.logic.placement.layout import RoomLayout
+from vitruvius.logic.placement.placer import located
+from vitruvius.logic.proofs.answer import unsatisfiable
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.spelling import article
+from vitruvius.logic.why.alternatives import Search, Tried
+from vitruvius.logic.why.answer import Alternative, Bound, Choice, Length, Why
+from vitruvius.logic.why.support import Support
 
 Lengths = tuple[tuple[Length, ...], tuple[Bound, ...]]
 """Lengths, and the bounds that are tight."""

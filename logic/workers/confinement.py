@@ -25,7 +25,7 @@ from collections.abc import Iterable, Iterator
 from math import ceil
 from pathlib import Path
 
-from logic.errors import LimitReached
+from vitruvius.logic.errors import LimitReached
 
 FILES = 16
 """Number of files that a solver process must be able to open at once; solver processes open up to 13."""

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from logic.errors import GrammarError, HouseFileError, LimitReached
-from logic.grammar import find, find_shipped
-from logic.house.house import House
-from logic.house.part_names import target_in
-from logic.why.answer import Why
-from logic.workers.messages import Explain, Explained, Open
-from logic.workers.solver import answers
+from vitruvius.logic.errors import GrammarError, HouseFileError, LimitReached
+from vitruvius.logic.grammar import find, find_shipped
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.part_names import target_in
+from vitruvius.logic.why.answer import Why
+from vitruvius.logic.workers.messages import Explain, Explained, Open
+from vitruvius.logic.workers.solver import answers
 
 INFERENCES = 100_000_000
 """Largest number of Prolog inferences to generate the house again."""

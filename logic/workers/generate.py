@@ -6,19 +6,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from logic.errors import Finding, GrammarError, RequestError
-from logic.grammar import find
-from logic.house.house import House
-from logic.plain import plain
-from logic.request.brief import Brief, alone, read_brief
-from logic.request.fixed_rooms import fixed_rooms
-from logic.request.given_plan import SNAP, keeping, read_plan
-from logic.request.own_plan import OwnPlan
-from logic.request.request import MOST_ROOMS, Count, Request, whole
-from logic.spelling import keywords
-from logic.workers.messages import Counted, CountLayouts, Done, Judged, Lint, Loaded, Open
-from logic.workers.series import HouseSeries
-from logic.workers.solver import GRACE, Solver
+from vitruvius.logic.errors import Finding, GrammarError, RequestError
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.plain import plain
+from vitruvius.logic.request.brief import Brief, alone, read_brief
+from vitruvius.logic.request.fixed_rooms import fixed_rooms
+from vitruvius.logic.request.given_plan import SNAP, keeping, read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import MOST_ROOMS, Count, Request, whole
+from vitruvius.logic.spelling import keywords
+from vitruvius.logic.workers.messages import Counted, CountLayouts, Done, Judged, Lint, Loaded, Open
+from vitruvius.logic.workers.series import HouseSeries
+from vitruvius.logic.workers.solver import GRACE, Solver
 
 PLAIN = "plain"
 """Grammar for a brief without a grammar. It states nothing about rooms."""

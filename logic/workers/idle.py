@@ -5,7 +5,7 @@ import os
 import threading
 from typing import Any
 
-from logic.workers.solver import Solver
+from vitruvius.logic.workers.solver import Solver
 
 MOST_IDLE = 2
 """Number of idle solver processes. Each saves the half second that it takes to start one."""

@@ -4,9 +4,9 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import Finding
-from logic.house.promises import Promises
-from logic.why.answer import Why
+from vitruvius.logic.errors import Finding
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.why.answer import Why
 
 
 class Question(msgspec.Struct, frozen=True, kw_only=True, tag=True):

@@ -10,16 +10,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from logic.errors import LimitReached, Unsatisfiable
-from logic.house.house import House
-from logic.plain import plain
-from logic.proofs.least import Hitting
-from logic.request.brief import Brief, alone, read_brief
-from logic.request.brief_lines import Requirement, Where, requirements
-from logic.request.eased import is_length, off_by, widened, without
-from logic.request.request import Count
-from logic.spelling import keywords, numbered
-from logic.workers.generate import generate
+from vitruvius.logic.errors import LimitReached, Unsatisfiable
+from vitruvius.logic.house.house import House
+from vitruvius.logic.plain import plain
+from vitruvius.logic.proofs.least import Hitting
+from vitruvius.logic.request.brief import Brief, alone, read_brief
+from vitruvius.logic.request.brief_lines import Requirement, Where, requirements
+from vitruvius.logic.request.eased import is_length, off_by, widened, without
+from vitruvius.logic.request.request import Count
+from vitruvius.logic.spelling import keywords, numbered
+from vitruvius.logic.workers.generate import generate
 
 MOST_CONFLICTS = 60
 """Largest number of conflicts of a brief that the search considers."""

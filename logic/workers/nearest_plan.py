@@ -6,17 +6,17 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from logic.errors import Unsatisfiable
-from logic.grammar import find
-from logic.house.house import House
-from logic.plain import plain
-from logic.request.given_plan import SNAP, read_plan
-from logic.request.own_plan import OwnPlan
-from logic.request.request import Count, Request
-from logic.spelling import keywords
-from logic.workers.generate import generate
-from logic.workers.messages import Moved, MovePlan, Open
-from logic.workers.solver import answers
+from vitruvius.logic.errors import Unsatisfiable
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.plain import plain
+from vitruvius.logic.request.given_plan import SNAP, read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import Count, Request
+from vitruvius.logic.spelling import keywords
+from vitruvius.logic.workers.generate import generate
+from vitruvius.logic.workers.messages import Moved, MovePlan, Open
+from vitruvius.logic.workers.solver import answers
 
 SEEN = 0.0005
 """Smallest change that is reported, in metres."""

@@ -8,14 +8,14 @@ from typing import Any
 
 from msgspec import structs
 
-from logic.errors import GrammarWarning, LimitReached, RequestError, Unsatisfiable, VitruviusError
-from logic.grammar import SHIPPED, Grammar
-from logic.house.house import House
-from logic.house.promises import Promises
-from logic.request.request import request_at
-from logic.workers.idle import Idle
-from logic.workers.messages import Judged, Loaded, Made, MakeHouse, Open, Promise, Promised, Warn
-from logic.workers.solver import LOADING, START_UP, Solver
+from vitruvius.logic.errors import GrammarWarning, LimitReached, RequestError, Unsatisfiable, VitruviusError
+from vitruvius.logic.grammar import SHIPPED, Grammar
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.request.request import request_at
+from vitruvius.logic.workers.idle import Idle
+from vitruvius.logic.workers.messages import Judged, Loaded, Made, MakeHouse, Open, Promise, Promised, Warn
+from vitruvius.logic.workers.solver import LOADING, START_UP, Solver
 
 _idle = Idle()
 

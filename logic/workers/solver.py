@@ -18,9 +18,9 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from logic.errors import GrammarError, Killed, LimitReached, VitruviusError, from_record
-from logic.layout.account import GROUNDING, LAYOUT, MOST, PROOF
-from logic.workers.messages import (
+from vitruvius.logic.errors import GrammarError, Killed, LimitReached, VitruviusError, from_record
+from vitruvius.logic.layout.account import GROUNDING, LAYOUT, MOST, PROOF
+from vitruvius.logic.workers.messages import (
     Asked,
     Done,
     Ease,
@@ -71,7 +71,7 @@ sys.path += sys.argv[2:]
 spec = spec_from_file_location("logic", sys.argv[1])
 sys.modules["logic"] = module_from_spec(spec)
 spec.loader.exec_module(sys.modules["logic"])
-from logic.workers.worker import main
+from vitruvius.logic.workers.worker import main
 
 main()
 """

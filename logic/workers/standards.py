@@ -7,16 +7,16 @@ from typing import Any
 
 import msgspec
 
-from logic.checking.check import violations
-from logic.errors import HouseFileError, RequestError
-from logic.grammar import find, shipped
-from logic.house.house import House
-from logic.house.parts import Provenance
-from logic.house.promises import PROMISES, Promises, read_promises
-from logic.opener import content_of, from_json
-from logic.spelling import unknown
-from logic.workers.messages import Open, Promise, Promised
-from logic.workers.solver import Solver
+from vitruvius.logic.checking.check import violations
+from vitruvius.logic.errors import HouseFileError, RequestError
+from vitruvius.logic.grammar import find, shipped
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Provenance
+from vitruvius.logic.house.promises import PROMISES, Promises, read_promises
+from vitruvius.logic.opener import content_of, from_json
+from vitruvius.logic.spelling import unknown
+from vitruvius.logic.workers.messages import Open, Promise, Promised
+from vitruvius.logic.workers.solver import Solver
 
 Standard = Promises | Mapping[str, Any] | str | Path
 """Promises that judge houses: all of them, some by name, a JSON file of some, or a grammar."""

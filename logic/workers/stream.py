@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, SupportsIndex, overload
 
-from logic.errors import RequestError
-from logic.grammar import find
-from logic.house.gallery import Houses
-from logic.house.house import House
-from logic.request.request import MOST_ROOMS, whole
-from logic.workers.generate import series_of
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.house.house import House
+from vitruvius.logic.request.request import MOST_ROOMS, whole
+from vitruvius.logic.workers.generate import series_of
 
 MOST_HOUSES = 2**31 - 1
 """Largest number of houses of a seed."""

@@ -19,9 +19,9 @@ from typing import Any, TextIO
 
 import msgspec
 
-from logic.errors import GrammarError, LimitReached, VitruviusError, to_record
-from logic.workers import confinement
-from logic.workers.messages import (
+from vitruvius.logic.errors import GrammarError, LimitReached, VitruviusError, to_record
+from vitruvius.logic.workers import confinement
+from vitruvius.logic.workers.messages import (
     Asked,
     Counted,
     CountLayouts,
@@ -163,12 +163,12 @@ class Worker:
 
     def _answers(self, question: Asked) -> Iterator[Said]:
         """Yield the answers of loaded rules."""
-        from logic.language.linter import all_warnings, warnings
-        from logic.proofs.answer import house_or_proof
-        from logic.proofs.easing import easing
-        from logic.proofs.giving_way import without
-        from logic.proofs.moved_plan import moved_plan
-        from logic.request.request import Request
+        from vitruvius.logic.language.linter import all_warnings, warnings
+        from vitruvius.logic.proofs.answer import house_or_proof
+        from vitruvius.logic.proofs.easing import easing
+        from vitruvius.logic.proofs.giving_way import without
+        from vitruvius.logic.proofs.moved_plan import moved_plan
+        from vitruvius.logic.request.request import Request
 
         builder = self._builder
         match question:
@@ -203,10 +203,10 @@ class Worker:
 
     def _explained(self, question: Explain) -> Iterator[Explained]:
         """Yield the explanation of a house part by part as it is found."""
-        from logic.house.house import House
-        from logic.proofs.giving_way import without
-        from logic.request.request import Request
-        from logic.why.kinds import witness_of
+        from vitruvius.logic.house.house import House
+        from vitruvius.logic.proofs.giving_way import without
+        from vitruvius.logic.request.request import Request
+        from vitruvius.logic.why.kinds import witness_of
 
         house = House.from_dict(question.house)
         made = house.provenance
@@ -220,16 +220,16 @@ class Worker:
     def _loaded(self, question: Open) -> Iterator[Said]:
         """Load a grammar while confined, or find its mistakes, after a trial of its steps if asked for."""
         _prepare(question.grammar)
-        from logic.generation.builder import Builder
-        from logic.grammar import find
-        from logic.language.linter import errors
-        from logic.language.loaded import LoadedGrammar
+        from vitruvius.logic.generation.builder import Builder
+        from vitruvius.logic.grammar import find
+        from vitruvius.logic.language.linter import errors
+        from vitruvius.logic.language.loaded import LoadedGrammar
 
         grammar = find(question.grammar)
         confinement.confine([grammar.directory, *_installed()])
         if question.trial is not None:
             confinement.require_seconds()
-            from logic.language.trial import steps
+            from vitruvius.logic.language.trial import steps
 
             last = time.process_time()
             for error in steps(grammar, question.trial):
@@ -253,11 +253,11 @@ def _prepare(directory: str) -> None:
     The imports are here, not at the top, because a missing solver is an answer, too.
     """
     confinement.require_files()
-    from logic.grammar import RULES, find
-    from logic.language.asp.vocabulary import core_words
-    from logic.layout import differences
-    from logic.layout.program import CORE
-    from logic.placement import prolog
+    from vitruvius.logic.grammar import RULES, find
+    from vitruvius.logic.language.asp.vocabulary import core_words
+    from vitruvius.logic.layout import differences
+    from vitruvius.logic.layout.program import CORE
+    from vitruvius.logic.placement import prolog
 
     prolog.load(RULES / "core.pl")
     with contextlib.suppress(GrammarError):  # ``_loaded`` reports mistakes of the grammar.

@@ -1,4 +1,4 @@
-"""Houses on a grid as environments of MiniGrid (minigrid.farama.org), ``sim:Vitruvius/MiniGrid-v0``.
+"""Houses on a grid as environments of MiniGrid (minigrid.farama.org), ``vitruvius:Vitruvius/MiniGrid-v0``.
 
 This module needs MiniGrid: ``pip install vitruvius[minigrid]``. In MiniGrid, walls fill tiles; in our houses,
 walls lie on the edges of cells. So a house of C x R cells has 2C + 1 by 2R + 1 tiles. There is a tile for
@@ -15,14 +15,14 @@ from minigrid.core.mission import MissionSpace
 from minigrid.core.world_object import Box, Door, Goal, Wall, WorldObj
 from minigrid.minigrid_env import MiniGridEnv
 
-from logic import House
-from sim.backends.backend import PIECE, WALL
-from sim.backends.grid.cells import Cells
-from sim.environment.arguments import Houses
-from sim.environment.specs import KeepsSpec
-from sim.environment.vector import HouseVectorEnv
-from sim.geometry import shut
-from sim.tasks.tasks import Targets
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import PIECE, WALL
+from vitruvius.sim.backends.grid.cells import Cells
+from vitruvius.sim.environment.arguments import Houses
+from vitruvius.sim.environment.specs import KeepsSpec
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.geometry import shut
+from vitruvius.sim.tasks.tasks import Targets
 
 MISSION = "get to the green goal square"
 """Mission text that MiniGrid uses for this task."""

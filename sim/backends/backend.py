@@ -15,11 +15,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from logic import House
-from sim.backends.body import Body
-from sim.config import Config
-from sim.geometry import Geometry
-from sim.runtime import Array
+from vitruvius.logic import House
+from vitruvius.sim.backends.body import Body
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import Array
 
 WALL, PIECE, TARGET, DOOR = 1, 2, 3, 4
 """Kinds of things that a ray hits; 0 is nothing. Backends never return ``DOOR``: ``sim.backends.doors`` adds

@@ -4,7 +4,7 @@ A header has the position of the house's cells in ``indices``, at ``FIRST_CELL``
 The other entries of the header and the lists are specific to a backend: see its ``layout``.
 """
 
-from sim.runtime import ti
+from vitruvius.sim.runtime import ti
 
 CELL = 1.0
 """Side of a cell, in metres. Smaller cells have shorter lists, but there are more of them."""

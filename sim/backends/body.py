@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from sim.actions import HEADINGS, LEFT
-from sim.config import Config
-from sim.runtime import constants, ti
+from vitruvius.sim.actions import HEADINGS, LEFT
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import constants, ti
 
 SKIN = 1e-5
 """Depth of contact in metres. A body that reaches into something by less than this touches it: touching

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.backends.backend import DOOR, TARGET
-from sim.backends.body import Body, slides_into
-from sim.backends.rays import MARGIN, OVERLAP, Rays, overlap
-from sim.config import Config
-from sim.geometry import Geometry
-from sim.runtime import Array, ti
+from vitruvius.sim.backends.backend import DOOR, TARGET
+from vitruvius.sim.backends.body import Body, slides_into
+from vitruvius.sim.backends.rays import MARGIN, OVERLAP, Rays, overlap
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import Array, ti
 
 
 def doorways(shapes: Sequence[Geometry]) -> np.ndarray:

@@ -3,10 +3,10 @@
 from collections import Counter
 from collections.abc import Sequence
 
-from logic import House
-from logic.spelling import unknown
-from sim.backends.backend import NAMED, PIECE, WALL
-from sim.geometry import Geometry
+from vitruvius.logic import House
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.backends.backend import NAMED, PIECE, WALL
+from vitruvius.sim.geometry import Geometry
 
 
 def pieces_in(house: House) -> Counter[str]:

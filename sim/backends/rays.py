@@ -9,10 +9,10 @@ they become vector instructions.
 
 import numpy as np
 
-from sim.backends.backend import NAMED, TARGET
-from sim.backends.body import Body
-from sim.config import Config
-from sim.runtime import constants, ti
+from vitruvius.sim.backends.backend import NAMED, TARGET
+from vitruvius.sim.backends.body import Body
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import constants, ti
 
 OVERLAP = 2e-5
 """Extension of a line beyond its ends for rays, in metres, so that no ray slips through where two lines

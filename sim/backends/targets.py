@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from sim.backends.free.body import cosine_sine
-from sim.backends.free.see import FreeRays
-from sim.backends.rays import Rays
-from sim.config import Config
-from sim.runtime import ti
+from vitruvius.sim.backends.free.body import cosine_sine
+from vitruvius.sim.backends.free.see import FreeRays
+from vitruvius.sim.backends.rays import Rays
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

@@ -12,9 +12,9 @@ door was pushed since the search began, the search begins again.
 from functools import cache
 from typing import Any, NamedTuple
 
-from sim.runtime import Bytes, Floats, Ints, Longs, Shorts, kernel, ti
-from sim.tasks.survey import DIAGONAL, STRAIGHT
-from sim.world.episodes import Episodes, WorldArrays, loaded, store
+from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, Shorts, kernel, ti
+from vitruvius.sim.tasks.survey import DIAGONAL, STRAIGHT
+from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded, store
 
 FAR = 1 << 15
 """Distance that is longer than any path, in actions."""

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from sim.backends.free.body import cosine_sine
-from sim.backends.free.see import FreeRays
-from sim.backends.rays import PARALLEL, Rays
-from sim.config import Config
-from sim.environment.vector import HouseVectorEnv
-from sim.geometry import Geometry
-from sim.runtime import Array, Floats, Ints, Launch, Words, kernel, start, ti
-from sim.world.episodes import HOUSE, Episodes, WorldArrays, loaded
-from sim.world.world import World
+from vitruvius.sim.backends.free.body import cosine_sine
+from vitruvius.sim.backends.free.see import FreeRays
+from vitruvius.sim.backends.rays import PARALLEL, Rays
+from vitruvius.sim.config import Config
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, Words, kernel, start, ti
+from vitruvius.sim.world.episodes import HOUSE, Episodes, WorldArrays, loaded
+from vitruvius.sim.world.world import World
 
 FAR_OFF = 1e6
 """Coordinate in metres of a placeholder target, which is so far away that it hides nothing."""

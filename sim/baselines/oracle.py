@@ -12,14 +12,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from logic import House
-from sim.baselines.backward import NOWHERE, kernels
-from sim.environment.vector import HouseVectorEnv
-from sim.runtime import Array, Launch, start, ti
-from sim.tasks.survey import survey
-from sim.tasks.tasks import Box
-from sim.world.episodes import HOUSE
-from sim.world.world import World
+from vitruvius.logic import House
+from vitruvius.sim.baselines.backward import NOWHERE, kernels
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.runtime import Array, Launch, start, ti
+from vitruvius.sim.tasks.survey import survey
+from vitruvius.sim.tasks.tasks import Box
+from vitruvius.sim.world.episodes import HOUSE
+from vitruvius.sim.world.world import World
 
 AT_ONCE = 64
 """Number of episodes that ``play`` plays together; it bounds the memory of searches."""

@@ -6,12 +6,12 @@ look is estimated with samples of the spots, each with a weight.
 
 import numpy as np
 
-from sim.backends.backend import TARGET
-from sim.baselines.coverage import WORD, LineOfSight, bit, origins_of
-from sim.baselines.priors import Uniform
-from sim.runtime import Array, ti
-from sim.world.episodes import loaded
-from sim.world.world import World
+from vitruvius.sim.backends.backend import TARGET
+from vitruvius.sim.baselines.coverage import WORD, LineOfSight, bit, origins_of
+from vitruvius.sim.baselines.priors import Uniform
+from vitruvius.sim.runtime import Array, ti
+from vitruvius.sim.world.episodes import loaded
+from vitruvius.sim.world.world import World
 
 Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)
 SPOT, SPOTS, SAMPLE, SAMPLED, VIEW = range(5)

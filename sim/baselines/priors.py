@@ -8,11 +8,11 @@ from typing import Literal
 
 import numpy as np
 
-from sim.baselines.coverage import WORD, origins_of
-from sim.tasks.places import Region, free_floor
-from sim.tasks.survey import Survey
-from sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES
-from sim.world.world import World
+from vitruvius.sim.baselines.coverage import WORD, origins_of
+from vitruvius.sim.tasks.places import Region, free_floor
+from vitruvius.sim.tasks.survey import Survey
+from vitruvius.sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES
+from vitruvius.sim.world.world import World
 
 DRAWS = 8192
 """Number of random assignments of a house's shares to its regions, which approximate the posterior."""

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.backends.blocks import HEADER
-from sim.backends.body import SKIN
-from sim.backends.free.contact import into
-from sim.backends.free.layout import FIRST_SOLID, ROW, SOLIDS
-from sim.geometry import Geometry
-from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from sim.world.world import World
+from vitruvius.sim.backends.blocks import HEADER
+from vitruvius.sim.backends.body import SKIN
+from vitruvius.sim.backends.free.contact import into
+from vitruvius.sim.backends.free.layout import FIRST_SOLID, ROW, SOLIDS
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
+from vitruvius.sim.world.world import World
 
 MOST_CORNERS = 4096
 """Largest number of corners of a house's graph, which takes 4 bytes for each pair."""

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from sim.baselines.coverage import LineOfSight, in_steps
-from sim.baselines.posterior import AT_ONCE, DONE, KNOWN, LENGTH, VIEW, posterior_arrays, starts
-from sim.baselines.priors import PRIORS, PriorName
-from sim.baselines.view_planner import LINES, PLACE, REPLAN, SearcherArrays, ViewPlanner
-from sim.environment.vector import HouseVectorEnv
-from sim.runtime import Array, Launch, Longs, kernel, start, ti
-from sim.tasks.survey import survey
-from sim.world.episodes import Episodes, WorldArrays, loaded
-from sim.world.world import World
+from vitruvius.sim.baselines.coverage import LineOfSight, in_steps
+from vitruvius.sim.baselines.posterior import AT_ONCE, DONE, KNOWN, LENGTH, VIEW, posterior_arrays, starts
+from vitruvius.sim.baselines.priors import PRIORS, PriorName
+from vitruvius.sim.baselines.view_planner import LINES, PLACE, REPLAN, SearcherArrays, ViewPlanner
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.runtime import Array, Launch, Longs, kernel, start, ti
+from vitruvius.sim.tasks.survey import survey
+from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
+from vitruvius.sim.world.world import World
 
 VIEWS, SAMPLES = 0.57, 0.29
 """Approximate distances, in metres, between the viewpoints, and between the samples of the target's places;

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.drive import Drive
+from vitruvius.sim.drive import Drive
 
 
 def steered(drive: Drive, off: np.ndarray, room: np.ndarray | float = np.inf) -> np.ndarray:

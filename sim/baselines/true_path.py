@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.backends.body import SKIN
-from sim.baselines.roadmap import FAR, Roadmap, Roads, graph, point, sees
-from sim.baselines.steering import steered
-from sim.environment.vector import HouseVectorEnv
-from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from sim.world.world import World
+from vitruvius.sim.backends.body import SKIN
+from vitruvius.sim.baselines.roadmap import FAR, Roadmap, Roads, graph, point, sees
+from vitruvius.sim.baselines.steering import steered
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
+from vitruvius.sim.world.world import World
 
 AIR = 0.04
 """Distance between the body and the obstacles that it passes, in metres."""

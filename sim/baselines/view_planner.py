@@ -6,9 +6,9 @@ from there would show. The cost is the length of a shortest path to it, and a fe
 
 from typing import NamedTuple
 
-from sim.baselines.coverage import WORD, LineOfSight, bit
-from sim.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior, Rows
-from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
+from vitruvius.sim.baselines.coverage import WORD, LineOfSight, bit
+from vitruvius.sim.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior, Rows
+from vitruvius.sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 
 REPLAN = 48
 """Number of steps until the searcher plans again: observations on its path may have made another viewpoint

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from sim.actions import HEADINGS
-from sim.baselines.coverage import LineOfSight
-from sim.baselines.posterior import AT_ONCE
-from sim.baselines.searcher import Searcher
-from sim.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
-from sim.environment.vector import HouseVectorEnv
-from sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from sim.world.episodes import Episodes, WorldArrays, loaded
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.baselines.coverage import LineOfSight
+from vitruvius.sim.baselines.posterior import AT_ONCE
+from vitruvius.sim.baselines.searcher import Searcher
+from vitruvius.sim.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
+from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
 
 FRAME = 3
 """Number of integers of a frame: see ``ViewValues.read``."""

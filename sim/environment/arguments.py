@@ -8,18 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from logic import House, load
-from logic.spelling import unknown
-from sim.allowed import allow, class_names, imported, is_class_name
-from sim.backends.backend import METHODS, Backend
-from sim.config import PRESETS, Config
-from sim.drive import Drive
-from sim.environment.observed import require_observed
-from sim.environment.rotation import HouseRotation
-from sim.fields import made
-from sim.geometry import check_lengths
-from sim.tasks.tasks import PAPER, AnyTask, Targets, task
-from sim.tasks.terms import terms_of
+from vitruvius.logic import House, load
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.allowed import allow, class_names, imported, is_class_name
+from vitruvius.sim.backends.backend import METHODS, Backend
+from vitruvius.sim.config import PRESETS, Config
+from vitruvius.sim.drive import Drive
+from vitruvius.sim.environment.observed import require_observed
+from vitruvius.sim.environment.rotation import HouseRotation
+from vitruvius.sim.fields import made
+from vitruvius.sim.geometry import check_lengths
+from vitruvius.sim.tasks.tasks import PAPER, AnyTask, Targets, task
+from vitruvius.sim.tasks.terms import terms_of
 
 Preset = str | Config | dict[str, Any]
 """Name of a preset, a configuration, or a dictionary of the fields that differ from the preset
@@ -48,9 +48,9 @@ METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}
 METADATA_OF_MANY: dict[str, Any] = METADATA | {"render_modes": ["human", "rgb_array"]}
 
 BACKENDS = {
-    "continuous": "sim.backends.continuous:Continuous",
-    "free": "sim.backends.free:FreeMotion",
-    "grid": "sim.backends.grid:Grid",
+    "continuous": "vitruvius.sim.backends.continuous:Continuous",
+    "free": "vitruvius.sim.backends.free:FreeMotion",
+    "grid": "vitruvius.sim.backends.grid:Grid",
 }
 
 
@@ -107,7 +107,7 @@ def read_arguments(
 
 
 def house_list(houses: Houses) -> list[House]:
-    """Return the houses of a file, a request for ``logic.generate``, a list or a rotation's first period.
+    """Return the houses of a file, a request for ``vitruvius.generate``, a list or a rotation's first period.
 
     ``CELL_HOUSES`` and ``PAPER_HOUSE`` are names of built-in houses. Raises ``ValueError`` if there are no
     houses.
@@ -115,7 +115,7 @@ def house_list(houses: Houses) -> list[House]:
     if isinstance(houses, HouseRotation):
         houses = list(houses.period(0))
     if isinstance(houses, dict):
-        from logic import generate
+        from vitruvius.logic import generate
 
         houses = list(generate(**houses))
     elif str(houses) == PAPER_HOUSE:

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from sim.actions import HEADINGS
-from sim.config import Config
-from sim.geometry import Geometry
-from sim.world.episodes import HOUSE
-from sim.world.kernels import SAMPLE
-from sim.world.world import GUIDE
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.world.episodes import HOUSE
+from vitruvius.sim.world.kernels import SAMPLE
+from vitruvius.sim.world.world import GUIDE
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from logic.spelling import unknown
-from sim.actions import ACTIONS
-from sim.config import EXTRAS, MEMORY, RAYS, Config
-from sim.drive import Drive
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.actions import ACTIONS
+from vitruvius.sim.config import EXTRAS, MEMORY, RAYS, Config
+from vitruvius.sim.drive import Drive
 
 
 def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from gymnasium.error import Error, ResetNeeded
 
-from logic.spelling import unknown
-from sim.world.kernels import KEEP, SAMPLE
-from sim.world.world import World
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.world.kernels import KEEP, SAMPLE
+from vitruvius.sim.world.world import World
 
 SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
 """Shapes of an environment's options."""

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from sim.environment.observed import observed
-from sim.world.episodes import HOUSE
-from sim.world.kernels import BLOCKED, FINAL_BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
-from sim.world.world import World
+from vitruvius.sim.environment.observed import observed
+from vitruvius.sim.world.episodes import HOUSE
+from vitruvius.sim.world.kernels import BLOCKED, FINAL_BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
+from vitruvius.sim.world.world import World
 
 
 class Outputs:

@@ -5,11 +5,11 @@ from weakref import WeakSet
 
 import numpy as np
 
-from logic.errors import HouseFileError, RequestError
-from sim.environment.rotation import HouseRotation
-from sim.world.episodes import OVER
-from sim.world.kernels import TERMINATED, TRUNCATED
-from sim.world.world import PackedHouses, World
+from vitruvius.logic.errors import HouseFileError, RequestError
+from vitruvius.sim.environment.rotation import HouseRotation
+from vitruvius.sim.world.episodes import OVER
+from vitruvius.sim.world.kernels import TERMINATED, TRUNCATED
+from vitruvius.sim.world.world import PackedHouses, World
 
 _going_on = WeakSet["Passing"]()
 

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from logic.house.looks import looks_of
-from sim.environment.outputs import Outputs
-from sim.environment.window import ScreenWindow
-from sim.tasks.words import in_words
+from vitruvius.logic.house.looks import looks_of
+from vitruvius.sim.environment.outputs import Outputs
+from vitruvius.sim.environment.window import ScreenWindow
+from vitruvius.sim.tasks.words import in_words
 
 if TYPE_CHECKING:
-    from sim.film import Camera, Scene
+    from vitruvius.sim.film import Camera, Scene
 
 
 class Pictures:
@@ -28,7 +28,7 @@ class Pictures:
     def taken(self) -> list[np.ndarray]:
         """Return a picture of each environment, (height, width, 3) uint8, as large as the largest house's."""
         if self._cameras is None:
-            from sim.film import Camera, largest
+            from vitruvius.sim.film import Camera, largest
 
             frame = largest(self.envs.houses)
             self._cameras = [Camera(self.envs, index, frame=frame) for index in range(self.envs.num_envs)]
@@ -47,7 +47,7 @@ class Pictures:
 
 def scene_of(outputs: Outputs, index: int) -> "Scene":
     """Return the scene of an environment for a picture."""
-    from sim.film import Scene
+    from vitruvius.sim.film import Scene
 
     world, info, seen = outputs.world, outputs.info(), outputs.rays()[index]
     config, state = world.config, world.environment(index)

@@ -6,7 +6,7 @@ from typing import Any
 
 from gymnasium.vector import AutoresetMode
 
-from logic import House
+from vitruvius.logic import House
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class HouseRotation:
     """
 
     houses: Sequence[House]
-    """Houses, such as a ``logic.HouseSet`` or ``logic.HouseStream``, which read or generate houses on
+    """Houses, such as a ``vitruvius.HouseSet`` or ``vitruvius.HouseStream``, which read or generate houses on
     demand."""
 
     size: int = 128

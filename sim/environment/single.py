@@ -7,14 +7,14 @@ import gymnasium
 import numpy as np
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
-from logic.spelling import keywords
-from sim.environment.arguments import BANK, METADATA, Houses, Preset, read_arguments
-from sim.environment.observed import only, single_spaces
-from sim.environment.options import for_one, read_seeds
-from sim.environment.specs import KeepsSpec
-from sim.environment.steps import orders
-from sim.environment.vector import HouseVectorEnv
-from sim.tasks.tasks import Targets
+from vitruvius.logic.spelling import keywords
+from vitruvius.sim.environment.arguments import BANK, METADATA, Houses, Preset, read_arguments
+from vitruvius.sim.environment.observed import only, single_spaces
+from vitruvius.sim.environment.options import for_one, read_seeds
+from vitruvius.sim.environment.specs import KeepsSpec
+from vitruvius.sim.environment.steps import orders
+from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.tasks.tasks import Targets
 
 
 class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleVariableOverride]

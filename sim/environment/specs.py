@@ -10,9 +10,9 @@ from typing import Any
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from logic import House
-from sim.fields import stated
-from sim.tasks.tasks import stated_task
+from vitruvius.logic import House
+from vitruvius.sim.fields import stated
+from vitruvius.sim.tasks.tasks import stated_task
 
 
 class KeepsSpec:

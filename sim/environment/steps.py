@@ -6,9 +6,9 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 
-from sim.backends.free.body import FIELD
-from sim.drive import Drive
-from sim.world.kernels import TERMINATED, TRUNCATED
+from vitruvius.sim.backends.free.body import FIELD
+from vitruvius.sim.drive import Drive
+from vitruvius.sim.world.kernels import TERMINATED, TRUNCATED
 
 MASK = (1 << FIELD) - 1
 """Bits of one of three speeds."""

@@ -9,11 +9,11 @@ from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from logic import House
-from logic.spelling import keywords, unknown
-from sim.allowed import allow, class_names
-from sim.backends.backend import Backend
-from sim.environment.arguments import (
+from vitruvius.logic import House
+from vitruvius.logic.spelling import keywords, unknown
+from vitruvius.sim.allowed import allow, class_names
+from vitruvius.sim.backends.backend import Backend
+from vitruvius.sim.environment.arguments import (
     BANK,
     METADATA_OF_MANY,
     MOST_ENVIRONMENTS,
@@ -23,26 +23,26 @@ from sim.environment.arguments import (
     read_arguments,
     whole,
 )
-from sim.environment.kept import KEPT, remade, require_state
-from sim.environment.observed import single_spaces
-from sim.environment.options import read_options, read_seeds, require_mapping
-from sim.environment.outputs import Outputs
-from sim.environment.passing import Passing
-from sim.environment.pictures import Pictures, scene_of
-from sim.environment.rotation import HouseRotation, require_next_step
-from sim.environment.specs import KeepsSpec
-from sim.environment.steps import orders, require_going_on
-from sim.environment.window import ScreenWindow
-from sim.geometry import Geometry
-from sim.runtime import start
-from sim.tasks.tasks import Targets
-from sim.world.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
-from sim.world.world import TABLES, World
+from vitruvius.sim.environment.kept import KEPT, remade, require_state
+from vitruvius.sim.environment.observed import single_spaces
+from vitruvius.sim.environment.options import read_options, read_seeds, require_mapping
+from vitruvius.sim.environment.outputs import Outputs
+from vitruvius.sim.environment.passing import Passing
+from vitruvius.sim.environment.pictures import Pictures, scene_of
+from vitruvius.sim.environment.rotation import HouseRotation, require_next_step
+from vitruvius.sim.environment.specs import KeepsSpec
+from vitruvius.sim.environment.steps import orders, require_going_on
+from vitruvius.sim.environment.window import ScreenWindow
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import start
+from vitruvius.sim.tasks.tasks import Targets
+from vitruvius.sim.world.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
+from vitruvius.sim.world.world import TABLES, World
 
 if TYPE_CHECKING:
     import torch
 
-    from sim.film import Scene
+    from vitruvius.sim.film import Scene
 
 MODES = {
     AutoresetMode.NEXT_STEP: NEXT_STEP,
@@ -128,7 +128,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     targets.
 
     ## Arguments
-    ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
+    ``houses``: a file's path, a list of ``House``, or a request for ``vitruvius.generate``, such as
     ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
     ``targets``: the task, by the places of its targets: ``main`` room (or hub), ``secondary`` rooms, ``all``,
     rooms of some types, ``{"rooms": ["bedroom"]}``, or given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]],
@@ -136,8 +136,8 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     ``{"task": "reach", "room": "hall"}``, ``visit``, ``battery``, or your own ``module:Class``: see
     ``sim.tasks.tasks``.
     The paper's tasks are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
-    ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``sim.Config``, or a dictionary of
+    ``paper-house``: ``gymnasium.make_vec("vitruvius:Vitruvius/Paper-v0", targets="paper-main")``.
+    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``vitruvius.sim.Config``, or a dictionary of
     its fields, ``{"rays": 20, "observe": ["rays", "goal"]}``.
     ``max_episode_steps``: replaces the preset's length of episodes; the ``spec`` states it.
     ``seed``: seed of the first reset, unless ``reset`` gets one.

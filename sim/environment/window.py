@@ -6,7 +6,7 @@ from importlib.util import find_spec
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 
-from sim.film import mosaic
+from vitruvius.sim.film import mosaic
 
 
 class ScreenWindow:

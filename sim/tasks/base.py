@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from logic import House
-from logic.spelling import unknown
-from sim.fields import settle
-from sim.geometry import Box
-from sim.tasks.terms import PLAIN, Terms
+from vitruvius.logic import House
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.fields import settle
+from vitruvius.sim.geometry import Box
+from vitruvius.sim.tasks.terms import PLAIN, Terms
 
 MAX_AT_ONCE = 64
 """Largest number of targets at once. Each step computes the visibility of all of them."""

@@ -10,11 +10,11 @@ from typing import ClassVar, Protocol, runtime_checkable
 
 import msgspec
 
-from logic import House
-from logic.spelling import unknown
-from sim.backends.kinds import pieces_in
-from sim.geometry import Box
-from sim.tasks.base import BaseTask
+from vitruvius.logic import House
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.backends.kinds import pieces_in
+from vitruvius.sim.geometry import Box
+from vitruvius.sim.tasks.base import BaseTask
 
 BESIDE = 0.75
 """Largest distance in metres from furniture to the outer edge of a target beside it; the default target is

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from logic import House
-from sim.backends.backend import Lattice
-from sim.config import Config
-from sim.geometry import TOLERANCE, Geometry
-from sim.tasks.furniture import WeightedTask
-from sim.tasks.survey import Survey
-from sim.tasks.tasks import AnyTask, Box, FixedTask, Task, has_targets
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import Lattice
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import TOLERANCE, Geometry
+from vitruvius.sim.tasks.furniture import WeightedTask
+from vitruvius.sim.tasks.survey import Survey
+from vitruvius.sim.tasks.tasks import AnyTask, Box, FixedTask, Task, has_targets
 
 NORTH = 2
 """Heading of the start nearest to the main room's middle."""

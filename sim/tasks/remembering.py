@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from logic import House
-from logic.spelling import unknown
-from sim.runtime import ti
-from sim.tasks.terms import MAX_MEMORY, Terms
+from vitruvius.logic import House
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.tasks.terms import MAX_MEMORY, Terms
 
 BITS = 24
 """Number of rooms that one float32 can represent, a bit for each room."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.actions import FORWARD, HEADINGS
-from sim.backends.backend import Backend, Bank, Lattice
-from sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
+from vitruvius.sim.actions import FORWARD, HEADINGS
+from vitruvius.sim.backends.backend import Backend, Bank, Lattice
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
 
 STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
 """Bits of a survey: the body can be at this place with a heading along an axis, or with a diagonal

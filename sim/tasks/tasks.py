@@ -19,16 +19,16 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from logic import House
-from logic.spelling import unknown
-from sim.allowed import class_name, imported, is_class_name
-from sim.config import PIXEL
-from sim.fields import settle, stated
-from sim.geometry import Box
-from sim.tasks.base import BaseTask, require_at_once
-from sim.tasks.furniture import Habit, Object, WeightedTask
-from sim.tasks.remembering import Battery, Visit
-from sim.tasks.terms import PLAIN, Terms, terms_of
+from vitruvius.logic import House
+from vitruvius.logic.spelling import unknown
+from vitruvius.sim.allowed import class_name, imported, is_class_name
+from vitruvius.sim.config import PIXEL
+from vitruvius.sim.fields import settle, stated
+from vitruvius.sim.geometry import Box
+from vitruvius.sim.tasks.base import BaseTask, require_at_once
+from vitruvius.sim.tasks.furniture import Habit, Object, WeightedTask
+from vitruvius.sim.tasks.remembering import Battery, Visit
+from vitruvius.sim.tasks.terms import PLAIN, Terms, terms_of
 
 UNITS = {"m": 1.0, "px": PIXEL}
 """Length of each unit in metres."""
@@ -259,7 +259,7 @@ def task(targets: Targets) -> AnyTask:
     ``TARGETS`` and ``PAPER_TASKS`` have the names. A dictionary is ``{"task": name, **arguments}``, such as
     ``{"task": "reach", "room": "kitchen"}``. ``{"rooms": ["bedroom", "study"]}`` is short for the task
     ``rooms``, and ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for the task ``points``. A
-    ``module:Class`` in place of a name must be allowed (``sim.allow``), because the text may come from a
+    ``module:Class`` in place of a name must be allowed (``vitruvius.sim.allow``), because the text may come from a
     file.
 
     An environment's ``spec`` keeps names, texts and dictionaries in JSON. Raises ``ValueError`` for an

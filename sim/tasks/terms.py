@@ -46,9 +46,9 @@ from functools import cache
 from math import isfinite
 from typing import Any, ClassVar, TypeVar
 
-from logic import House
-from sim.fields import settle
-from sim.runtime import ti
+from vitruvius.logic import House
+from vitruvius.sim.fields import settle
+from vitruvius.sim.runtime import ti
 
 MAX_MEMORY = 64
 """Largest number of values that terms keep for each environment. Kernels hold the values in registers."""

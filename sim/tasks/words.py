@@ -4,12 +4,12 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 
-from logic.house.looks import spaced
-from logic.spelling import article, numbered
-from sim.allowed import class_names
-from sim.tasks.furniture import Habit, Object
-from sim.tasks.remembering import Visit
-from sim.tasks.tasks import (
+from vitruvius.logic.house.looks import spaced
+from vitruvius.logic.spelling import article, numbered
+from vitruvius.sim.allowed import class_names
+from vitruvius.sim.tasks.furniture import Habit, Object
+from vitruvius.sim.tasks.remembering import Visit
+from vitruvius.sim.tasks.tasks import (
     PAPER_TASKS,
     AnyTask,
     Collect,
@@ -22,7 +22,7 @@ from sim.tasks.tasks import (
     at_once,
     task,
 )
-from sim.tasks.terms import Terms, terms_of
+from vitruvius.sim.tasks.terms import Terms, terms_of
 
 
 def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:

@@ -1,6 +1,6 @@
 """Look-up of the fewest actions to a target in kernels; ``sim.world.geodesic`` computes them."""
 
-from sim.runtime import ti
+from vitruvius.sim.runtime import ti
 
 TILE_BITS, PROFILE_BITS = 3, 20
 TILE = 1 << TILE_BITS

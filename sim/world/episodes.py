@@ -8,19 +8,19 @@ not depend on the agent either.
 
 from typing import Any, NamedTuple, cast
 
-from sim.actions import FORWARD
-from sim.backends.backend import Backend
-from sim.backends.doors import Doors
-from sim.backends.targets import OtherTargets
-from sim.config import Config
-from sim.runtime import Bytes, Floats, Ints, ti
-from sim.tasks.terms import Terms, now_of
-from sim.world.distance_field import NOT_YET, Fields, look_up
-from sim.world.extras import Extras
-from sim.world.observing import Observing
-from sim.world.philox import EPISODE, WHEELS, below, philox, uniform
-from sim.world.surroundings import Surroundings
-from sim.world.varying import Varying
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.backends.backend import Backend
+from vitruvius.sim.backends.doors import Doors
+from vitruvius.sim.backends.targets import OtherTargets
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Bytes, Floats, Ints, ti
+from vitruvius.sim.tasks.terms import Terms, now_of
+from vitruvius.sim.world.distance_field import NOT_YET, Fields, look_up
+from vitruvius.sim.world.extras import Extras
+from vitruvius.sim.world.observing import Observing
+from vitruvius.sim.world.philox import EPISODE, WHEELS, below, philox, uniform
+from vitruvius.sim.world.surroundings import Surroundings
+from vitruvius.sim.world.varying import Varying
 
 TRIES = 32
 """Largest number of samples for a place with a minimum distance to another; the last sample is accepted as it

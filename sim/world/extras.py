@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from sim.actions import ACTIONS, FORWARD, LEFT
-from sim.config import MEMORY, Config
-from sim.runtime import ti
-from sim.world.philox import ODOMETER, normal, philox
-from sim.world.varying import Varying
+from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT
+from vitruvius.sim.config import MEMORY, Config
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.world.philox import ODOMETER, normal, philox
+from vitruvius.sim.world.varying import Varying
 
 
 @ti.data_oriented

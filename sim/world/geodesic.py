@@ -24,11 +24,11 @@ from typing import Any
 
 import numpy as np
 
-from sim.backends.backend import Lattice
-from sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
-from sim.tasks.survey import DIAGONAL, STRAIGHT, survey
-from sim.world.distance_field import FIELD, MOST_DISTANCE, NOT_YET, PROFILE_BITS, TILE, TILE_BITS
-from sim.world.episodes import HOUSE, Episodes, Steps
+from vitruvius.sim.backends.backend import Lattice
+from vitruvius.sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
+from vitruvius.sim.tasks.survey import DIAGONAL, STRAIGHT, survey
+from vitruvius.sim.world.distance_field import FIELD, MOST_DISTANCE, NOT_YET, PROFILE_BITS, TILE, TILE_BITS
+from vitruvius.sim.world.episodes import HOUSE, Episodes, Steps
 
 AT_ONCE = 16
 """Number of searches that run together; each takes 50 bytes per pose."""

@@ -8,12 +8,12 @@ packing.
 from functools import cache
 from typing import Any, NamedTuple
 
-from sim.backends.backend import Backend
-from sim.config import Config
-from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
-from sim.tasks.terms import Terms
-from sim.world.distance_field import NOT_YET, look_up, touch
-from sim.world.episodes import (
+from vitruvius.sim.backends.backend import Backend
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
+from vitruvius.sim.tasks.terms import Terms
+from vitruvius.sim.world.distance_field import NOT_YET, look_up, touch
+from vitruvius.sim.world.episodes import (
     OVER,
     Episodes,
     PlainArrays,

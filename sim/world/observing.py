@@ -3,14 +3,14 @@
 import math
 from typing import Any
 
-from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL
-from sim.backends.doors import Doors
-from sim.backends.targets import OtherTargets
-from sim.config import DEVIATIONS, Config
-from sim.runtime import ti
-from sim.world.extras import Extras
-from sim.world.philox import DIRECTION, SENSOR, normal, philox, uniform
-from sim.world.varying import Varying
+from vitruvius.sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL
+from vitruvius.sim.backends.doors import Doors
+from vitruvius.sim.backends.targets import OtherTargets
+from vitruvius.sim.config import DEVIATIONS, Config
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.world.extras import Extras
+from vitruvius.sim.world.philox import DIRECTION, SENSOR, normal, philox, uniform
+from vitruvius.sim.world.varying import Varying
 
 
 @ti.data_oriented

@@ -6,7 +6,7 @@ There is no state, so the order of sampling is irrelevant. The generator is Phil
 
 import math
 
-from sim.runtime import ti
+from vitruvius.sim.runtime import ti
 
 EPISODE, SENSOR, WHEELS, ODOMETER, DIRECTION, VARIED = range(6)
 """Purposes of random numbers: the fourth word of the counter."""

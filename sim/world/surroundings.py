@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from logic import House
-from sim.backends.backend import DOOR, WALL, Bank
-from sim.backends.kinds import codes
-from sim.config import Config
-from sim.runtime import Array, ti
-from sim.tasks.terms import Terms
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import DOOR, WALL, Bank
+from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Array, ti
+from vitruvius.sim.tasks.terms import Terms
 
 HEADER = 5
 """Number of integers of a house in the table's header."""

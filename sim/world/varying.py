@@ -1,8 +1,8 @@
 """Values that the simulator draws for each episode: noise, slips, drift, and limits of the body."""
 
-from sim.config import VARIABLE, Config
-from sim.runtime import ti
-from sim.world.philox import VARIED, philox, uniform
+from vitruvius.sim.config import VARIABLE, Config
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.world.philox import VARIED, philox, uniform
 
 
 @ti.data_oriented

@@ -6,21 +6,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from logic import House
-from sim.backends.backend import Backend, Bank, Lattice
-from sim.backends.doors import door_arrays
-from sim.backends.kinds import check_kinds
-from sim.config import Config
-from sim.geometry import check_lengths
-from sim.runtime import Array, Launch, start, ti
-from sim.tasks.places import Places, places
-from sim.tasks.survey import survey
-from sim.tasks.tasks import AnyTask, FixedTask, Targets, at_once, task
-from sim.tasks.terms import terms_of
-from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
-from sim.world.geodesic import Distances, distance_arrays
-from sim.world.kernels import NEXT_STEP, SAME_STEP, SAMPLE, kernels
-from sim.world.surroundings import surroundings
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import Backend, Bank, Lattice
+from vitruvius.sim.backends.doors import door_arrays
+from vitruvius.sim.backends.kinds import check_kinds
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import check_lengths
+from vitruvius.sim.runtime import Array, Launch, start, ti
+from vitruvius.sim.tasks.places import Places, places
+from vitruvius.sim.tasks.survey import survey
+from vitruvius.sim.tasks.tasks import AnyTask, FixedTask, Targets, at_once, task
+from vitruvius.sim.tasks.terms import terms_of
+from vitruvius.sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
+from vitruvius.sim.world.geodesic import Distances, distance_arrays
+from vitruvius.sim.world.kernels import NEXT_STEP, SAME_STEP, SAMPLE, kernels
+from vitruvius.sim.world.surroundings import surroundings
 
 STATE = "reals", "wholes"
 """Arrays that a step depends on, without those of the bank. With closed doors there is also ``pushes``, whose

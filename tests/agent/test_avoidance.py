@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from agent.avoidance import (
+from vitruvius.agent.avoidance import (
     FORWARD,
     LEFT,
     RIGHT,

@@ -4,14 +4,14 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from agent import banks
-from agent.algorithms.pqn.config import PQNConfig
-from agent.banks import BANKS, benchmark, geometry_hash, named, require_training
-from logic import House, HouseFileError, Rect, Star, check, generate, load, save
-from logic.dataset.splits import TEST, TRAINING, VALIDATION
-from logic.house.promises import PROMISES
-from sim.environment.arguments import BANK
+from vitruvius.agent import banks
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.banks import BANKS, benchmark, geometry_hash, named, require_training
 from vitruvius.commands.train import Train
+from vitruvius.logic import House, HouseFileError, Rect, Star, check, generate, load, save
+from vitruvius.logic.dataset.splits import TEST, TRAINING, VALIDATION
+from vitruvius.logic.house.promises import PROMISES
+from vitruvius.sim.environment.arguments import BANK
 
 GRAMMAR_AND_LEAST_MOST_ROOMS = {
     "test-v1": ("family", 2, 6),

@@ -18,17 +18,17 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import learner_of, network_of, policy_of
-from agent.algorithms.table import PRESETS
-from agent.banks import benchmark
-from agent.learning.environments import make_envs, shield
-from agent.policies.policies import Explorer
-from agent.runs import checkpoint
-from agent.runs.released import released
-from logic import generate
-from sim import HouseVectorEnv
-from sim.environment.arguments import PAPER_HOUSE, house_list
-from sim.tasks.tasks import PAPER_TASKS
+from vitruvius.agent.algorithms.build import learner_of, network_of, policy_of
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import benchmark
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.released import released
+from vitruvius.logic import generate
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
+from vitruvius.sim.tasks.tasks import PAPER_TASKS
 
 FILE = Path(__file__).parents[1] / "golden" / "agent.json"
 STEPS, ENVIRONMENTS = 1500, 8

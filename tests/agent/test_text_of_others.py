@@ -12,27 +12,27 @@ from xml.etree import ElementTree
 import msgspec
 import pytest
 
-from agent.algorithms.build import network_of
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.banks import bank_hash, benchmark, geometry_hash
-from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
-from agent.evaluation.tables import Table
-from agent.play.game import replayed
-from agent.play.results import PlayedGame, ResultsError
-from agent.recording import trace
-from agent.report.folder import report
-from agent.runs import checkpoint
 from benchmarks import SECTIONS
-from logic import House, save
-from logic.drawing.draw import plan_svg
-from logic.errors import RequestError, VitruviusError
-from logic.house.gallery import Houses
-from sim import allowed
 from tests.agent.evaluation.cases import result, scores
 from tests.agent.report.conftest import HOUSE, recorded, untrained
 from tests.agent.report.test_report import LINE, metrics
 from tests.benchmarks.reports import report as timed
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.banks import bank_hash, benchmark, geometry_hash
+from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
+from vitruvius.agent.evaluation.tables import Table
+from vitruvius.agent.play.game import replayed
+from vitruvius.agent.play.results import PlayedGame, ResultsError
+from vitruvius.agent.recording import trace
+from vitruvius.agent.report.folder import report
+from vitruvius.agent.runs import checkpoint
 from vitruvius.cli import parse
+from vitruvius.logic import House, save
+from vitruvius.logic.drawing.draw import plan_svg
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.gallery import Houses
+from vitruvius.sim import allowed
 
 TASKS = (
     "canary:Task",

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import torch
 
-from agent.evaluation.episodes import reset
-from agent.learning.environments import make_envs
-from agent.policies.episodes import moments
 from benchmarks.planner.backed_up import FIRST, backed_up
 from benchmarks.planner.bounds import Bounds
-from logic import generate
-from logic.errors import RequestError
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.logic import generate
+from vitruvius.logic.errors import RequestError
 
 HOUSES = list(generate(4, seed=31, count=4))
 EVERYONE = np.arange(len(HOUSES))

@@ -8,18 +8,18 @@ import pytest
 import torch
 from torch import Tensor
 
-from agent.evaluation.episodes import reset
-from agent.learning.environments import make_envs, shield
-from agent.planner import Planner
-from agent.policies.policies import Explorer, Policy, Tracker
 from benchmarks.planner import learning
 from benchmarks.planner.contenders import Shuffled, contender, informed, with_shuffled_predictions
 from benchmarks.planner.decisions import Kept, decisions, played_on, sampled
 from benchmarks.planner.learning import EXPLORER, Learning, clustered, runs_of, scores_table, share
-from logic import save
-from logic.errors import RequestError
-from sim import HouseVectorEnv
 from tests.sample_houses import random_house
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.policies.policies import Explorer, Policy, Tracker
+from vitruvius.logic import save
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
 
 HOUSES = [random_house(seed) for seed in range(4)]
 

@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 import torch
 
-from agent.learning.environments import make_envs, shield
-from agent.planner import TUNED
-from agent.planner.config import CERTAIN
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
-from agent.planner.state import NONE, SEARCH
-from agent.planner.viewpoints.belief import BLOCKED, WALL
-from agent.policies.policies import Explorer
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
 from benchmarks.planner.odds import BESIDE, ENTRIES, MapPlaces, TargetSpots, collect, odds, sheet, table
 from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
-from logic import save
-from logic.errors import RequestError
-from sim.baselines.coverage import origins_of
 from tests.sample_houses import random_house
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import TUNED
+from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED
+from vitruvius.agent.planner.state import NONE, SEARCH
+from vitruvius.agent.planner.viewpoints.belief import BLOCKED, WALL
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.logic import save
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim.baselines.coverage import origins_of
 
 HOUSES = [random_house(seed) for seed in range(4)]
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from agent.runs.checkpoint import CheckpointError
 from benchmarks.speed.run import HEAD, Speed, SpeedRow, row
 from benchmarks.speed.worker import PARTS, measured
-from logic.errors import RequestError
+from vitruvius.agent.runs.checkpoint import CheckpointError
+from vitruvius.logic.errors import RequestError
 
 
 @pytest.mark.parametrize("part", PARTS)

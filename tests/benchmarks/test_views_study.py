@@ -8,16 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.map_completion.network import PIECES
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.learner import LearnedSearch
-from agent.algorithms.search.network import ViewNetwork
-from agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps, empty
-from agent.algorithms.table import PRESETS
-from agent.evaluation.episodes import reset
-from agent.learning.environments import make_envs
-from agent.learning.simulator import sensor
-from agent.policies.episodes import moments
 from benchmarks.planner import taught
 from benchmarks.planner.views import (
     AGENT,
@@ -30,8 +20,18 @@ from benchmarks.planner.views import (
     shares,
     without,
 )
-from logic import generate
-from logic.errors import RequestError
+from vitruvius.agent.algorithms.map_completion.network import PIECES
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.search.learner import LearnedSearch
+from vitruvius.agent.algorithms.search.network import ViewNetwork
+from vitruvius.agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps, empty
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.evaluation.episodes import reset
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.simulator import sensor
+from vitruvius.agent.policies.episodes import moments
+from vitruvius.logic import generate
+from vitruvius.logic.errors import RequestError
 
 HOUSES = list(generate(3, seed=31, count=4))
 PLAIN = replace(cast(SearchConfig, PRESETS[AGENT]), foresight=False, looks=False)

@@ -53,7 +53,7 @@ def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tm
 
 
 def test_a_wheel_has_the_frozen_banks(installed: Path, tmp_path: Path) -> None:
-    code = "from agent.banks import *\nfor name in BANKS: print(benchmark_path(name), len(benchmark(name)))"
+    code = "from vitruvius.agent.banks import *\nfor name in BANKS: print(benchmark_path(name), len(benchmark(name)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
     paths, houses = ended.stdout.split()[::2], ended.stdout.split()[1::2]
     assert len(paths) >= 4

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from logic import House, load
 from tests.agent.evaluation.cases import short_episodes
 from tests.docs.reader import ROOT, Block, Reader, blocks, commands, pictures
 from vitruvius.cli import parse
+from vitruvius.logic import House, load
 
 DOCS = ROOT / "docs"
 PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS / "plans.md"]

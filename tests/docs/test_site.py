@@ -11,10 +11,10 @@ import pytest
 from playwright.sync_api import Page
 
 from docs.builder.build import Copy, pages_of
-from logic.errors import RequestError
 from tests.browsing import cut_on_paper, findings, too_wide
 from tests.docs.reader import ROOT
 from tests.programs import finished
+from vitruvius.logic.errors import RequestError
 
 BUILD = [sys.executable, "-m", "docs.builder.build"]
 

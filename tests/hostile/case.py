@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from logic.grammar import SHIPPED
+from vitruvius.logic.grammar import SHIPPED
 
 REFUSED, LIMITED, ACCEPTED = "refused", "limited", "accepted"
 """Kinds of answers: an error of ours with its place; a stated limit; accepted as data, without an effect."""

@@ -12,11 +12,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from agent.runs import released
-from logic.errors import VitruviusError
 from tests.hostile.case import ACCEPTED, REFUSED, Case, Yard
 from tests.hostile.houses import bomb
 from tests.hostile.subjects import Answer
+from vitruvius.agent.runs import released
+from vitruvius.logic.errors import VitruviusError
 
 GOOD = Path(released.__file__).with_name("paper.safetensors").read_bytes()
 LENGTH = struct.unpack("<Q", GOOD[:8])[0]
@@ -249,7 +249,7 @@ def loaded(path: Path) -> Answer:
     """Return the answer of a checkpoint's reader; a network that was read evaluates an observation."""
     import torch
 
-    from agent.runs.checkpoint import load
+    from vitruvius.agent.runs.checkpoint import load
     from vitruvius.info.recognise import recognised
 
     with suppress(VitruviusError):

@@ -6,8 +6,8 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 
-from logic.grammar import SHIPPED
 from tests.hostile.case import ACCEPTED, HARMLESS, REFUSED, Case, Yard, grammar, titled
+from vitruvius.logic.grammar import SHIPPED
 
 
 def _link(name: str, target: str) -> Callable[[Yard], Path]:

@@ -10,20 +10,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from logic.errors import VitruviusError
 from tests.hostile.case import ACCEPTED, HARMLESS, REFUSED, Case, Yard
 from tests.hostile.checkpoints import archived, pickled
 from tests.hostile.houses import bomb
 from tests.hostile.subjects import Answer
+from vitruvius.logic.errors import VitruviusError
 
 FILES = ("agent.safetensors", "config.json", "metrics.jsonl", "state.pt.gz", "tensorboard", ".lock")
 
 
 def trained(folder: Path, resume: bool = False) -> Answer:
     """Train a short run in a folder."""
-    from agent.algorithms.pqn.config import PQNConfig
-    from agent.runs.runs import run
     from tests.sample_houses import random_house
+    from vitruvius.agent.algorithms.pqn.config import PQNConfig
+    from vitruvius.agent.runs.runs import run
 
     config = PQNConfig(num_envs=4, num_steps=8, steps=64, seed=2)
     if resume:

@@ -118,9 +118,9 @@ CASES = [
 
 def read(path: Path) -> Answer:
     """Return the answer of the reader of the file's kind."""
-    from logic import load
-    from logic.request.brief import read_brief
-    from logic.request.given_plan import read_plan
+    from vitruvius.logic import load
+    from vitruvius.logic.request.brief import read_brief
+    from vitruvius.logic.request.given_plan import read_plan
 
     if path.name == "brief.json":
         read_brief(path)

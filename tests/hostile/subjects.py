@@ -13,8 +13,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from logic.errors import LimitReached, VitruviusError
 from tests.hostile.case import ACCEPTED, LIMITED, REFUSED
+from vitruvius.logic.errors import LimitReached, VitruviusError
 
 SECONDS = 60.0
 """Wall time for an answer, in seconds: it takes a tenth of a second, but the machine may be busy."""
@@ -108,11 +108,11 @@ def _answered(read: Callable[..., Answer], arguments: tuple[Path, ...]) -> Answe
 
 def rules(folder: Path) -> Answer:
     """Return the answer of ``generate`` and ``lint`` for a grammar, in this process: an error or a house."""
-    from logic.generation.builder import Builder
-    from logic.grammar import find
-    from logic.language.loaded import LoadedGrammar
-    from logic.proofs.answer import house_or_proof
-    from logic.request.request import Request
+    from vitruvius.logic.generation.builder import Builder
+    from vitruvius.logic.grammar import find
+    from vitruvius.logic.language.loaded import LoadedGrammar
+    from vitruvius.logic.proofs.answer import house_or_proof
+    from vitruvius.logic.request.request import Request
 
     grammar = find(folder)
     builder = Builder(grammar, 0.0, LoadedGrammar(grammar))
@@ -126,8 +126,8 @@ def bomb(folder: Path) -> Answer:
 
     The process has a quarter of the usual seconds, which is three times what ``family`` needs.
     """
-    from logic import generate
-    from logic.workers import series, solver
+    from vitruvius.logic import generate
+    from vitruvius.logic.workers import series, solver
 
     solver.LOADING = series.LOADING = 1.0
     solver.STEP = 0.5

@@ -29,7 +29,7 @@ class Subject:
 
     read: Callable[..., Answer]
     cases: Sequence[Case]
-    modules: tuple[str, ...] = ("pyswip", "logic.generation.builder")
+    modules: tuple[str, ...] = ("pyswip", "vitruvius.logic.generation.builder")
     address_space: int = subjects.MEMORY
 
     @property
@@ -38,12 +38,12 @@ class Subject:
         return self.modules, self.address_space
 
 
-TORCH = ("pyswip", "agent.runs.runs", "torch.utils.tensorboard")
+TORCH = ("pyswip", "vitruvius.agent.runs.runs", "torch.utils.tensorboard")
 SUBJECTS = (
     Subject(subjects.rules, [*prolog.CASES, *answer_sets.CASES, *files.CASES, *bombs.READ]),
     Subject(subjects.bomb, bombs.ENDED),
-    Subject(houses.shown, houses.CASES, ("vitruvius.cli", "logic.drawing.draw", "matplotlib")),
-    Subject(plans.read, plans.CASES, ("pyswip", "logic.request.given_plan", "tests.hostile.plans")),
+    Subject(houses.shown, houses.CASES, ("vitruvius.cli", "vitruvius.logic.drawing.draw", "matplotlib")),
+    Subject(plans.read, plans.CASES, ("pyswip", "vitruvius.logic.request.given_plan", "tests.hostile.plans")),
     Subject(checkpoints.loaded, checkpoints.CASES, TORCH, 32 << 30),
     Subject(folders.resumed, folders.CASES, TORCH, 32 << 30),
 )

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from logic import GrammarError, check
-from logic.grammar import RULES, SHIPPED, STAR, TOPOLOGIES, find, shipped
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import INFERENCES, builder
+from vitruvius.logic import GrammarError, check
+from vitruvius.logic.grammar import RULES, SHIPPED, STAR, TOPOLOGIES, find, shipped
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 CORE = sorted(RULES.rglob("*.[lp][lp]"))
 OWN = ["ring", "corridor", "dissection"]

@@ -11,7 +11,7 @@ from time import perf_counter
 
 import pytest
 
-from logic.opener import (
+from vitruvius.logic.opener import (
     MAX_DEPTH,
     MAX_DIGITS,
     MAX_MEMBERS,

@@ -8,12 +8,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from logic import Door, FreeWall, House, Piece, RequestError, Room, Window, check, load, save
-from logic.exports.geojson import to_geojson
-from logic.house.promises import Promises, read_promises
-from logic.workers.generate import series_of
 from tests.plans import flat
 from tests.sample_houses import RANDOM
+from vitruvius.logic import Door, FreeWall, House, Piece, RequestError, Room, Window, check, load, save
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.house.promises import Promises, read_promises
+from vitruvius.logic.workers.generate import series_of
 
 NUMBERS = pytest.mark.parametrize("number", [np.float64, np.float32, np.int64, np.uint8, np.array])
 """Functions that make a number of NumPy."""

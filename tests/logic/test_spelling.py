@@ -1,6 +1,6 @@
 """Words in messages."""
 
-from logic.spelling import article
+from vitruvius.logic.spelling import article
 
 
 def test_a_noun_has_the_article_with_which_it_is_spoken() -> None:

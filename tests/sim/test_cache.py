@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.cache import VARIABLE, provide
+from vitruvius.sim.cache import VARIABLE, provide
 
 
 @pytest.fixture
@@ -62,7 +62,7 @@ def test_without_temporary_files_a_folder_that_can_be_written_serves(own, monkey
     named = own.parent / "cache"
     if keeps:
         monkeypatch.setenv(VARIABLE, str(named))
-    monkeypatch.setattr("sim.cache._writable", lambda folder: folder == named)
+    monkeypatch.setattr("vitruvius.sim.cache._writable", lambda folder: folder == named)
     monkeypatch.setattr(tempfile, "gettempdir", none)
     assert provide() is keeps
     assert tempfile.tempdir == os.environ[VARIABLE] == (str(named) if keeps else os.sep)

@@ -4,8 +4,8 @@ import json
 import os
 import sys
 
-from sim.tracing import COMPILERS, VARIABLE
 from tests.programs import finished
+from vitruvius.sim.tracing import COMPILERS, VARIABLE
 
 PLAYED = """
 import hashlib
@@ -14,10 +14,10 @@ import json
 import numpy as np
 import torch
 
-from agent.avoidance import Free
-from agent.policies.policies import Explorer
-from sim import HouseVectorEnv
-from sim.runtime import compiler
+from vitruvius.agent.avoidance import Free
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.runtime import compiler
 from tests import sample_houses
 
 E, STEPS = 16, 60
@@ -66,6 +66,6 @@ def test_another_compiler_is_an_error_by_its_name() -> None:
     said = "VITRUVIUS_RUNTIME: there is no 'numba': take one of taichi, quadrants"
     other = os.environ | {VARIABLE: "numba"}
     done = finished([sys.executable, "-c", "import sim"], env=other)
-    assert done.stderr.splitlines()[-1] == f"logic.errors.RequestError: {said}"
+    assert done.stderr.splitlines()[-1] == f"vitruvius.logic.errors.RequestError: {said}"
     done = finished([sys.executable, "-m", "vitruvius.cli", "train", "houses.jsonl"], env=other)
     assert (done.returncode, done.stderr) == (2, f"error: {said}\n")

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.config import DEFAULT, PRESETS, Config
-from sim.drive import COMMANDS, PARTS, Drive
+from vitruvius.sim.config import DEFAULT, PRESETS, Config
+from vitruvius.sim.drive import COMMANDS, PARTS, Drive
 
 LENGTHS = "positive lengths in metres"
 PROBABILITIES = "not negative, and the last two at most 1"

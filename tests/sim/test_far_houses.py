@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from logic import FreeWall, House, Room, load
-from logic.drawing.draw import plan_svg
-from logic.exports import export
-from sim import HouseVectorEnv
-from sim.backends.continuous.pack import _lines
-from sim.backends.rays import EXACT, OVERLAP, overlap
-from sim.geometry import geometry
 from tests.plans import PLANS
 from tests.reference import Reference, cast, sides
+from vitruvius.logic import FreeWall, House, Room, load
+from vitruvius.logic.drawing.draw import plan_svg
+from vitruvius.logic.exports import export
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.backends.continuous.pack import _lines
+from vitruvius.sim.backends.rays import EXACT, OVERLAP, overlap
+from vitruvius.sim.geometry import geometry
 
 AWAY = 489.9
 """Distance in metres, a multiple of the plans' cells of 0.3 m."""

@@ -8,13 +8,13 @@ import pytest
 from msgspec import structs
 from PIL import Image, ImageColor, ImageSequence
 
-from logic.drawing.frame import drawn_extent
-from logic.drawing.palettes import Inks
-from logic.house.looks import DEFAULT as LOOKS
-from logic.house.promises import Thickness
-from sim import DEFAULT, HouseVectorEnv
-from sim.film import BODY, PAPER, SHARP, TARGET, Camera, View, film, framed, largest, mosaic
 from tests import sample_houses
+from vitruvius.logic.drawing.frame import drawn_extent
+from vitruvius.logic.drawing.palettes import Inks
+from vitruvius.logic.house.looks import DEFAULT as LOOKS
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.film import BODY, PAPER, SHARP, TARGET, Camera, View, film, framed, largest, mosaic
 
 INKS = Inks()
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from logic import FreeWall, House, Piece, Room
-from sim import DEFAULT, HouseVectorEnv
 from tests.plans import CELL
+from vitruvius.logic import FreeWall, House, Piece, Room
+from vitruvius.sim import DEFAULT, HouseVectorEnv
 
 BOX = 1.5, 1.2, 1.8, 2.4  # west, north, east, south, on the grid of 0.3 m
 ROOM = Room(0, 0, 3.6, 3.6, "R0", "hall")

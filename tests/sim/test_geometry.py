@@ -7,13 +7,13 @@ import pytest
 import shapely
 from msgspec import structs
 
-from logic import Door, House, Room
-from logic.house.promises import Thickness
-from sim.geometry import geometry, shut
 from tests import sample_houses
 from tests.plans import PLANS, random_plan
 from tests.reference import walls
 from tests.thick import thickened
+from vitruvius.logic import Door, House, Room
+from vitruvius.logic.house.promises import Thickness
+from vitruvius.sim.geometry import geometry, shut
 
 
 def as_lines(rows: np.ndarray) -> shapely.MultiLineString:

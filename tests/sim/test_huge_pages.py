@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.huge_pages import HUGE_PAGE
-from sim.runtime import Array, start, ti
+from vitruvius.sim.huge_pages import HUGE_PAGE
+from vitruvius.sim.runtime import Array, start, ti
 
 
 def flags(address: int) -> list[str]:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from logic import House
-from sim import HouseVectorEnv, Oracle, shortest_path
-from sim.actions import FORWARD
-from sim.baselines.searcher import Searcher
 from tests import sample_houses
 from tests.plans import PLANS, flat
 from tests.sim.backends.agreement import require_equal_rays
+from vitruvius.logic import House
+from vitruvius.sim import HouseVectorEnv, Oracle, shortest_path
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSES = list(PLANS.values())
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
-from sim.tracing import compiler
 from tests.programs import finished
+from vitruvius.sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
+from vitruvius.sim.tracing import compiler
 
 
 def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(tmp_path):
@@ -29,7 +29,7 @@ def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(
 FIRST_IN_THREADS = """
 from threading import Barrier, Thread
 import numpy as np
-from sim import Config, HouseVectorEnv
+from vitruvius.sim import Config, HouseVectorEnv
 
 def trajectory(k):
     envs = HouseVectorEnv(num_envs=3, seed=k, preset=Config(sees_kind=bool(k)))
@@ -92,7 +92,7 @@ def test_a_kernel_has_arrays_together_as_a_record_and_takes_them_by_its_fields()
 
 MANY_TABLES = """
 import numpy as np
-from sim.runtime import MOST_FIELDS, constants, start
+from vitruvius.sim.runtime import MOST_FIELDS, constants, start
 
 start("cpu")
 numbers = np.arange(4.0, dtype=np.float32)

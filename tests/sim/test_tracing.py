@@ -5,8 +5,8 @@
 import inspect
 from typing import NamedTuple
 
-from sim.runtime import ti
-from sim.tracing import _source, kernel
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.tracing import _source, kernel
 
 Numbers = ti.types.ndarray(ti.f32, 1)
 

@@ -17,14 +17,14 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent.algorithms.table import PRESETS
 from benchmarks import STUDIES
-from logic import House, Rect, Star, load, save
 from tests.programs import PATIENCE, finished
 from tests.sample_houses import changed_star
+from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.cli import COMMANDS, EXTRAS, main, parse
 from vitruvius.commands.houses import Check, Draw
 from vitruvius.commands.watch import Watch
+from vitruvius.logic import House, Rect, Star, load, save
 
 ROOT = Path(__file__).parents[2]
 

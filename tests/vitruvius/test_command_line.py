@@ -19,19 +19,19 @@ import jsonschema
 import pytest
 import tyro
 
-from agent.algorithms.table import PRESETS
-from agent.progress import progress as agent_progress
 from benchmarks import GROUPS as STUDY_GROUPS
 from benchmarks import STUDIES
 from benchmarks.page import page as studies_page
-from logic import generate, save
-from logic.terminal import progress
 from tests.programs import finished
 from vitruvius import page, studies
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.progress import progress as agent_progress
 from vitruvius.answers.agents import ANSWERS
 from vitruvius.cli import COMMANDS, GROUPS, command_help, main
 from vitruvius.commands.train import Train
 from vitruvius.help import grouped
+from vitruvius.logic import generate, save
+from vitruvius.logic.terminal import progress
 from vitruvius.options import options_of
 
 ROOT = Path(__file__).parents[2]

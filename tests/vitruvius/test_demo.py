@@ -10,17 +10,17 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
-from agent.algorithms.table import PRESETS
-from agent.banks import geometry_hash
-from agent.report.folder import report
-from agent.runs.checkpoint import load as load_checkpoint
-from logic import House, Rect, RequestError, Star, check, generate, load
-from sim.film import SHARP, framed, largest, plan
-from sim.tasks.furniture import pieces_in
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 from vitruvius import demo as module
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import geometry_hash
+from vitruvius.agent.report.folder import report
+from vitruvius.agent.runs.checkpoint import load as load_checkpoint
 from vitruvius.commands.record import Record
 from vitruvius.demo import FILES, banks, demo, gain, sought
+from vitruvius.logic import House, Rect, RequestError, Star, check, generate, load
+from vitruvius.sim.film import SHARP, framed, largest, plan
+from vitruvius.sim.tasks.furniture import pieces_in
 
 
 @pytest.fixture(scope="module")

@@ -9,24 +9,24 @@ import msgspec
 import numpy as np
 import pytest
 
-from agent import banks
-from agent.algorithms.table import PRESETS
-from agent.banks import BANKS, bank_hash
-from agent.play.results import PlayedGame, append
-from agent.runs.released import FORMAT, located, released
-from logic import HouseFileError, load, save
-from logic.errors import VitruviusError
-from logic.exports import export
-from logic.grammar import SHIPPED, shipped
-from sim.environment import arguments
-from sim.environment.arguments import BANK
 from tests.logic.readers.written import WRITERS
 from tests.sample_houses import FIXTURES
+from vitruvius.agent import banks
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import BANKS, bank_hash
+from vitruvius.agent.play.results import PlayedGame, append
+from vitruvius.agent.runs.released import FORMAT, located, released
 from vitruvius.cli import main
 from vitruvius.commands.info import TITLES
 from vitruvius.info import recognise
 from vitruvius.info.reading import UnknownFileError
 from vitruvius.info.recognise import recognised
+from vitruvius.logic import HouseFileError, load, save
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.exports import export
+from vitruvius.logic.grammar import SHIPPED, shipped
+from vitruvius.sim.environment import arguments
+from vitruvius.sim.environment.arguments import BANK
 
 
 def told(path: Path | str) -> Any:
@@ -58,7 +58,7 @@ def test_house_files_of_every_format_are_told() -> None:
 def test_a_bank_is_told_by_its_name_and_by_its_houses_in_another_file(tmp_path: Path) -> None:
     found = told("test-v1")
     assert (found.bank, found.checksum, found.rooms) == ("test-v1", BANKS["test-v1"].hash, (2, 6))
-    save(load(Path(__file__).parents[2] / "benchmarks/houses/test-v1.jsonl.gz"), tmp_path / "mine.jsonl.gz")
+    save(load(Path(__file__).parents[2] / "agent/houses/test-v1.jsonl.gz"), tmp_path / "mine.jsonl.gz")
     assert told(tmp_path / "mine.jsonl.gz").bank == "test-v1"
 
 

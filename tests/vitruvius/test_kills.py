@@ -8,9 +8,9 @@ import msgspec
 import pytest
 
 from benchmarks.reliability import kills
-from logic import save
-from logic.errors import RequestError
 from tests.logic.workers import in_process
+from vitruvius.logic import save
+from vitruvius.logic.errors import RequestError
 
 ROOT = Path(__file__).parents[2]
 

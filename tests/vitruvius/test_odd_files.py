@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from logic import save
 from tests.logic.workers import in_process
 from vitruvius.cli import main
+from vitruvius.logic import save
 
 MAX_SECONDS = 20
 """Time limit for one file, in seconds, on a busy machine."""

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from benchmarks import STUDIES
-from logic import House, RequestError, load
-from logic.house.replacing import MARK, alone_in, study_folder, unless_other
 from tests.logic.workers import in_process
 from vitruvius.cli import COMMANDS, main
+from vitruvius.logic import House, RequestError, load
+from vitruvius.logic.house.replacing import MARK, alone_in, study_folder, unless_other
 from vitruvius.options import options_of
 
 ROOT = Path(__file__).parents[2]
@@ -97,7 +97,7 @@ def test_what_is_in_the_way_is_named_and_stays(
     file.parent.mkdir(exist_ok=True)
     file.write_bytes(FOREIGN)
     # The work that takes seconds is no part of the claim.
-    monkeypatch.setattr("agent.runs.export.export", lambda _, path: path.write_bytes(b"a network"))
+    monkeypatch.setattr("vitruvius.agent.runs.export.export", lambda _, path: path.write_bytes(b"a network"))
     if words.startswith("report"):
         Path("houses").mkdir(exist_ok=True)
         Path("houses/plans.jsonl").write_bytes(PLANS.read_bytes())
@@ -159,7 +159,7 @@ def test_houses_that_another_process_writes_meanwhile_stay(
         if interrupted:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("logic.generate", writing)
+    monkeypatch.setattr("vitruvius.generate", writing)
     command = f"generate --rooms 1 --out {tmp_path / 'mine.jsonl'}{' --replace' if replace else ''}"
     assert run(command) == ((130 if interrupted else 0) if replace else 2)
     assert (load(tmp_path / "mine.jsonl") == load(PLANS)) is not replace

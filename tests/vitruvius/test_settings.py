@@ -10,11 +10,11 @@ import jsonschema
 import pytest
 import torch
 
-from agent.algorithms.table import PRESETS
-from agent.runs import checkpoint
-from logic import save
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.runs import checkpoint
 from vitruvius.cli import main, parse
+from vitruvius.logic import save
 from vitruvius.settings import SettingsError, read
 
 ROOT = Path(__file__).parents[2]

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from logic.stopping import Terminated, at_signals, end, heeded_after
+from vitruvius.logic.stopping import Terminated, at_signals, end, heeded_after
 
 PASSED_OVER = """
 import os

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from agent import banks
 from benchmarks import STUDIES
-from logic import House, RequestError, load
-from logic.workers.standards import standard
-from sim.environment.arguments import house_list
 from vitruvius import settings
+from vitruvius.agent import banks
 from vitruvius.cli import COMMANDS, main
+from vitruvius.logic import House, RequestError, load
+from vitruvius.logic.workers.standards import standard
 from vitruvius.options import Option, options_of, require
+from vitruvius.sim.environment.arguments import house_list
 
 PLANS = Path(__file__).parents[1] / "fixtures" / "plans.jsonl"
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import RequestError
 from vitruvius.answers.houses import FORMAT, Failure
+from vitruvius.logic.errors import RequestError
 
 ANSWERS = {
     "generate": "vitruvius.answers.houses:Generated",
@@ -19,7 +19,7 @@ ANSWERS = {
     "explain": "vitruvius.answers.houses:Explained",
     "info": "vitruvius.commands.info:About",
     "train": "vitruvius.answers.agents:Trained",
-    "evaluate": "agent.evaluation.scores:ScoreFile",
+    "evaluate": "vitruvius.agent.evaluation.scores:ScoreFile",
     "record": "vitruvius.answers.houses:Written",
     "export": "vitruvius.answers.houses:Written",
 }
@@ -84,8 +84,8 @@ class Schema:
 
     def run(self) -> int:
         """Print the schema, indented."""
-        from logic.house.records import schema as of_house
-        from logic.request.brief import schema as of_brief
+        from vitruvius.logic.house.records import schema as of_house
+        from vitruvius.logic.request.brief import schema as of_brief
 
         kinds = {"answers": (self.answers, schema), "brief": (self.brief, of_brief)}
         asked = [made for wanted, made in kinds.values() if wanted]

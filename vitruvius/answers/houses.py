@@ -9,10 +9,10 @@ from typing import Any
 
 import msgspec
 
-from logic.dataset.reading import Counts
-from logic.errors import Finding, Reason, VitruviusError, to_record
-from logic.house.diff import Change
-from logic.why.answer import Why
+from vitruvius.logic.dataset.reading import Counts
+from vitruvius.logic.errors import Finding, Reason, VitruviusError, to_record
+from vitruvius.logic.house.diff import Change
+from vitruvius.logic.why.answer import Why
 
 FORMAT = "vitruvius-answer-1"
 

@@ -7,16 +7,16 @@ from typing import Any
 
 import tyro
 
-from logic.errors import RequestError
-from logic.stopping import heeded_after
-from logic.terminal import say
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.stopping import heeded_after
+from vitruvius.logic.terminal import say
 
 Repeated = tyro.conf.UseAppendAction
 
 
 def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
     """Return ``{"bedroom": 2, "hall": (0, 1)}`` for ``("bedroom=2", "hall=..1")``."""
-    from logic.request.request import from_option
+    from vitruvius.logic.request.request import from_option
 
     counts = {}
     for text in texts:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from logic.request.request import MOST, whole
+from vitruvius.logic.request.request import MOST, whole
 
 
 @dataclass(frozen=True)
@@ -18,8 +18,8 @@ class Demo:
 
     def run(self) -> int:
         """Run the demo; return 1 unless the agent clearly beats the random walk and the human's ratio."""
-        from logic.house.files import require_folder
         from vitruvius.demo import demo
+        from vitruvius.logic.house.files import require_folder
 
         whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses use twice the seed, and one more
         require_folder(self.out)

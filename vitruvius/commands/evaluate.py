@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import tyro
 
-from agent import banks
-from agent.learning.config import MOST_SEED, differences
-from agent.runs.released import located
-from logic.cluster import engine
-from logic.errors import RequestError
-from logic.request.request import whole
-from logic.terminal import say
+from vitruvius.agent import banks
+from vitruvius.agent.learning.config import MOST_SEED, differences
+from vitruvius.agent.runs.released import located
 from vitruvius.commands.common import print_answer
+from vitruvius.logic.cluster import engine
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.request.request import whole
+from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from agent.evaluation.scores import ScoredBank
-    from agent.runs.checkpoint import Checkpoint
+    from vitruvius.agent.evaluation.scores import ScoredBank
+    from vitruvius.agent.runs.checkpoint import Checkpoint
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,8 @@ class Evaluate:
 
     def run(self) -> int:
         """Evaluate, and print the tables or the JSON."""
-        from agent.learning.simulator import allow_named, require_asked_task, require_task
-        from sim.allowed import is_class_name
+        from vitruvius.agent.learning.simulator import allow_named, require_asked_task, require_task
+        from vitruvius.sim.allowed import is_class_name
 
         for path in self.agents:
             located(path)
@@ -122,17 +122,17 @@ class Evaluate:
         import torch
         from rich.console import Console
 
-        from agent.evaluation.baselines import PAPERS
-        from agent.evaluation.learnt_in import learnt_in, warnings, with_others
-        from agent.evaluation.plots import ratio_plot
-        from agent.evaluation.protocol import measure, require_motion, tasks_of
-        from agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
-        from agent.evaluation.tables import DRIVE_NOTE, NOTE, print_tables, tables
-        from agent.play.beside import BESIDE_NOTE, people_tables, replayable
-        from agent.progress import progress
-        from agent.report.folder import require_report, write_report
-        from agent.runs import checkpoint
-        from logic.house.files import require_folder, write_whole
+        from vitruvius.agent.evaluation.baselines import PAPERS
+        from vitruvius.agent.evaluation.learnt_in import learnt_in, warnings, with_others
+        from vitruvius.agent.evaluation.plots import ratio_plot
+        from vitruvius.agent.evaluation.protocol import measure, require_motion, tasks_of
+        from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
+        from vitruvius.agent.evaluation.tables import DRIVE_NOTE, NOTE, print_tables, tables
+        from vitruvius.agent.play.beside import BESIDE_NOTE, people_tables, replayable
+        from vitruvius.agent.progress import progress
+        from vitruvius.agent.report.folder import require_report, write_report
+        from vitruvius.agent.runs import checkpoint
+        from vitruvius.logic.house.files import require_folder, write_whole
 
         require_folder(self.out)
         if self.beside:
@@ -203,8 +203,8 @@ class Evaluate:
 
     def _require_same(self, file: Path, bank: "ScoredBank", modes: Sequence[str]) -> None:
         """Raise ``RequestError`` if a file holds another evaluation; the same one may be repeated."""
-        from agent.evaluation.scores import ScoreError, load
-        from logic.house.replacing import require_free
+        from vitruvius.agent.evaluation.scores import ScoreError, load
+        from vitruvius.logic.house.replacing import require_free
 
         if not file.exists():
             for ending in (".md", ".png"):
@@ -230,7 +230,7 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
     includes its folder. Raises ``CheckpointError`` for a malformed file, ``RequestError`` if that name is
     taken, too.
     """
-    from agent.runs import checkpoint
+    from vitruvius.agent.runs import checkpoint
 
     agents: dict[str, list[Checkpoint]] = {}
     for path in paths:

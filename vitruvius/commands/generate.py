@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import tyro
 
-from logic.errors import RequestError, VitruviusError
-from logic.house.house import House
-from logic.spelling import quoted
-from logic.terminal import progress, say
 from vitruvius.commands.common import Repeated, counts, print_answer, print_line, require_plan, say_warnings
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.house.house import House
+from vitruvius.logic.spelling import quoted
+from vitruvius.logic.terminal import progress, say
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from logic import Broken
-    from logic.dataset.formats import Files
-    from logic.request.brief import Brief
-    from logic.request.own_plan import OwnPlan
+    from vitruvius.logic import Broken
+    from vitruvius.logic.dataset.formats import Files
+    from vitruvius.logic.request.brief import Brief
+    from vitruvius.logic.request.own_plan import OwnPlan
 else:
     Files = Literal["parquet", "jsonl"]
 
@@ -150,8 +150,8 @@ class Generate:
 
     def run(self) -> int:
         """Write the houses. If a limit, Ctrl-C or SIGTERM ends the work, write those made so far, and why."""
-        from logic import generate
-        from logic.opener import STANDARD
+        from vitruvius.logic import generate
+        from vitruvius.logic.opener import STANDARD
 
         say_warnings()
         require_plan(self.plan, self.plan_unit, self.snap, self.storey)
@@ -242,7 +242,7 @@ class Generate:
 
     def _nearest(self) -> "tuple[Brief | None, tuple[Broken, ...]]":
         """Return a brief that has houses, and the user's lines that it breaks; print these lines."""
-        from logic import nearest
+        from vitruvius.logic import nearest
 
         if self.brief is None:
             raise RequestError("--nearest is of a brief or a plan: give it by --brief FILE or --plan FILE")
@@ -266,7 +266,7 @@ class Generate:
 
     def _nearest_plan(self) -> "tuple[OwnPlan, tuple[str, ...]]":
         """Return a plan that has houses, and its rooms' differences from the user's plan; print them."""
-        from logic import nearest_plan
+        from vitruvius.logic import nearest_plan
 
         assert self.plan
         found = nearest_plan(
@@ -293,8 +293,8 @@ class Generate:
 
     def answer(self, seconds: float, made: int = 0, **found: Any) -> None:
         """Print the results as JSON."""
-        from logic.opener import STANDARD
         from vitruvius.answers.houses import Generated
+        from vitruvius.logic.opener import STANDARD
 
         out = str(self.out) if self.out and self.out != STANDARD else None
         grammar = self.grammar or ("plain" if self.brief else "family")
@@ -306,13 +306,13 @@ class Generate:
 
         Raises ``RequestError`` if the file holds other houses and may not be replaced.
         """
-        from logic.house.replacing import require_same_series
+        from vitruvius.logic.house.replacing import require_same_series
 
         return 0 if self.replace else require_same_series(out, first, self.start + self.count - 1)
 
     def _save(self, houses: list[House], out: Path, stopped: str = "") -> None:
         """Write the houses, and why there are no more; on a full disk, as many houses as fit."""
-        from logic import save
+        from vitruvius.logic import save
 
         kept, full = len(houses), None
         while True:
@@ -352,7 +352,7 @@ class Generate:
     @cached_property  # the standard input can be read only once
     def _house_kept(self) -> House | None:
         """Return the house whose rooms are kept. Raises ``RequestError`` if there is none."""
-        from logic import load
+        from vitruvius.logic import load
 
         if self.keep is None:
             if self.keep_house or self.keep_rooms:
@@ -370,7 +370,7 @@ class Generate:
 
 def _require_writable(out: Path | None, count: int) -> None:
     """Raise ``RequestError`` before the work if the output cannot be written."""
-    from logic.house.files import HOUSE_FILES, require_file
+    from vitruvius.logic.house.files import HOUSE_FILES, require_file
 
     if out is None:
         return

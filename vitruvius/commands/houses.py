@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import tyro
 
-from logic.exports import FORMATS
-from logic.spelling import numbered, printable
-from logic.terminal import progress, say
 from vitruvius.commands.common import Repeated, print_answer, say_warnings
+from vitruvius.logic.exports import FORMATS
+from vitruvius.logic.spelling import numbered, printable
+from vitruvius.logic.terminal import progress, say
 from vitruvius.options import DASH, Streamed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from logic.house.house import House
     from vitruvius.answers.houses import Differences
+    from vitruvius.logic.house.house import House
 
     Format = str
 else:
@@ -51,11 +51,11 @@ class Check:
         """Check the houses and print a line for each violation; return 1 if there is any."""
         from msgspec.structs import replace
 
-        from logic import HouseSet, check, load
-        from logic.dataset.sets import MANIFEST
-        from logic.spelling import unknown
-        from logic.workers.standards import promises_of, standard
         from vitruvius.answers.houses import Checked, Violations
+        from vitruvius.logic import HouseSet, check, load
+        from vitruvius.logic.dataset.sets import MANIFEST
+        from vitruvius.logic.spelling import unknown
+        from vitruvius.logic.workers.standards import promises_of, standard
 
         say_warnings()
         houses = load(self.file)
@@ -138,9 +138,9 @@ class Draw:
 
     def run(self) -> int:
         """Write a picture of each house, numbered from 0 as in the file, and a picture of all."""
-        from logic import load
-        from logic.house.files import require_folder
-        from logic.house.replacing import alone_in, require_drawn
+        from vitruvius.logic import load
+        from vitruvius.logic.house.files import require_folder
+        from vitruvius.logic.house.replacing import alone_in, require_drawn
 
         say_warnings()
         self._require()
@@ -152,7 +152,7 @@ class Draw:
 
     def _drawn(self, houses: "Sequence[House]", others: "Sequence[House]") -> int:
         """Write the requested pictures."""
-        from logic.drawing.draw import draw
+        from vitruvius.logic.drawing.draw import draw
 
         if self.diff is not None:
             return self._changes(houses, others)
@@ -178,7 +178,7 @@ class Draw:
 
     def _require(self) -> None:
         """Raise ``RequestError`` for options that exclude each other."""
-        from logic.errors import RequestError
+        from vitruvius.logic.errors import RequestError
 
         if self.paper and not self.scale:
             raise RequestError(f"--paper {self.paper}: say by --scale how large, as --scale 1:50")
@@ -191,9 +191,9 @@ class Draw:
 
     def _pages(self, houses: "Sequence[House]", scale: str) -> int:
         """Write a page for each house."""
-        from logic.drawing.draw import write_pages
-        from logic.drawing.pages import page, scale_of
-        from logic.drawing.palettes import style
+        from vitruvius.logic.drawing.draw import write_pages
+        from vitruvius.logic.drawing.pages import page, scale_of
+        from vitruvius.logic.drawing.palettes import style
 
         ratio, look = scale_of(scale), style(houses, self.palette, self.grammar)
         pages = [page(house, look, ratio, self.paper, f"house {n}") for n, house in enumerate(houses)]
@@ -205,12 +205,12 @@ class Draw:
 
     def _changes(self, *pairs: "Sequence[House]") -> int:
         """Write a picture of the changes of each pair of houses, and print the changes."""
-        from logic.drawing.difference import diff_drawing
-        from logic.drawing.draw import encoded
-        from logic.errors import RequestError
-        from logic.house.diff import changes
-        from logic.house.files import write_whole
         from vitruvius.answers.houses import Differences
+        from vitruvius.logic.drawing.difference import diff_drawing
+        from vitruvius.logic.drawing.draw import encoded
+        from vitruvius.logic.errors import RequestError
+        from vitruvius.logic.house.diff import changes
+        from vitruvius.logic.house.files import write_whole
 
         if len(pairs[0]) != len(pairs[1]):
             counts = f"{self.file} has {numbered(len(pairs[0]), 'house')}, {self.diff} {len(pairs[1])}"
@@ -256,12 +256,12 @@ class Convert:
 
     def run(self) -> int:
         """Read the houses and write them."""
-        from logic import load, save
-        from logic.exports import export
-        from logic.house.files import HOUSE_FILES, require_ending, require_folder
-        from logic.house.replacing import require_same_houses, unless_other
-        from logic.opener import STANDARD
         from vitruvius.answers.houses import Written
+        from vitruvius.logic import load, save
+        from vitruvius.logic.exports import export
+        from vitruvius.logic.house.files import HOUSE_FILES, require_ending, require_folder
+        from vitruvius.logic.house.replacing import require_same_houses, unless_other
+        from vitruvius.logic.opener import STANDARD
 
         say_warnings()
         if self.out == STANDARD:
@@ -292,8 +292,8 @@ class Convert:
 
         Raises ``RequestError`` if the format needs several files.
         """
-        from logic import load
-        from logic.errors import RequestError
+        from vitruvius.logic import load
+        from vitruvius.logic.errors import RequestError
 
         if self.to != "vitruvius-2":
             raise RequestError(f"--out -: --to {self.to} writes a file for each house: name a folder")
@@ -306,7 +306,7 @@ class Convert:
 
 def _remove_others(folder: Path, written: "Sequence[Path]") -> None:
     """Remove the pictures or files of an earlier run with more houses, and print their number."""
-    from logic.house.replacing import remove_others
+    from vitruvius.logic.house.replacing import remove_others
 
     if number := remove_others(folder, written):
         say(f"{folder}: {number} of an earlier run removed")

@@ -6,11 +6,11 @@ from typing import Annotated, Any
 import msgspec
 import tyro
 
-from logic.spelling import printable
 from vitruvius.commands.common import print_answer, say_warnings
 from vitruvius.help import columns, entry
 from vitruvius.info.kinds import Kind
 from vitruvius.info.recognise import recognised
+from vitruvius.logic.spelling import printable
 
 TITLES = {
     "houses": "houses",

@@ -5,16 +5,16 @@ from typing import Any
 
 from rich.progress import TextColumn
 
-from logic.errors import RequestError
-from logic.spelling import numbered
-from logic.terminal import progress_bar
 from vitruvius.commands.common import counts
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import numbered
+from vitruvius.logic.terminal import progress_bar
 
 
 def count_layouts(command: Any) -> int:
     """Print the number of layouts of the rooms and of each type's furniture; return 4 if too many."""
-    from logic import count_layouts as layouts
     from vitruvius.answers.houses import Layouts
+    from vitruvius.logic import count_layouts as layouts
 
     for option, given in (("--keep", command.keep), ("--plan", command.plan), ("--brief", command.brief)):
         if given:

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import tyro
 
-from agent import banks
-from agent.learning.config import MOST_SEED
-from agent.runs.released import located
-from logic import House
-from logic.errors import MissingProgram, RequestError
-from logic.request.request import whole
-from logic.terminal import say
+from vitruvius.agent import banks
+from vitruvius.agent.learning.config import MOST_SEED
+from vitruvius.agent.runs.released import located
+from vitruvius.logic import House
+from vitruvius.logic.errors import MissingProgram, RequestError
+from vitruvius.logic.request.request import whole
+from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from agent.play.window import GameWindow
+    from vitruvius.agent.play.window import GameWindow
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,9 @@ class Play:
 
     def run(self) -> int:
         """Play the houses, or replay games."""
-        from agent.learning.simulator import allow_named, require_asked_task
-        from agent.play.results import ENDINGS, load, require_games
-        from logic.house.files import require_file
+        from vitruvius.agent.learning.simulator import allow_named, require_asked_task
+        from vitruvius.agent.play.results import ENDINGS, load, require_games
+        from vitruvius.logic.house.files import require_file
 
         if not 1 <= self.seconds <= 3600:
             raise RequestError(f"--seconds {self.seconds:g}: a game lasts from 1 to 3600 seconds")
@@ -104,9 +104,9 @@ class Play:
 
         import torch
 
-        from agent.play.game import Game, agents_scenes
-        from agent.play.results import PlayedGame, append, nobody
-        from agent.runs import checkpoint
+        from vitruvius.agent.play.game import Game, agents_scenes
+        from vitruvius.agent.play.results import PlayedGame, append, nobody
+        from vitruvius.agent.runs import checkpoint
 
         torch.set_num_threads(1)
         agent = checkpoint.load(self.race) if self.race else None
@@ -151,7 +151,7 @@ def opened() -> "GameWindow":
     """Return the window. Raises ``MissingProgram`` without a display."""
     import pygame
 
-    from agent.play.window import GameWindow
+    from vitruvius.agent.play.window import GameWindow
 
     if sys.platform == "linux" and not os.environ.get("SDL_VIDEODRIVER"):
         # By default SDL may choose a driver without a visible display, and the game waits for ever.

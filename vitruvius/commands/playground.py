@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from logic.terminal import say
+from vitruvius.logic.terminal import say
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Playground:
         """Write the folder, or serve it until Ctrl-C."""
         from tempfile import TemporaryDirectory
 
-        from logic.browser.loopback import announce, require_port
-        from logic.browser.playground.folder import size, write
-        from logic.browser.playground.server import listening
+        from vitruvius.logic.browser.loopback import announce, require_port
+        from vitruvius.logic.browser.playground.folder import size, write
+        from vitruvius.logic.browser.playground.server import listening
 
         if self.out is not None:
             write(self.out)

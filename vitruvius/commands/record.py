@@ -7,12 +7,12 @@ from typing import Any, ClassVar
 
 import tyro
 
-from agent import banks
-from agent.learning.config import MOST_SEED
-from agent.runs.released import located
-from logic.errors import RequestError
-from logic.request.request import whole
+from vitruvius.agent import banks
+from vitruvius.agent.learning.config import MOST_SEED
+from vitruvius.agent.runs.released import located
 from vitruvius.commands.common import print_answer
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.request.request import whole
 from vitruvius.options import Streamed
 
 MOST_CELLS = 64
@@ -73,22 +73,22 @@ class Record:
 
     def run(self) -> int:
         """Write the film."""
-        from agent.learning.simulator import allow_named, require_asked_task
+        from vitruvius.agent.learning.simulator import allow_named, require_asked_task
 
         whole("--seed", self.seed, 0, MOST_SEED)
         located(self.agent)
         allow_named(self.allow)
         require_asked_task(self.targets)
         banks.require_places(self.targets, self.houses)
-        from agent.progress import progress
-        from agent.recording import trace
-        from agent.recording.film import WIDTH, record, record_mosaic, watch
-        from agent.recording.recorder import Recorder
-        from agent.runs import checkpoint
-        from logic.house.files import require_file
-        from logic.house.replacing import require_free
-        from sim.film import require_film
+        from vitruvius.agent.progress import progress
+        from vitruvius.agent.recording import trace
+        from vitruvius.agent.recording.film import WIDTH, record, record_mosaic, watch
+        from vitruvius.agent.recording.recorder import Recorder
+        from vitruvius.agent.runs import checkpoint
         from vitruvius.answers.houses import Written
+        from vitruvius.logic.house.files import require_file
+        from vitruvius.logic.house.replacing import require_free
+        from vitruvius.sim.film import require_film
 
         shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
         if shape and is_trace:

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import tyro
 
-from logic.spelling import numbered
-from logic.terminal import say
 from vitruvius.commands.common import print_line, say_warnings
+from vitruvius.logic.spelling import numbered
+from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 
 
@@ -30,8 +30,8 @@ class Regenerate:
 
     def run(self) -> int:
         """Print the houses; return 1 if one differs from its row's."""
-        from logic.dataset.regenerate import regenerated
-        from logic.house.house import House
+        from vitruvius.logic.dataset.regenerate import regenerated
+        from vitruvius.logic.house.house import House
 
         say_warnings()
         as_before = others = 0

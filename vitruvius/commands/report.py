@@ -26,9 +26,9 @@ class Report:
 
     def run(self) -> int:
         """Write the file."""
-        from agent.report.folder import NAME, require_report, write_report
-        from logic.house.files import require_file
-        from logic.house.replacing import unless_other
+        from vitruvius.agent.report.folder import NAME, require_report, write_report
+        from vitruvius.logic.house.files import require_file
+        from vitruvius.logic.house.replacing import unless_other
         from vitruvius.studies import study_sections
 
         if self.out:

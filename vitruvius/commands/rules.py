@@ -8,10 +8,10 @@ from typing import Annotated, ClassVar
 
 import tyro
 
-from logic.errors import RequestError
-from logic.spelling import numbered, printable, quoted
-from logic.terminal import say
 from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.spelling import numbered, printable, quoted
+from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 
 
@@ -73,8 +73,8 @@ class Explain:
 
     def run(self) -> int:
         """Print the reasons; return 1 if a request has a house after all."""
-        from logic import Unsatisfiable, generate
         from vitruvius.answers.houses import Explained
+        from vitruvius.logic import Unsatisfiable, generate
 
         say_warnings()
         if self.file is not None:
@@ -125,10 +125,10 @@ class Explain:
 
     def _house(self, file: Path) -> int:
         """Print why a part of a house is as it is."""
-        from logic import load
-        from logic.why.answer import Why, as_text
-        from logic.workers.explain import explained
         from vitruvius.answers.houses import Explained
+        from vitruvius.logic import load
+        from vitruvius.logic.why.answer import Why, as_text
+        from vitruvius.logic.workers.explain import explained
 
         asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
         asked |= {"--brief": self.brief, "--plan": self.plan}
@@ -177,8 +177,8 @@ class Lint:
 
     def run(self) -> int:
         """Print a line for each finding; return 1 if any is an error."""
-        from logic import lint
         from vitruvius.answers.houses import Linted
+        from vitruvius.logic import lint
 
         found = list(lint(self.grammar, self.seconds))
         errors = sum(finding.severity == "error" for finding in found)

@@ -6,18 +6,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from logic.cluster import Cluster, engine
-from logic.dataset.formats import schema
-from logic.dataset.sets import MAX_SHARDS, Set, Shard, begin
-from logic.dataset.shards import Mapper, complete, make, make_on_node, missing
-from logic.dataset.splits import SPLITS
-from logic.errors import RequestError
-from logic.house.files import require_folder
-from logic.request.request import whole
-from logic.spelling import numbered
-from logic.terminal import counting, say
-from logic.workers.generate import series_of
-from logic.workers.series import HouseSeries
+from vitruvius.logic.cluster import Cluster, engine
+from vitruvius.logic.dataset.formats import schema
+from vitruvius.logic.dataset.sets import MAX_SHARDS, Set, Shard, begin
+from vitruvius.logic.dataset.shards import Mapper, complete, make, make_on_node, missing
+from vitruvius.logic.dataset.splits import SPLITS
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.house.files import require_folder
+from vitruvius.logic.request.request import whole
+from vitruvius.logic.spelling import numbered
+from vitruvius.logic.terminal import counting, say
+from vitruvius.logic.workers.generate import series_of
+from vitruvius.logic.workers.series import HouseSeries
 
 
 def make_shards(command: Any, asked: str) -> int:

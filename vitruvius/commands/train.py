@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, Ty
 
 import tyro
 
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.table import PRESETS
-from agent.learning.config import TrainConfig
-from logic.errors import RequestError
-from logic.request.request import whole
-from logic.spelling import quoted, unknown
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.learning.config import TrainConfig
 from vitruvius.commands.common import print_answer
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.request.request import whole
+from vitruvius.logic.spelling import quoted, unknown
 from vitruvius.options import Streamed, options_of
 from vitruvius.settings import read, written
 
@@ -112,7 +112,7 @@ class Train(Generic[Kind]):
         # Classes on the command line are allowed; classes in a file of settings are not.
         flags = "--targets", "--module", "--hook"
         if stated := [text for flag in flags for text in _given(arguments, flag) if ":" in text]:
-            from sim.allowed import allow, class_names
+            from vitruvius.sim.allowed import allow, class_names
 
             allow(*(name for text in stated for name in class_names(text)))
         asked: Any = next(iter(_given(arguments, "--preset")[-1:]), None)
@@ -138,14 +138,14 @@ class Train(Generic[Kind]):
             beside = {"preset": self.preset, "name": self.name, "houses": houses}
             print(written(self.learning, options_of(self), **beside), end="")
             return 0
-        from agent.learning.simulator import allow_named, require_task, simulator
+        from vitruvius.agent.learning.simulator import allow_named, require_task, simulator
 
         allow_named(self.allow)
         simulator(self.learning)
         require_task(self.learning.targets)
-        from agent.algorithms.build import network_of
-        from agent.report.folder import require_report
-        from logic.house.files import require_folder
+        from vitruvius.agent.algorithms.build import network_of
+        from vitruvius.agent.report.folder import require_report
+        from vitruvius.logic.house.files import require_folder
 
         network_of(self.learning)  # reports a module that cannot be used before the run starts
         require_folder(self.out)
@@ -161,10 +161,10 @@ class Train(Generic[Kind]):
 
     def _houses(self) -> Any:
         """Return the training houses: a list, a set or a stream."""
-        from agent.banks import require_training
-        from logic import HouseSet, HouseStream
-        from logic.dataset.sets import SET
-        from sim.environment.arguments import BANK, house_list
+        from vitruvius.agent.banks import require_training
+        from vitruvius.logic import HouseSet, HouseStream
+        from vitruvius.logic.dataset.sets import SET
+        from vitruvius.sim.environment.arguments import BANK, house_list
 
         file = self.houses or self.learning.learnt_in or BANK
         # Sets and streams never contain the seeds that are reserved for benchmarks.
@@ -181,10 +181,10 @@ class Train(Generic[Kind]):
 
         Raises ``RequestError`` for a hook that does not exist or is not a function.
         """
-        from agent.runs.watching import Watching
-        from logic import HouseSet, load
-        from logic.dataset.sets import SET
-        from sim.allowed import imported
+        from vitruvius.agent.runs.watching import Watching
+        from vitruvius.logic import HouseSet, load
+        from vitruvius.logic.dataset.sets import SET
+        from vitruvius.sim.allowed import imported
 
         held_out, hook = list[Any](), None
         if self.held_out:
@@ -202,11 +202,11 @@ class Train(Generic[Kind]):
 
     def _train(self, houses: Any, learning: TrainConfig, out: Path, watching: Any) -> None:
         """Train with one seed, and print the result."""
-        from agent.evaluation.plots import learning_curve
-        from agent.report.folder import write_report
-        from agent.runs.runs import run
-        from logic.house.files import write_whole
+        from vitruvius.agent.evaluation.plots import learning_curve
+        from vitruvius.agent.report.folder import write_report
+        from vitruvius.agent.runs.runs import run
         from vitruvius.answers.agents import Trained
+        from vitruvius.logic.house.files import write_whole
 
         curve = out / "learning-curve.png"
         if curve.exists() and not self.resume:
@@ -259,11 +259,11 @@ class Export:
 
     def run(self) -> int:
         """Write the file."""
-        from agent.runs import checkpoint
-        from agent.runs.export import export
-        from logic.house.files import require_file
-        from logic.house.replacing import unless_other
+        from vitruvius.agent.runs import checkpoint
+        from vitruvius.agent.runs.export import export
         from vitruvius.answers.houses import Written
+        from vitruvius.logic.house.files import require_file
+        from vitruvius.logic.house.replacing import unless_other
 
         require_file(self.out, [".onnx"])
         with unless_other(self.out, self.replace) as file:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import tyro
 
-from logic.errors import RequestError
+from vitruvius.logic.errors import RequestError
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Watch:
 
     def run(self) -> int:
         """Serve the page until Ctrl-C."""
-        from logic.browser.loopback import LOOPBACK, announce
-        from logic.browser.watch.server import Server, listening
-        from logic.browser.watch.session import Session
-        from logic.grammar import folder
+        from vitruvius.logic.browser.loopback import LOOPBACK, announce
+        from vitruvius.logic.browser.watch.server import Server, listening
+        from vitruvius.logic.browser.watch.session import Session
+        from vitruvius.logic.grammar import folder
 
         if not 0 < self.seconds < 1e6:
             raise RequestError(f"--seconds {self.seconds:g}: must be above 0 and below a million")

@@ -63,7 +63,7 @@ class SetOfHouses(Named, tag="set", frozen=True):
     request: dict[str, Any]
     seed: int
     checksum: str | None
-    """``logic.HouseSet.hash``."""
+    """``vitruvius.HouseSet.hash``."""
     versions: dict[str, str]
 
 

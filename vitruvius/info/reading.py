@@ -12,24 +12,11 @@ from typing import Any
 
 import msgspec
 
-from agent.algorithms.table import PRESETS
-from agent.banks import BANKS, bank_hash
-from agent.learning.config import TrainConfig, differences
-from agent.play.results import load as load_games
-from agent.runs.released import FORMAT, LEARNT_IN, MOST_BYTES, MOST_HEADER, require_sizes
-from logic import House, HouseFileError, HouseSet, RequestError, load
-from logic.dataset.sets import files_of_shards, read_manifest, read_set
-from logic.errors import VitruviusError
-from logic.grammar import find, shipped
-from logic.house.files import HOUSE_FILES
-from logic.house.files import MOST_BYTES as MOST_HOUSES
-from logic.opener import PACKED, content_of, from_json, opened
-from logic.readers import sketch
-from logic.readers.combined import divided
-from logic.readers.features import SEPARATOR, from_text, is_geojson
-from logic.readers.regular import regular
-from logic.request.geojson import from_geojson
-from logic.request.given_plan import SNAP
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import BANKS, bank_hash
+from vitruvius.agent.learning.config import TrainConfig, differences
+from vitruvius.agent.play.results import load as load_games
+from vitruvius.agent.runs.released import FORMAT, LEARNT_IN, MOST_BYTES, MOST_HEADER, require_sizes
 from vitruvius.info.kinds import (
     Agent,
     Games,
@@ -42,6 +29,19 @@ from vitruvius.info.kinds import (
     Settings,
     Trace,
 )
+from vitruvius.logic import House, HouseFileError, HouseSet, RequestError, load
+from vitruvius.logic.dataset.sets import files_of_shards, read_manifest, read_set
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.grammar import find, shipped
+from vitruvius.logic.house.files import HOUSE_FILES
+from vitruvius.logic.house.files import MOST_BYTES as MOST_HOUSES
+from vitruvius.logic.opener import PACKED, content_of, from_json, opened
+from vitruvius.logic.readers import sketch
+from vitruvius.logic.readers.combined import divided
+from vitruvius.logic.readers.features import SEPARATOR, from_text, is_geojson
+from vitruvius.logic.readers.regular import regular
+from vitruvius.logic.request.geojson import from_geojson
+from vitruvius.logic.request.given_plan import SNAP
 
 MOST_TEXT, MAX_METRICS_BYTES = 1 << 20, 1 << 28
 """Bytes to read of ``config.json`` and of the end of a run's reports; largest size of the file of reports."""

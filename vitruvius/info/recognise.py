@@ -4,17 +4,10 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from agent.algorithms.table import PRESETS
-from agent.banks import BANKS, PAPER_HOUSE, benchmark_path
-from agent.runs.released import located, released
-from logic import load
-from logic.dataset.sets import SET
-from logic.grammar import shipped
-from logic.house.files import HOUSE_FILES, stopped_by
-from logic.house.ros_map import DESCRIPTIONS, PICTURES
-from logic.opener import STANDARD
-from logic.spelling import closest, quoted, unknown
 from vitruvius import settings
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import BANKS, PAPER_HOUSE, benchmark_path
+from vitruvius.agent.runs.released import located, released
 from vitruvius.info.kinds import Kind
 from vitruvius.info.reading import (
     Source,
@@ -31,6 +24,13 @@ from vitruvius.info.reading import (
     read_settings,
     read_trace,
 )
+from vitruvius.logic import load
+from vitruvius.logic.dataset.sets import SET
+from vitruvius.logic.grammar import shipped
+from vitruvius.logic.house.files import HOUSE_FILES, stopped_by
+from vitruvius.logic.house.ros_map import DESCRIPTIONS, PICTURES
+from vitruvius.logic.opener import STANDARD
+from vitruvius.logic.spelling import closest, quoted, unknown
 
 
 def recognised(name: str) -> list[Kind]:

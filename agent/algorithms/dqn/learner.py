@@ -19,14 +19,14 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from agent.algorithms.dqn.config import DQNConfig
-from agent.avoidance import subsume
-from agent.learning.networks import OwnNetwork, q_network
-from agent.learning.replay import ReplayBuffer
-from agent.learning.replay_learner import ReplayLearner
-from agent.policies.network import QNetwork
-from agent.policies.policies import epsilon_greedy, exploration
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.avoidance import subsume
+from vitruvius.agent.learning.networks import OwnNetwork, q_network
+from vitruvius.agent.learning.replay import ReplayBuffer
+from vitruvius.agent.learning.replay_learner import ReplayLearner
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.agent.policies.policies import epsilon_greedy, exploration
+from vitruvius.sim import HouseVectorEnv
 
 
 def n_step_returns(

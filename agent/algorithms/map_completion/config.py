@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from agent.learning.config import TrainConfig
-from logic.errors import RequestError
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.logic.errors import RequestError
 
 MOST_GROUND = 250
 """Largest number of room types and furniture kinds that map completion distinguishes, as they are stored in 8

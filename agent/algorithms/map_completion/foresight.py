@@ -4,14 +4,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.map_completion.marks import Marks
-from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.algorithms.map_completion.windows import LOOKED, Windows, seen
-from agent.planner import TUNED, Planner, PlannerConfig
-from agent.planner.config import CERTAIN
-from agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
-from agent.policies.policies import Tracker
-from sim.config import Config
+from vitruvius.agent.algorithms.map_completion.marks import Marks
+from vitruvius.agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from vitruvius.agent.algorithms.map_completion.windows import LOOKED, Windows, seen
+from vitruvius.agent.planner import TUNED, Planner, PlannerConfig
+from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
+from vitruvius.agent.policies.policies import Tracker
+from vitruvius.sim.config import Config
 
 EVERY, NEWS = 48, 64
 """Steps of an environment between two predictions, and cells that must be new, at least. A pick-up always

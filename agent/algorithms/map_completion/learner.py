@@ -8,19 +8,19 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.map_completion.foresight import Foresight
-from agent.algorithms.map_completion.marks import Marks
-from agent.algorithms.map_completion.network import CompletionNetwork, Prediction
-from agent.algorithms.map_completion.sight import cast_rays
-from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
-from agent.algorithms.map_completion.windows import Windows, seen
-from agent.learning.environments import require_own_maps, shield
-from agent.learning.map_learner import MapLearner
-from agent.learning.simulator import simulator
-from agent.policies.network import seeded
-from agent.policies.policies import Explorer
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.algorithms.map_completion.foresight import Foresight
+from vitruvius.agent.algorithms.map_completion.marks import Marks
+from vitruvius.agent.algorithms.map_completion.network import CompletionNetwork, Prediction
+from vitruvius.agent.algorithms.map_completion.sight import cast_rays
+from vitruvius.agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
+from vitruvius.agent.algorithms.map_completion.windows import Windows, seen
+from vitruvius.agent.learning.environments import require_own_maps, shield
+from vitruvius.agent.learning.map_learner import MapLearner
+from vitruvius.agent.learning.simulator import simulator
+from vitruvius.agent.policies.network import seeded
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
 
 NEAR = 12
 """Distance from seen ground, in blocks, within which unseen ground has full weight."""

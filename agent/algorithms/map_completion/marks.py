@@ -7,9 +7,9 @@ kinds that observations distinguish. Marks help to predict the next target.
 import numpy as np
 from torch import Tensor
 
-from agent.algorithms.map_completion.network import FINDS, PIECES, WINDOW
-from agent.planner import Planner
-from sim.config import Config
+from vitruvius.agent.algorithms.map_completion.network import FINDS, PIECES, WINDOW
+from vitruvius.agent.planner import Planner
+from vitruvius.sim.config import Config
 
 INSIDE = 0.3
 """Distance beyond a ray's end, in cells, of the point that is taken to lie in the furniture."""

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agent.algorithms.map_completion.windows import OCCUPIED_CELLS, seen
-from agent.planner import TUNED
+from vitruvius.agent.algorithms.map_completion.windows import OCCUPIED_CELLS, seen
+from vitruvius.agent.planner import TUNED
 
 RAYS = 256
 """Number of rays in each window."""

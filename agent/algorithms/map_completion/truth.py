@@ -5,14 +5,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import convolve1d
 
-from agent.algorithms.map_completion.network import WINDOW
-from agent.learning.environments import make_envs
-from agent.planner.frame import metres, quarters
-from logic import House
-from sim import HouseVectorEnv
-from sim.backends.backend import Lattice
-from sim.geometry import Geometry
-from sim.tasks.places import Places
+from vitruvius.agent.algorithms.map_completion.network import WINDOW
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.planner.frame import metres, quarters
+from vitruvius.logic import House
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.backends.backend import Lattice
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.tasks.places import Places
 
 GROUND = "outside", "wall", "door"
 """Kinds of ground in every house; the types of rooms and the kinds of furniture follow them."""

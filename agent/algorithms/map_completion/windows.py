@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from agent.algorithms.map_completion.network import WINDOW
-from agent.planner import Planner
-from agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, TILE
-from agent.planner.viewpoints.belief import PATH
-from agent.planner.viewpoints.candidates import NOT_COMPUTED
-from sim.runtime import Array, Bytes, Ints, Launch, Shorts, start, ti
+from vitruvius.agent.algorithms.map_completion.network import WINDOW
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, TILE
+from vitruvius.agent.planner.viewpoints.belief import PATH
+from vitruvius.agent.planner.viewpoints.candidates import NOT_COMPUTED
+from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, Shorts, start, ti
 
 OCCUPIED_CELLS = 7
 """Bits of a window's block with the number of its four cells that are occupied."""

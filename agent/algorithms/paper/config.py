@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from agent.banks import PAPER_HOUSE
-from agent.learning.config import TrainConfig
-from logic.errors import RequestError
+from vitruvius.agent.banks import PAPER_HOUSE
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.logic.errors import RequestError
 
 
 @dataclass(frozen=True)

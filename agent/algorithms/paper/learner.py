@@ -21,15 +21,15 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.paper.network import PaperNetwork
-from agent.avoidance import subsume
-from agent.learning.environments import layer_of
-from agent.learning.replay import ReplayBuffer
-from agent.learning.replay_learner import ReplayLearner
-from agent.policies.policies import QPolicy, epsilon_greedy, exploration, home
-from sim import HouseVectorEnv
-from sim.actions import ACTIONS
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.paper.network import PaperNetwork
+from vitruvius.agent.avoidance import subsume
+from vitruvius.agent.learning.environments import layer_of
+from vitruvius.agent.learning.replay import ReplayBuffer
+from vitruvius.agent.learning.replay_learner import ReplayLearner
+from vitruvius.agent.policies.policies import QPolicy, epsilon_greedy, exploration, home
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import ACTIONS
 
 
 class EpisodeBatch(NamedTuple):

@@ -6,11 +6,11 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from agent.algorithms.paper.config import PaperConfig
-from agent.learning.simulator import simulator
-from agent.policies.memory import Memory
-from agent.policies.network import seeded
-from sim.actions import ACTIONS
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.learning.simulator import simulator
+from vitruvius.agent.policies.memory import Memory
+from vitruvius.agent.policies.network import seeded
+from vitruvius.sim.actions import ACTIONS
 
 
 class PaperNetwork(nn.Module):

@@ -16,15 +16,15 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.recurrent import RecurrentQNetwork
-from agent.algorithms.pqn.rollout import Rollout
-from agent.learning import ranks
-from agent.learning.learner import Learner, Progress, Tally
-from agent.learning.networks import OwnNetwork, q_network
-from agent.learning.simulator import actions, simulator
-from agent.policies.network import QNetwork, seeded
-from sim import HouseVectorEnv
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.recurrent import RecurrentQNetwork
+from vitruvius.agent.algorithms.pqn.rollout import Rollout
+from vitruvius.agent.learning import ranks
+from vitruvius.agent.learning.learner import Learner, Progress, Tally
+from vitruvius.agent.learning.networks import OwnNetwork, q_network
+from vitruvius.agent.learning.simulator import actions, simulator
+from vitruvius.agent.policies.network import QNetwork, seeded
+from vitruvius.sim import HouseVectorEnv
 
 
 def lambda_returns(

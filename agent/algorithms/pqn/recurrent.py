@@ -10,7 +10,7 @@ Axes: T steps, E environments, H numbers of the hidden state.
 import torch
 from torch import Tensor, nn
 
-from sim.actions import ACTIONS
+from vitruvius.sim.actions import ACTIONS
 
 CODE, HIDDEN = 64, 64
 """Sizes of an observation's code and of the hidden state."""

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from agent.avoidance import Layer, best_value, subsume
-from agent.learning.stopwatch import Stopwatch
-from agent.policies.network import QNetwork
-from agent.policies.policies import epsilon_greedy, exploration
-from sim import HouseVectorEnv
+from vitruvius.agent.avoidance import Layer, best_value, subsume
+from vitruvius.agent.learning.stopwatch import Stopwatch
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.agent.policies.policies import epsilon_greedy, exploration
+from vitruvius.sim import HouseVectorEnv
 
 
 @dataclass

@@ -7,11 +7,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.maps import MapReader
-from agent.algorithms.search.network import ViewNetwork
-from agent.algorithms.search.windows import ViewMaps, gone_to
-from agent.planner import Planner
-from sim.config import Config
+from vitruvius.agent.algorithms.search.maps import MapReader
+from vitruvius.agent.algorithms.search.network import ViewNetwork
+from vitruvius.agent.algorithms.search.windows import ViewMaps, gone_to
+from vitruvius.agent.planner import Planner
+from vitruvius.sim.config import Config
 
 AT_ONCE = 16
 """Number of windows in a batch: as many as fit a processor's cache."""

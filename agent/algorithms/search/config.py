@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from agent.learning.config import TrainConfig
-from logic.errors import RequestError
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.logic.errors import RequestError
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.windows import LEVELS, PLACES, ViewMaps
+from vitruvius.agent.algorithms.search.windows import LEVELS, PLACES, ViewMaps
 
 MARGIN = 4
 """Margin about seen ground that is read, too, in places: 2.3 m at the default body."""

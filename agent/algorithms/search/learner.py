@@ -6,19 +6,19 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.chooser import ViewChooser, best
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.crop import by_size
-from agent.algorithms.search.network import ViewNetwork
-from agent.algorithms.search.values import TrueValues
-from agent.algorithms.search.windows import ViewMaps, empty, gone_to, turned, views
-from agent.learning.environments import require_own_maps, shield
-from agent.learning.map_learner import MapLearner
-from agent.policies.network import seeded
-from agent.policies.policies import Explorer
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.config import DEFAULT
+from vitruvius.agent.algorithms.search.chooser import ViewChooser, best
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.search.crop import by_size
+from vitruvius.agent.algorithms.search.network import ViewNetwork
+from vitruvius.agent.algorithms.search.values import TrueValues
+from vitruvius.agent.algorithms.search.windows import ViewMaps, empty, gone_to, turned, views
+from vitruvius.agent.learning.environments import require_own_maps, shield
+from vitruvius.agent.learning.map_learner import MapLearner
+from vitruvius.agent.policies.network import seeded
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT
 
 TOGETHER = 4
 """Number of updates whose choices are drawn together."""

@@ -10,13 +10,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.network import expected
-from agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps
-from agent.planner.arrays import PlannerArrays, PlannerTables
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID, Occupancy
-from sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
+from vitruvius.agent.algorithms.search.network import expected
+from vitruvius.agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps
+from vitruvius.agent.planner.arrays import PlannerArrays, PlannerTables
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID, Occupancy
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
 
 BLOCKS = 2 * PLACES
 

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.algorithms.search.looks import UNREACHED, ViewLooks
-from agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps
-from agent.planner import Planner
-from agent.planner.arrays import PlannerArrays
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
-from agent.planner.state import loaded, store
-from agent.planner.step import Step
-from agent.planner.viewpoints.reachability import OPEN
-from sim.config import Config
-from sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, start, ti
+from vitruvius.agent.algorithms.search.looks import UNREACHED, ViewLooks
+from vitruvius.agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.arrays import PlannerArrays
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED
+from vitruvius.agent.planner.state import loaded, store
+from vitruvius.agent.planner.step import Step
+from vitruvius.agent.planner.viewpoints.reachability import OPEN
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, start, ti
 
 BLOCKS = 2 * PLACES
 

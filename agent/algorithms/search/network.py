@@ -9,10 +9,10 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from agent.algorithms.map_completion.network import FINDS, CompletionNetwork, pointwise
-from agent.algorithms.map_completion.network import OWN as COMPLETED
-from agent.algorithms.search.crop import box, cropped
-from agent.algorithms.search.windows import (
+from vitruvius.agent.algorithms.map_completion.network import FINDS, CompletionNetwork, pointwise
+from vitruvius.agent.algorithms.map_completion.network import OWN as COMPLETED
+from vitruvius.agent.algorithms.search.crop import box, cropped
+from vitruvius.agent.algorithms.search.windows import (
     FAR,
     FORESEEN,
     HEADINGS,

@@ -4,13 +4,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.algorithms.search.maps import MapReader
-from agent.algorithms.search.windows import PLACES, SCALE
-from agent.planner import Planner
-from agent.planner.frame import AXES, quarters
-from sim import HouseVectorEnv
-from sim.baselines.posterior import KNOWN
-from sim.baselines.views import ViewValues
+from vitruvius.agent.algorithms.search.maps import MapReader
+from vitruvius.agent.algorithms.search.windows import PLACES, SCALE
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.frame import AXES, quarters
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines.posterior import KNOWN
+from vitruvius.sim.baselines.views import ViewValues
 
 
 class TrueValues:

@@ -1,5 +1,5 @@
 """Planners of bodies that drive: the map, views and paths of ``agent.planner``, from any pose."""
 
-from agent.planner.driving.planner import DrivingPlanner
+from vitruvius.agent.planner.driving.planner import DrivingPlanner
 
 __all__ = ["DrivingPlanner"]

@@ -1,9 +1,9 @@
 """Course of a body along a path on its map: as far ahead as the straight line is free."""
 
-from agent.planner.mapping.occupancy import Occupancy
-from agent.planner.paths import FAR
-from agent.planner.state import NONE, TARGET
-from sim.runtime import ti
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.state import NONE, TARGET
+from vitruvius.sim.runtime import ti
 
 AHEAD = 28
 """Nodes of a path to look ahead: about 4 m."""

@@ -5,15 +5,15 @@ import math
 import numpy as np
 from torch import Tensor
 
-from agent.planner import Planner, memory_arrays, require_time
-from agent.planner.body import BodyModel
-from agent.planner.config import TUNED, PlannerConfig
-from agent.planner.driving.step import driving_kernel
-from agent.planner.driving.sweep import rays_of
-from agent.planner.mapping.visibility import FINE
-from agent.planner.viewpoints.choice import views
-from sim.config import Config
-from sim.runtime import Array, Launch, start, ti
+from vitruvius.agent.planner import Planner, memory_arrays, require_time
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.driving.step import driving_kernel
+from vitruvius.agent.planner.driving.sweep import rays_of
+from vitruvius.agent.planner.mapping.visibility import FINE
+from vitruvius.agent.planner.viewpoints.choice import views
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Array, Launch, start, ti
 
 WIDEST, NARROWEST = 15.0, 90.0
 """Largest angle between neighbouring rays, and smallest angle from the first to the last ray, degrees."""

@@ -4,18 +4,18 @@ import math
 from functools import cache
 from typing import Any, NamedTuple
 
-from agent.planner.arrays import PlannerArrays
-from agent.planner.body import BodyModel
-from agent.planner.config import PlannerConfig
-from agent.planner.driving.course import Course
-from agent.planner.driving.sweep import Sweep, turned
-from agent.planner.goal import NEXT
-from agent.planner.mapping.scan import TARGET, WALL
-from agent.planner.mapping.visibility import FINE
-from agent.planner.state import SEARCH, first_state, loaded, store
-from agent.planner.step import SKIPPED, Sighting, Step
-from sim.backends.free.body import TURN, cosine_sine
-from sim.runtime import Bytes, Floats, Ints, kernel, ti
+from vitruvius.agent.planner.arrays import PlannerArrays
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.driving.course import Course
+from vitruvius.agent.planner.driving.sweep import Sweep, turned
+from vitruvius.agent.planner.goal import NEXT
+from vitruvius.agent.planner.mapping.scan import TARGET, WALL
+from vitruvius.agent.planner.mapping.visibility import FINE
+from vitruvius.agent.planner.state import SEARCH, first_state, loaded, store
+from vitruvius.agent.planner.step import SKIPPED, Sighting, Step
+from vitruvius.sim.backends.free.body import TURN, cosine_sine
+from vitruvius.sim.runtime import Bytes, Floats, Ints, kernel, ti
 
 ALONG = 0.1
 """Largest angle, in radians, between the heading and an eighth of a turn at which a look counts as along

@@ -6,10 +6,10 @@ reach beyond it. A point that lies on a ray is seen if that ray reaches beyond i
 
 import numpy as np
 
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import Occupancy
-from agent.planner.mapping.visibility import FINE
-from sim.runtime import ti
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.agent.planner.mapping.visibility import FINE
+from vitruvius.sim.runtime import ti
 
 PITCH = 0.7
 """Cells between points along a ray, and approximately along an arc: a cell's diagonal has two points."""

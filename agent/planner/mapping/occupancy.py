@@ -13,9 +13,9 @@ lower it. The map is a torus: it follows the body wherever an episode starts.
 
 from typing import Any
 
-from agent.planner.config import PlannerConfig
-from sim.actions import HEADINGS
-from sim.runtime import ti
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.runtime import ti
 
 SOLID, NEAR, OCCUPIED = 1, 2, 1 << 15
 """Flags of a cell."""

@@ -8,10 +8,10 @@ drop-out. It shows no more floor than the ray next to it, and no end. Exact rays
 
 import math
 
-from agent.avoidance import SPREAD, pair
-from agent.planner.body import BodyModel
-from agent.planner.mapping.visibility import FINE
-from sim.runtime import ti
+from vitruvius.agent.avoidance import SPREAD, pair
+from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.mapping.visibility import FINE
+from vitruvius.sim.runtime import ti
 
 NOTHING, WALL, TARGET, DOOR = range(4)
 """Kinds of ray ends: the range, a wall or a piece of furniture, the target, a closed door."""

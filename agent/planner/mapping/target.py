@@ -3,8 +3,8 @@
 Places are in cells, east and south of the eye.
 """
 
-from agent.planner.config import PlannerConfig
-from sim.runtime import ti
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

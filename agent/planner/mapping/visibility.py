@@ -8,10 +8,10 @@ so all cases fit in a table.
 
 import numpy as np
 
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import Occupancy
-from sim.actions import HEADINGS
-from sim.runtime import ti
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.runtime import ti
 
 FINE = 512
 """Units of distance in a cell."""

@@ -5,10 +5,10 @@ be inside furniture, a wall or the garden. Second, targets may lie in the room w
 outside it. Each pick-up is evidence for one of the two, by Bayes' rule.
 """
 
-from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED, Occupancy
-from sim.actions import HEADINGS
-from sim.runtime import ti
+from vitruvius.agent.planner.config import CERTAIN, PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, Occupancy
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.runtime import ti
 
 COUNT = 127
 """Bits of ``prior`` with a block's weight, 0 to ``CERTAIN``."""

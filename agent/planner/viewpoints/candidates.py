@@ -3,11 +3,11 @@
 Each has its distance from the body, as far as the body can reach.
 """
 
-from agent.planner.config import PlannerConfig
-from agent.planner.mapping.occupancy import Occupancy
-from agent.planner.viewpoints.belief import Belief
-from agent.planner.viewpoints.reachability import OPEN, UNKNOWN, DistanceField
-from sim.runtime import ti
+from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import Occupancy
+from vitruvius.agent.planner.viewpoints.belief import Belief
+from vitruvius.agent.planner.viewpoints.reachability import OPEN, UNKNOWN, DistanceField
+from vitruvius.sim.runtime import ti
 
 NOT_COMPUTED = (1 << 16) - 1
 """Value of a gain that was not computed since ``Viewpoints.forget``."""

@@ -6,10 +6,10 @@ but knows the house; a planner knows its own map.
 
 import numpy as np
 
-from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.mapping.occupancy import OCCUPIED, SOLID, Occupancy
-from agent.planner.viewpoints.candidates import NOT_COMPUTED, Candidates
-from sim.runtime import ti
+from vitruvius.agent.planner.config import CERTAIN, PlannerConfig
+from vitruvius.agent.planner.mapping.occupancy import OCCUPIED, SOLID, Occupancy
+from vitruvius.agent.planner.viewpoints.candidates import NOT_COMPUTED, Candidates
+from vitruvius.sim.runtime import ti
 
 TRIED = 128
 """Bit of a candidate that, by the map, a view should have shown but did not: it no longer counts."""

@@ -7,8 +7,8 @@ and the south, so diagonally, too. Except at its start, the front reaches only w
 well. The connections of a tile are kept until the tile or one next to it is dirty.
 """
 
-from agent.planner.mapping.occupancy import TILE, Occupancy
-from sim.runtime import ti
+from vitruvius.agent.planner.mapping.occupancy import TILE, Occupancy
+from vitruvius.sim.runtime import ti
 
 NODES, SIDE = 1 << TILE, 1 << TILE - 1
 """Nodes and blocks along each side of a tile, whose 64 blocks are the bits of one word, row by row."""

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from agent.algorithms.table import PRESETS
-from logic.errors import VitruviusError
-from logic.opener import opened
-from logic.spelling import unknown
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.opener import opened
+from vitruvius.logic.spelling import unknown
 
 FORMAT = "vitruvius-agent-3"
 """Format of checkpoints, which ``agent.runs.checkpoint`` reads and writes."""

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from benchmarks.simulator.peers.house import BOXES, DOOR, HALF, RADIUS, RANGE, SIGNS
-from logic.house.house import House
-from logic.house.parts import Door, Piece, Room
-from sim.config import DEFAULT
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Door, Piece, Room
+from vitruvius.sim.config import DEFAULT
 
 ROBOT = replace(DEFAULT, range=RANGE, body=(2 * RADIUS, 2 * RADIUS))
 """Robot with 40 rays that are 3 degrees apart."""

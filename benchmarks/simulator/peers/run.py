@@ -14,9 +14,9 @@ from typing import Any
 
 from benchmarks.common.pages import ROOT, machine
 from benchmarks.common.processes import say
-from logic.errors import MissingProgram, RequestError
-from logic.house.files import write_whole
-from logic.spelling import unknown
+from vitruvius.logic.errors import MissingProgram, RequestError
+from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.spelling import unknown
 
 HERE = Path(__file__).resolve().parent
 PEERS = {

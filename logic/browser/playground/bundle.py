@@ -8,13 +8,13 @@ from pathlib import Path
 
 from msgspec import structs
 
-from logic.drawing.canvas import text_width
-from logic.drawing.palettes import PALETTES
-from logic.generation.feasibility import MORE
-from logic.generation.furnish import BITS, STEP, WALLS
-from logic.generation.shared_walls import MOST_TRIES
-from logic.generation.tiling import NO_PLAN
-from logic.grammar import (
+from vitruvius.logic.drawing.canvas import text_width
+from vitruvius.logic.drawing.palettes import PALETTES
+from vitruvius.logic.generation.feasibility import MORE
+from vitruvius.logic.generation.furnish import BITS, STEP, WALLS
+from vitruvius.logic.generation.shared_walls import MOST_TRIES
+from vitruvius.logic.generation.tiling import NO_PLAN
+from vitruvius.logic.grammar import (
     ADJACENT,
     GUARD,
     LENGTHS,
@@ -28,12 +28,12 @@ from logic.grammar import (
     find,
     shipped,
 )
-from logic.house.looks import folder_looks
-from logic.house.promises import PASSAGE
-from logic.includes import EXAMPLES, LINES, SAYS
-from logic.language.asp.audit import CHOICE, DIRECTIVES, STAGES
-from logic.language.asp.facts import NAME, NO_NAME
-from logic.language.asp.heads import (
+from vitruvius.logic.house.looks import folder_looks
+from vitruvius.logic.house.promises import PASSAGE
+from vitruvius.logic.includes import EXAMPLES, LINES, SAYS
+from vitruvius.logic.language.asp.audit import CHOICE, DIRECTIVES, STAGES
+from vitruvius.logic.language.asp.facts import NAME, NO_NAME
+from vitruvius.logic.language.asp.heads import (
     BY_CONSTRAINT,
     ELSEWHERE,
     MOVED,
@@ -43,16 +43,16 @@ from logic.language.asp.heads import (
     closed,
     why_closed,
 )
-from logic.language.asp.integers import GREATEST
-from logic.language.asp.statements import place
-from logic.language.asp.vocabulary import Signature, Words, core_words
-from logic.layout.conditional import ABSENT, FAR, left_out_facts
-from logic.layout.messages import SYNTAX
-from logic.layout.programs import GIVEN
-from logic.proofs.least import MOST_LAYOUTS
-from logic.proofs.proof import NEAR, NEXT
-from logic.request.request import MOST_ROOMS
-from logic.workers.explain import INFERENCES
+from vitruvius.logic.language.asp.integers import GREATEST
+from vitruvius.logic.language.asp.statements import place
+from vitruvius.logic.language.asp.vocabulary import Signature, Words, core_words
+from vitruvius.logic.layout.conditional import ABSENT, FAR, left_out_facts
+from vitruvius.logic.layout.messages import SYNTAX
+from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.proofs.least import MOST_LAYOUTS
+from vitruvius.logic.proofs.proof import NEAR, NEXT
+from vitruvius.logic.request.request import MOST_ROOMS
+from vitruvius.logic.workers.explain import INFERENCES
 
 BUILDING = "building"
 """Topology of houses with units, which the page does not generate."""

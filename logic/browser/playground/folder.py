@@ -6,9 +6,9 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from logic.browser.playground.bundle import bundle
-from logic.browser.playground.npm import installed
-from logic.errors import RequestError
+from vitruvius.logic.browser.playground.bundle import bundle
+from vitruvius.logic.browser.playground.npm import installed
+from vitruvius.logic.errors import RequestError
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "watch" / "page"

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from logic.errors import MissingProgram, VitruviusError
+from vitruvius.logic.errors import MissingProgram, VitruviusError
 
 LOCK = ("package.json", "package-lock.json")
 """Files that list the packages to install, with their hashes."""

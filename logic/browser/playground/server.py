@@ -4,7 +4,7 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-from logic.browser.loopback import LOOPBACK, refused_port
+from vitruvius.logic.browser.loopback import LOOPBACK, refused_port
 
 HEADERS = {
     "Cache-Control": "no-cache",

@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 from msgspec.structs import replace
 
-from logic.errors import RequestError, VitruviusError
-from logic.workers.messages import Judged, Loaded, Open, Prepare
-from logic.workers.solver import Solver
+from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.workers.messages import Judged, Loaded, Open, Prepare
+from vitruvius.logic.workers.solver import Solver
 
 Kind = TypeVar("Kind")
 

@@ -19,10 +19,10 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from logic.browser.loopback import LOOPBACK, refused_port, require_port
-from logic.browser.watch.pool import Stale
-from logic.browser.watch.session import Session, Sheet
-from logic.errors import RequestError, VitruviusError
+from vitruvius.logic.browser.loopback import LOOPBACK, refused_port, require_port
+from vitruvius.logic.browser.watch.pool import Stale
+from vitruvius.logic.browser.watch.session import Session, Sheet
+from vitruvius.logic.errors import RequestError, VitruviusError
 
 PAGE = Path(__file__).with_name("page")
 HOSTS = {LOOPBACK, "localhost"}

@@ -11,18 +11,25 @@ import msgspec
 from msgspec import Meta
 from watchfiles import awatch
 
-from logic.browser.watch.pool import Pool, Spares, Stale
-from logic.drawing.canvas import svg
-from logic.drawing.draw import plan
-from logic.drawing.palettes import style
-from logic.errors import Finding, GrammarError, LimitReached, RequestError, VitruviusError, to_record
-from logic.grammar import MOST_BYTES, reading_of
-from logic.house import looks
-from logic.house.house import House
-from logic.request.request import MOST_ROOMS, Request
-from logic.why.answer import file_name
-from logic.workers.explain import INFERENCES, MAKING
-from logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
+from vitruvius.logic.browser.watch.pool import Pool, Spares, Stale
+from vitruvius.logic.drawing.canvas import svg
+from vitruvius.logic.drawing.draw import plan
+from vitruvius.logic.drawing.palettes import style
+from vitruvius.logic.errors import (
+    Finding,
+    GrammarError,
+    LimitReached,
+    RequestError,
+    VitruviusError,
+    to_record,
+)
+from vitruvius.logic.grammar import MOST_BYTES, reading_of
+from vitruvius.logic.house import looks
+from vitruvius.logic.house.house import House
+from vitruvius.logic.request.request import MOST_ROOMS, Request
+from vitruvius.logic.why.answer import file_name
+from vitruvius.logic.workers.explain import INFERENCES, MAKING
+from vitruvius.logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
 
 PLAN = 300
 """Side of the square of a plan, in CSS pixels; the page scales the plan."""

@@ -7,13 +7,13 @@ from typing import Any
 
 from clingo.ast import ASTType
 
-from logic.encoding import illegible, shown
-from logic.errors import GrammarError
-from logic.grammar import TYPICAL
-from logic.includes import EXAMPLES, SAYS, below
-from logic.language.asp.integers import too_large
-from logic.language.asp.statements import Statement
-from logic.spelling import closest
+from vitruvius.logic.encoding import illegible, shown
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import TYPICAL
+from vitruvius.logic.includes import EXAMPLES, SAYS, below
+from vitruvius.logic.language.asp.integers import too_large
+from vitruvius.logic.language.asp.statements import Statement
+from vitruvius.logic.spelling import closest
 
 CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction}
 STAGES = ("house", "room")

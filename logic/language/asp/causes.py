@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from logic.errors import GrammarError
+from vitruvius.logic.errors import GrammarError
 
 
 class Mistake(NamedTuple):

@@ -8,14 +8,14 @@ from typing import Any
 from clingo import Function, Symbol, SymbolType
 from clingo.ast import ASTType
 
-from logic.errors import GrammarError
-from logic.grammar import Grammar
-from logic.house.parts import OUTSIDE
-from logic.language.asp.causes import Mistake
-from logic.language.asp.statements import error_at
-from logic.language.asp.vocabulary import Use, Words, alternatives
-from logic.layout.program import Program
-from logic.spelling import closest
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import Grammar
+from vitruvius.logic.house.parts import OUTSIDE
+from vitruvius.logic.language.asp.causes import Mistake
+from vitruvius.logic.language.asp.statements import error_at
+from vitruvius.logic.language.asp.vocabulary import Use, Words, alternatives
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.spelling import closest
 
 MOST_NAMED = 3
 """Largest number of names with an error each, if the same is wrong with all of them."""

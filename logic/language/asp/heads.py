@@ -5,12 +5,12 @@ from typing import Any
 
 from clingo.ast import ASTType
 
-from logic.grammar import STATED, Grammar
-from logic.language.asp.audit import STAGES, UNITS
-from logic.language.asp.statements import Statement, place
-from logic.language.asp.vocabulary import Signature, Use, Words, core_words
-from logic.layout.messages import written
-from logic.spelling import closest
+from vitruvius.logic.grammar import STATED, Grammar
+from vitruvius.logic.language.asp.audit import STAGES, UNITS
+from vitruvius.logic.language.asp.statements import Statement, place
+from vitruvius.logic.language.asp.vocabulary import Signature, Use, Words, core_words
+from vitruvius.logic.layout.messages import written
+from vitruvius.logic.spelling import closest
 
 CHOICES = {("option", 3), ("picks", 2)}
 """Predicates whose first argument names a choice."""

@@ -4,7 +4,7 @@ import json
 import re
 from functools import cache
 
-from logic.grammar import RULES
+from vitruvius.logic.grammar import RULES
 
 READ = "docs/rules.md#limits-of-the-language"
 

@@ -9,10 +9,10 @@ from typing import Any
 from clingo import SymbolType
 from clingo.ast import AST, ASTSequence, ASTType, BinaryOperator, UnaryOperator
 
-from logic.errors import GrammarError
-from logic.language.asp.statements import Statement, error_at
-from logic.layout.messages import written
-from logic.layout.reading import children
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.language.asp.statements import Statement, error_at
+from vitruvius.logic.layout.messages import written
+from vitruvius.logic.layout.reading import children
 
 LEAST, GREATEST = -(2**31), 2**31 - 1
 

@@ -4,17 +4,25 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from clingo import Symbol
 
-from logic.errors import GrammarError
-from logic.grammar import OWN, PLANS, STAR, Grammar
-from logic.language.asp.audit import audit
-from logic.language.asp.causes import Mistake
-from logic.language.asp.facts import Facts, places
-from logic.language.asp.heads import closed_heads
-from logic.language.asp.integers import overflowing
-from logic.language.asp.stages import misplaced
-from logic.language.asp.statements import Statement, error_at, place, read
-from logic.language.asp.stratification import unstratified
-from logic.language.asp.vocabulary import Use, Words, core_words, misspelt_predicates, opened, stages, words
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import OWN, PLANS, STAR, Grammar
+from vitruvius.logic.language.asp.audit import audit
+from vitruvius.logic.language.asp.causes import Mistake
+from vitruvius.logic.language.asp.facts import Facts, places
+from vitruvius.logic.language.asp.heads import closed_heads
+from vitruvius.logic.language.asp.integers import overflowing
+from vitruvius.logic.language.asp.stages import misplaced
+from vitruvius.logic.language.asp.statements import Statement, error_at, place, read
+from vitruvius.logic.language.asp.stratification import unstratified
+from vitruvius.logic.language.asp.vocabulary import (
+    Use,
+    Words,
+    core_words,
+    misspelt_predicates,
+    opened,
+    stages,
+    words,
+)
 
 
 class StatedRules:

@@ -8,10 +8,10 @@ programs its words are known.
 from collections.abc import Container, Iterable, Iterator
 from typing import NamedTuple
 
-from logic.errors import GrammarError
-from logic.language.asp.audit import STAGES, UNITS
-from logic.language.asp.statements import Statement, error_at, place
-from logic.language.asp.vocabulary import Signature, Use, Words, core_words, stages
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.language.asp.audit import STAGES, UNITS
+from vitruvius.logic.language.asp.statements import Statement, error_at, place
+from vitruvius.logic.language.asp.vocabulary import Signature, Use, Words, core_words, stages
 
 PARTS = {"plan": "room"}
 """Programs of the core that belong to another one, if rooms share walls."""

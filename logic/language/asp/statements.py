@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from clingo.ast import ASTType
 
-from logic.errors import GrammarError
-from logic.grammar import TYPICAL
-from logic.layout.messages import clingo_error
-from logic.layout.reading import parse
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import TYPICAL
+from vitruvius.logic.layout.messages import clingo_error
+from vitruvius.logic.layout.reading import parse
 
 
 class Statement(NamedTuple):

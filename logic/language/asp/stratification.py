@@ -9,9 +9,9 @@ from typing import Any
 
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
-from logic.errors import GrammarError
-from logic.language.asp.statements import Statement
-from logic.layout.reading import children
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.language.asp.statements import Statement
+from vitruvius.logic.layout.reading import children
 
 
 def unstratified(statements: Iterable[Statement]) -> Iterator[GrammarError]:

@@ -9,15 +9,15 @@ from typing import Any, NamedTuple
 
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
-from logic.errors import GrammarError
-from logic.grammar import ADJACENT, IN_PROLOG, PLANS, STAR
-from logic.language.asp.audit import STAGES, UNITS
-from logic.language.asp.causes import Mistake, misspelt_name
-from logic.language.asp.inexpressible import inexpressible
-from logic.language.asp.statements import Statement, error_at, read
-from logic.layout.program import CORE
-from logic.layout.reading import children
-from logic.spelling import closest
+from vitruvius.logic.errors import GrammarError
+from vitruvius.logic.grammar import ADJACENT, IN_PROLOG, PLANS, STAR
+from vitruvius.logic.language.asp.audit import STAGES, UNITS
+from vitruvius.logic.language.asp.causes import Mistake, misspelt_name
+from vitruvius.logic.language.asp.inexpressible import inexpressible
+from vitruvius.logic.language.asp.statements import Statement, error_at, read
+from vitruvius.logic.layout.program import CORE
+from vitruvius.logic.layout.reading import children
+from vitruvius.logic.spelling import closest
 
 Signature = tuple[str, int]
 

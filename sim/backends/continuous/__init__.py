@@ -1,5 +1,5 @@
 """The continuous backend: exact geometry of axis-aligned boxes, in metres."""
 
-from sim.backends.continuous.backend import Continuous
+from vitruvius.sim.backends.continuous.backend import Continuous
 
 __all__ = ["Continuous"]

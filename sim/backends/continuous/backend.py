@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
-from logic import House
-from sim.backends.backend import Bank
-from sim.backends.continuous.move import Motion
-from sim.backends.continuous.pack import pack
-from sim.backends.continuous.see import Sight
-from sim.config import Config
-from sim.geometry import require_straight
-from sim.runtime import ti
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import Bank
+from vitruvius.sim.backends.continuous.move import Motion
+from vitruvius.sim.backends.continuous.pack import pack
+from vitruvius.sim.backends.continuous.see import Sight
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import require_straight
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

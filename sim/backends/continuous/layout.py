@@ -18,8 +18,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sim.backends.blocks import CELL, COLUMNS, FIRST_CELL, HEADER, half_word
-from sim.runtime import ti
+from vitruvius.sim.backends.blocks import CELL, COLUMNS, FIRST_CELL, HEADER, half_word
+from vitruvius.sim.runtime import ti
 
 FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS = range(FIRST_CELL)
 FIRST_LINE = HEADER - 1

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.backends.backend import PIECE
-from sim.backends.blocks import AHEAD, CELL, COLUMNS, FIRST_CELL, HEADER, LONGEST, ROWS, end_of
-from sim.backends.continuous.layout import (
+from vitruvius.sim.backends.backend import PIECE
+from vitruvius.sim.backends.blocks import AHEAD, CELL, COLUMNS, FIRST_CELL, HEADER, LONGEST, ROWS, end_of
+from vitruvius.sim.backends.continuous.layout import (
     BOXES,
     ENDS,
     FIRST_BOX,
@@ -20,9 +20,9 @@ from sim.backends.continuous.layout import (
     LISTS,
     ROOMS,
 )
-from sim.backends.rays import MARGIN
-from sim.config import Config
-from sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
+from vitruvius.sim.backends.rays import MARGIN
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
 
 
 def listed_arrays(

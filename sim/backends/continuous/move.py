@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from sim.actions import FORWARD
-from sim.backends.backend import Bank, Lattice, lattice_over
-from sim.backends.blocks import HEADER, cell_of, end_of
-from sim.backends.body import SKIN, Body, eighths, slides_into
-from sim.backends.continuous.layout import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, ROOMS, listed
-from sim.config import Config
-from sim.geometry import Geometry
-from sim.runtime import ti
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.backends.backend import Bank, Lattice, lattice_over
+from vitruvius.sim.backends.blocks import HEADER, cell_of, end_of
+from vitruvius.sim.backends.body import SKIN, Body, eighths, slides_into
+from vitruvius.sim.backends.continuous.layout import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, ROOMS, listed
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from logic import House
-from sim.backends.backend import WALL, Bank
-from sim.backends.blocks import CELL, HEADER
-from sim.backends.continuous.lists import listed_arrays
-from sim.backends.kinds import codes
-from sim.backends.rays import overlap
-from sim.config import Config
-from sim.geometry import Geometry, geometry
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import WALL, Bank
+from vitruvius.sim.backends.blocks import CELL, HEADER
+from vitruvius.sim.backends.continuous.lists import listed_arrays
+from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.backends.rays import overlap
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry, geometry
 
 ANYWHERE = np.array([0, 0, 1e6, 1e6])
 """A rectangle that contains every house."""

@@ -1,9 +1,9 @@
 """Sight in the continuous backend: rays hit the nearest of the lines that are listed for the eye's cell."""
 
-from sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
-from sim.backends.continuous.layout import FIRST_LINE, listed
-from sim.backends.rays import RayBody
-from sim.runtime import ti
+from vitruvius.sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
+from vitruvius.sim.backends.continuous.layout import FIRST_LINE, listed
+from vitruvius.sim.backends.rays import RayBody
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

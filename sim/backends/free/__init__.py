@@ -1,5 +1,5 @@
 """The free backend: a disc with continuous motion, among walls at any angle."""
 
-from sim.backends.free.backend import FreeMotion
+from vitruvius.sim.backends.free.backend import FreeMotion
 
 __all__ = ["FreeMotion"]

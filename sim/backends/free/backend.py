@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from logic import House
-from sim.backends.backend import Bank
-from sim.backends.free.move import Motion
-from sim.backends.free.pack import pack
-from sim.backends.free.see import Sight
-from sim.config import Config
-from sim.runtime import ti
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import Bank
+from vitruvius.sim.backends.free.move import Motion
+from vitruvius.sim.backends.free.pack import pack
+from vitruvius.sim.backends.free.see import Sight
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

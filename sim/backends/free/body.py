@@ -11,10 +11,10 @@ import math
 
 import numpy as np
 
-from sim.actions import HEADINGS
-from sim.backends.body import SKIN
-from sim.config import Config
-from sim.runtime import constants, ti
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.backends.body import SKIN
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import constants, ti
 
 TURN = 2 * math.pi
 

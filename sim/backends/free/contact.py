@@ -1,6 +1,6 @@
 """Contact of a disc that moves straight with a solid: a rectangle at any angle, or a segment."""
 
-from sim.runtime import ti
+from vitruvius.sim.runtime import ti
 
 NEVER = 2.0
 """Fraction of a path that stands for "the disc touches nothing"."""

@@ -13,8 +13,8 @@ lines across x, lines across y, and lines at an angle. A list omits only what is
     block     how many numbers the lists have up to the end of each | lists; numbers of 16 bits, two in each
 """
 
-from sim.backends.blocks import FIRST_CELL, HEADER, half_word
-from sim.runtime import ti
+from vitruvius.sim.backends.blocks import FIRST_CELL, HEADER, half_word
+from vitruvius.sim.runtime import ti
 
 SECTORS = 8
 """Number of sectors of headings. A sector's lists serve the headings within half a sector of its own."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.backends.blocks import AHEAD, CELL, COLUMNS, FIRST_CELL, HEADER, LONGEST, ROWS, end_of
-from sim.backends.free.layout import (
+from vitruvius.sim.backends.blocks import AHEAD, CELL, COLUMNS, FIRST_CELL, HEADER, LONGEST, ROWS, end_of
+from vitruvius.sim.backends.free.layout import (
     ACROSS,
     ACROSS_X,
     ENDS,
@@ -21,10 +21,10 @@ from sim.backends.free.layout import (
     SECTORS,
     SOLIDS,
 )
-from sim.backends.free.see import swing
-from sim.backends.rays import MARGIN
-from sim.config import Config
-from sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
+from vitruvius.sim.backends.free.see import swing
+from vitruvius.sim.backends.rays import MARGIN
+from vitruvius.sim.config import Config
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
 
 
 def listed_arrays(

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from sim.backends.backend import Bank, Lattice, lattice_over
-from sim.backends.blocks import HEADER, cell_of, end_of
-from sim.backends.body import SKIN
-from sim.backends.free.body import Disc, cosine_sine, wrapped
-from sim.backends.free.contact import NEVER, gap, touches
-from sim.backends.free.layout import FIRST_SOLID, ROW, listed
-from sim.config import Config
-from sim.geometry import Geometry
-from sim.runtime import ti
+from vitruvius.sim.backends.backend import Bank, Lattice, lattice_over
+from vitruvius.sim.backends.blocks import HEADER, cell_of, end_of
+from vitruvius.sim.backends.body import SKIN
+from vitruvius.sim.backends.free.body import Disc, cosine_sine, wrapped
+from vitruvius.sim.backends.free.contact import NEVER, gap, touches
+from vitruvius.sim.backends.free.layout import FIRST_SOLID, ROW, listed
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import ti
 
 CONTACTS = 4
 """Largest number of obstacles that a body slides along in one step; after these contacts it stays where it

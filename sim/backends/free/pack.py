@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from logic import House
-from sim.backends.backend import WALL, Bank
-from sim.backends.blocks import CELL, HEADER
-from sim.backends.free.layout import ROW
-from sim.backends.free.lists import listed_arrays
-from sim.backends.kinds import codes
-from sim.backends.rays import overlap
-from sim.config import Config
-from sim.geometry import Geometry, geometry
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import WALL, Bank
+from vitruvius.sim.backends.blocks import CELL, HEADER
+from vitruvius.sim.backends.free.layout import ROW
+from vitruvius.sim.backends.free.lists import listed_arrays
+from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.backends.rays import overlap
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry, geometry
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
-from sim.backends.free.body import TURN, Disc, cosine_sine
-from sim.backends.free.layout import FIRST_LINE, ROW, SECTORS, listed
-from sim.backends.rays import PARALLEL, Hits, outermost
-from sim.config import DEVIATIONS, Config
-from sim.runtime import constants, ti
+from vitruvius.sim.backends.blocks import AHEAD, HEADER, LINE, cell_of, end_of
+from vitruvius.sim.backends.free.body import TURN, Disc, cosine_sine
+from vitruvius.sim.backends.free.layout import FIRST_LINE, ROW, SECTORS, listed
+from vitruvius.sim.backends.rays import PARALLEL, Hits, outermost
+from vitruvius.sim.config import DEVIATIONS, Config
+from vitruvius.sim.runtime import constants, ti
 
 
 def swing(config: Config) -> float:

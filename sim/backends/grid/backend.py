@@ -4,15 +4,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil
 
-from logic import House
-from sim.backends.backend import Bank
-from sim.backends.grid.cells import cell_side, off_grid
-from sim.backends.grid.move import Motion
-from sim.backends.grid.pack import pack
-from sim.backends.grid.see import Sight
-from sim.config import DEFAULT, Config
-from sim.geometry import geometry, require_straight
-from sim.runtime import ti
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import Bank
+from vitruvius.sim.backends.grid.cells import cell_side, off_grid
+from vitruvius.sim.backends.grid.move import Motion
+from vitruvius.sim.backends.grid.pack import pack
+from vitruvius.sim.backends.grid.see import Sight
+from vitruvius.sim.config import DEFAULT, Config
+from vitruvius.sim.geometry import geometry, require_straight
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

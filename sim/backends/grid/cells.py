@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from logic import House
-from sim.actions import HEADINGS
-from sim.backends.backend import PIECE, WALL
-from sim.geometry import TOLERANCE, Geometry, geometry
+from vitruvius.logic import House
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.backends.backend import PIECE, WALL
+from vitruvius.sim.geometry import TOLERANCE, Geometry, geometry
 
 STANDS = 8
 """Bit of a cell's moves for "a body can be there", after the bits of the eight headings."""

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from sim.actions import FORWARD
-from sim.backends.backend import Bank, Lattice
-from sim.backends.body import Body, eighths
-from sim.backends.grid.cells import STANDS, middle
-from sim.backends.grid.pack import COLUMNS, FIRST_CELL, HEADER, ROWS
-from sim.config import Config
-from sim.geometry import Geometry
-from sim.runtime import ti
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.backends.backend import Bank, Lattice
+from vitruvius.sim.backends.body import Body, eighths
+from vitruvius.sim.backends.grid.cells import STANDS, middle
+from vitruvius.sim.backends.grid.pack import COLUMNS, FIRST_CELL, HEADER, ROWS
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import Geometry
+from vitruvius.sim.runtime import ti
 
 CENTRED = 1e-3
 """Largest distance of a given pose from the middle of a cell, in metres."""

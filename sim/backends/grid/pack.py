@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from logic import House
-from sim.backends.backend import Bank
-from sim.backends.body import Body
-from sim.backends.grid.cells import Cells
-from sim.backends.kinds import codes
-from sim.backends.rays import EXACT, OVERLAP, Rays, directions
-from sim.config import Config
-from sim.geometry import geometry
-from sim.runtime import Array, Floats, Ints, Launch, start, ti
+from vitruvius.logic import House
+from vitruvius.sim.backends.backend import Bank
+from vitruvius.sim.backends.body import Body
+from vitruvius.sim.backends.grid.cells import Cells
+from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.backends.rays import EXACT, OVERLAP, Rays, directions
+from vitruvius.sim.config import Config
+from vitruvius.sim.geometry import geometry
+from vitruvius.sim.runtime import Array, Floats, Ints, Launch, start, ti
 
 HEADER = 3
 FIRST_CELL, COLUMNS, ROWS = range(HEADER)

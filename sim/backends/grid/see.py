@@ -1,9 +1,9 @@
 """Sight in the grid backend: hits are looked up for the eye's cell, and then compared with the target."""
 
-from sim.backends.grid.move import looked_up
-from sim.backends.grid.pack import ROW
-from sim.backends.rays import RayBody
-from sim.runtime import ti
+from vitruvius.sim.backends.grid.move import looked_up
+from vitruvius.sim.backends.grid.pack import ROW
+from vitruvius.sim.backends.rays import RayBody
+from vitruvius.sim.runtime import ti
 
 
 @ti.data_oriented

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.evaluation.episodes import EpisodeScores
-from agent.evaluation.result import Result
-from sim.config import DEFAULT, PRESETS
+from vitruvius.agent.evaluation.episodes import EpisodeScores
+from vitruvius.agent.evaluation.result import Result
+from vitruvius.sim.config import DEFAULT, PRESETS
 
 SHORT = replace(DEFAULT, steps=600)
 """Simulator settings of an episode in ``short_episodes``."""

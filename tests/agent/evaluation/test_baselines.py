@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from agent.evaluation.baselines import FULL_TURN, Script
-from sim.actions import FORWARD, LEFT, RIGHT
+from vitruvius.agent.evaluation.baselines import FULL_TURN, Script
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 
 def seen(aside):

@@ -9,30 +9,30 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import network_of, policy_of
-from agent.algorithms.dqn.config import DQNConfig
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.table import PRESETS
-from agent.evaluation import protocol
-from agent.evaluation.drivers import DRIVERS
-from agent.evaluation.protocol import measure
-from agent.learning.environments import make_envs
-from agent.learning.simulator import actions, sensor
-from agent.play.game import agents_scenes
-from agent.policies.policies import QPolicy
-from agent.report.folder import report
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
-from agent.runs.runs import run
-from logic import HouseFileError, RequestError, save
-from sim.baselines import roadmap
-from sim.drive import COMMANDS, Drive
 from tests.agent.evaluation.cases import short_episodes
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import network_of, policy_of
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.evaluation import protocol
+from vitruvius.agent.evaluation.drivers import DRIVERS
+from vitruvius.agent.evaluation.protocol import measure
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.learning.simulator import actions, sensor
+from vitruvius.agent.play.game import agents_scenes
+from vitruvius.agent.policies.policies import QPolicy
+from vitruvius.agent.report.folder import report
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.agent.runs.runs import run
 from vitruvius.commands.evaluate import Evaluate
+from vitruvius.logic import HouseFileError, RequestError, save
+from vitruvius.sim.baselines import roadmap
+from vitruvius.sim.drive import COMMANDS, Drive
 
 HOUSES = [random_house(seed) for seed in range(4)]
 SMALL = replace(PRESETS["pqn-free"], num_envs=16, steps=60_000)

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.pqn.config import PQNConfig
-from agent.evaluation.baselines import BASELINES
-from agent.evaluation.episodes import play
-from agent.learning.environments import make_envs
-from agent.policies.policies import QPolicy, RandomPolicy
-from sim import HouseVectorEnv
-from sim.actions import FORWARD
-from sim.baselines.coverage import Coverage
-from sim.baselines.oracle import Oracle
 from tests.sample_houses import drawn, random_house
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.policies.policies import QPolicy, RandomPolicy
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.baselines.coverage import Coverage
+from vitruvius.sim.baselines.oracle import Oracle
 
 ENVIRONMENTS = 4
 

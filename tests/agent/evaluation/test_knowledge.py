@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from agent.algorithms.table import PRESETS
-from agent.evaluation.baselines import BASELINES, KNOWS, PRIVILEGED
-from agent.evaluation.drivers import DRIVERS, EXACT
-from agent.evaluation.knowledge import WORDS, known
-from agent.runs import checkpoint
-from agent.runs.released import located, released
-from sim.config import EXTRAS, RAYS
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.evaluation.baselines import BASELINES, KNOWS, PRIVILEGED
+from vitruvius.agent.evaluation.drivers import DRIVERS, EXACT
+from vitruvius.agent.evaluation.knowledge import WORDS, known
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.released import located, released
+from vitruvius.sim.config import EXTRAS, RAYS
 
 DOCS = Path(__file__).parents[3] / "docs"
 ROWS = {

@@ -8,27 +8,27 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agent.algorithms.build import network_of
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.table import PRESETS
-from agent.banks import BANKS, benchmark, house_key
-from agent.evaluation import protocol
-from agent.evaluation.baselines import BASELINES, REFERENCES
-from agent.evaluation.learnt_in import learnt_in as learnt_in_
-from agent.evaluation.learnt_in import warnings
-from agent.evaluation.protocol import Setting, measure
-from agent.evaluation.result import Result, joined
-from agent.learning.config import TARGET_MODES
-from agent.learning.simulator import sensor
-from agent.report.folder import report
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
-from agent.runs.released import released
-from logic import RequestError, save
-from sim.config import DEFAULT, PAPER
 from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import BANKS, benchmark, house_key
+from vitruvius.agent.evaluation import protocol
+from vitruvius.agent.evaluation.baselines import BASELINES, REFERENCES
+from vitruvius.agent.evaluation.learnt_in import learnt_in as learnt_in_
+from vitruvius.agent.evaluation.learnt_in import warnings
+from vitruvius.agent.evaluation.protocol import Setting, measure
+from vitruvius.agent.evaluation.result import Result, joined
+from vitruvius.agent.learning.config import TARGET_MODES
+from vitruvius.agent.learning.simulator import sensor
+from vitruvius.agent.report.folder import report
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.agent.runs.released import released
 from vitruvius.commands.evaluate import Evaluate, by_name
+from vitruvius.logic import RequestError, save
+from vitruvius.sim.config import DEFAULT, PAPER
 
 HOUSES = [random_house(seed) for seed in range(4)]
 
@@ -110,7 +110,7 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
 
 def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypatch):
     """The command compares before it evaluates; here the evaluation takes no time."""
-    monkeypatch.setattr("agent.evaluation.protocol.measure", lambda *_, **__: [measured])
+    monkeypatch.setattr("vitruvius.agent.evaluation.protocol.measure", lambda *_, **__: [measured])
     save(HOUSES[:1], tmp_path / "houses.jsonl")
     agent = written(tmp_path, PQNConfig())
     how: dict[str, Any] = {"targets": ("secondary",), "out": tmp_path / "out"}

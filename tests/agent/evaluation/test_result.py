@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.evaluation.baselines import REFERENCES
-from agent.evaluation.result import DEFINITIONS
 from tests.agent.evaluation.cases import result, scores
+from vitruvius.agent.evaluation.baselines import REFERENCES
+from vitruvius.agent.evaluation.result import DEFINITIONS
 
 
 def test_the_ratio_is_to_the_oracle_in_the_same_house():

@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agent.banks import bank_hash
-from agent.evaluation.result import Result
-from agent.evaluation.scores import (
+from tests.agent.evaluation.cases import result, scores
+from tests.sample_houses import random_house
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.evaluation.result import Result
+from vitruvius.agent.evaluation.scores import (
     ScoredBank,
     ScoreError,
     ScoreFile,
@@ -18,8 +20,6 @@ from agent.evaluation.scores import (
     modes_of,
     result_of,
 )
-from tests.agent.evaluation.cases import result, scores
-from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(2)]
 RESULT = result(scores([5, 7], [30, np.inf]), scores([6, 8]), mode="main", others={"script": scores([1, 2])})

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from agent.evaluation.statistics import Estimate, bootstrap, interquartile_mean, mean, paired_difference
+from vitruvius.agent.evaluation.statistics import (
+    Estimate,
+    bootstrap,
+    interquartile_mean,
+    mean,
+    paired_difference,
+)
 
 
 def test_the_outer_quarters_do_not_count():

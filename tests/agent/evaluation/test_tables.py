@@ -7,10 +7,10 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
-from agent.evaluation.plots import learning_curve, ratio_plot
-from agent.evaluation.tables import Table, print_tables, score_table, tables
-from agent.learning.learner import Progress
 from tests.agent.evaluation.cases import result, scores
+from vitruvius.agent.evaluation.plots import learning_curve, ratio_plot
+from vitruvius.agent.evaluation.tables import Table, print_tables, score_table, tables
+from vitruvius.agent.learning.learner import Progress
 
 WIDEST = result(
     *[scores([98] * 4, [200] * 4, interventions=600)] * 3,

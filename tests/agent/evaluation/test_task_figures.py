@@ -6,21 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.banks import bank_hash, benchmark
-from agent.evaluation.baselines import PRIVILEGED
-from agent.evaluation.protocol import measure
-from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of, result_of
-from agent.evaluation.tables import score_table, tables
-from agent.learning.environments import playable
-from agent.learning.simulator import undisturbed, with_sensor
-from agent.report.plans import _ratios
-from logic import HouseFileError, save
-from sim import HouseVectorEnv
-from sim.config import DEFAULT, LONG, NOISY, PRESETS
-from sim.film import caption
 from tests.agent.evaluation.cases import result, scores, short_episodes
 from tests.sample_houses import ONE_ROOM, drawn, random_house
+from vitruvius.agent.banks import bank_hash, benchmark
+from vitruvius.agent.evaluation.baselines import PRIVILEGED
+from vitruvius.agent.evaluation.protocol import measure
+from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of, result_of
+from vitruvius.agent.evaluation.tables import score_table, tables
+from vitruvius.agent.learning.environments import playable
+from vitruvius.agent.learning.simulator import undisturbed, with_sensor
+from vitruvius.agent.report.plans import _ratios
 from vitruvius.commands.evaluate import Evaluate
+from vitruvius.logic import HouseFileError, save
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT, LONG, NOISY, PRESETS
+from vitruvius.sim.film import caption
 
 TABLE = '{"task": "object", "piece": "table"}'
 EMPTY = drawn(ONE_ROOM.replace("A", "a"))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from agent.learning.allocation import keep_freed_memory
+from vitruvius.agent.learning.allocation import keep_freed_memory
 
 
 def pages():

@@ -2,10 +2,10 @@
 
 import pytest
 
-from agent.algorithms.dqn.config import DQNConfig
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.learning.config import differences
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.learning.config import differences
 
 WRONG = {
     PQNConfig: [

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.table import PRESETS
-from agent.avoidance import PaperRule
-from agent.evaluation.episodes import play
-from agent.learning.environments import make_envs, shield
-from agent.learning.simulator import sensor, simulator, with_sensor
-from agent.policies.policies import RandomPolicy
-from logic import House, HouseFileError, Rect, Star, StarRoom
-from sim import DEFAULT, PAPER, HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
-from sim.config import DRIVE
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.avoidance import PaperRule
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.learning.simulator import sensor, simulator, with_sensor
+from vitruvius.agent.policies.policies import RandomPolicy
+from vitruvius.logic import House, HouseFileError, Rect, Star, StarRoom
+from vitruvius.sim import DEFAULT, PAPER, HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
+from vitruvius.sim.config import DRIVE
 
 E = 16
 EAST, NORTH = 0.0, math.pi / 2

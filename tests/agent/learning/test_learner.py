@@ -8,15 +8,15 @@ from dataclasses import replace
 import pytest
 import torch
 
-from agent.algorithms.build import algorithm_of, network_of
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.learner import PQN
-from agent.algorithms.table import ALGORITHMS, PRESETS
-from agent.learning.config import linear
-from agent.learning.learner import Diverged, Learner, Progress
-from agent.policies.network import QNetwork
-from sim import HouseVectorEnv
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import algorithm_of, network_of
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.learner import PQN
+from vitruvius.agent.algorithms.table import ALGORITHMS, PRESETS
+from vitruvius.agent.learning.config import linear
+from vitruvius.agent.learning.learner import Diverged, Learner, Progress
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.sim import HouseVectorEnv
 
 E = 16
 SHORT = PQNConfig(num_envs=E, num_steps=8, steps=600)

@@ -5,9 +5,9 @@ import subprocess
 import pytest
 import torch
 
-from agent.algorithms.table import PRESETS
-from agent.learning import precision
-from logic.errors import RequestError
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.learning import precision
+from vitruvius.logic.errors import RequestError
 
 TRAPPED = "import os, signal; os.kill(os.getpid(), signal.SIGILL)"
 

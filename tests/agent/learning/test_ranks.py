@@ -9,16 +9,16 @@ from pathlib import Path
 import pytest
 import torch
 
-from agent.algorithms.pqn.config import PQNConfig
-from agent.learning import ranks
-from agent.runs import checkpoint
-from agent.runs.runs import run
-from logic import RequestError, save
-from logic.errors import Killed
 from tests import processes
 from tests.programs import PATIENCE, finished
 from tests.ranks import main as learn
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.learning import ranks
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.runs import run
+from vitruvius.logic import RequestError, save
+from vitruvius.logic.errors import Killed
 
 ROOT = Path(__file__).parents[3]
 TORCHRUN = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node=2", "--master-port=0"]

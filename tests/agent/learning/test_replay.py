@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from agent.algorithms.dqn.learner import n_step_batch
-from agent.learning.replay import ReplayBuffer
+from vitruvius.agent.algorithms.dqn.learner import n_step_batch
+from vitruvius.agent.learning.replay import ReplayBuffer
 
 LENGTHS = (7, 5)
 """Steps in the episodes of the two environments; the action of the next row is ignored."""

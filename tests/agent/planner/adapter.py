@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.planner import Planner as Tested
-from agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
-from agent.planner.state import AT
-from sim.config import Config
+from vitruvius.agent.planner import Planner as Tested
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
+from vitruvius.agent.planner.state import AT
+from vitruvius.sim.config import Config
 
 SIDE, UNKNOWN = 256, 65535
 """Cells of a map along each axis; value of a node without a distance, or of a viewpoint without a gain."""

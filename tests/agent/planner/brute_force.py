@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.actions import HEADINGS
 from tests.agent.planner.adapter import SIDE
+from vitruvius.sim.actions import HEADINGS
 
 Place = tuple[int, int]
 

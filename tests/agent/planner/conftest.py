@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import torch
 
-from agent.learning.environments import make_envs
-from logic import House, generate
-from sim import DEFAULT, HouseVectorEnv
-from sim.actions import HEADINGS
 from tests.agent.learning.test_environments import mirror
 from tests.agent.planner.adapter import UNKNOWN, Planner
 from tests.sample_houses import random_house
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.logic import House, generate
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.actions import HEADINGS
 
 E, STEPS = 8, 240
 

@@ -3,10 +3,10 @@
 import numpy as np
 import torch
 
-from agent.learning.environments import make_envs, shield
-from agent.policies.policies import Explorer
-from sim.config import DOORS
 from tests import sample_houses
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim.config import DOORS
 
 HOUSE = sample_houses.drawn("aaa\naaa\na+a\n...\n...\n...", cell=0.9)
 """House whose door is in the middle of the south wall of ``a``, 0.9 m wide."""

@@ -8,18 +8,18 @@ import pytest
 import shapely
 import torch
 
-from agent.evaluation.drivers import DRIVERS
-from agent.evaluation.episodes import play
-from agent.learning.environments import make_envs
-from agent.planner import FREE, TAKEN
-from agent.planner.driving import DrivingPlanner
-from agent.policies.driving import DrivingExplorer
-from logic import FreeWall, House, Room
-from sim import DEFAULT, HouseVectorEnv
-from sim.baselines.steering import steered
-from sim.drive import COMMANDS, Drive
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from tests.sim.backends.free_study import Solids, with_slanted_walls
+from vitruvius.agent.evaluation.drivers import DRIVERS
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.planner import FREE, TAKEN
+from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.agent.policies.driving import DrivingExplorer
+from vitruvius.logic import FreeWall, House, Room
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.baselines.steering import steered
+from vitruvius.sim.drive import COMMANDS, Drive
 
 SLANTED = House(
     (Room(0, 0, 6, 5, "R0", "hall"),),

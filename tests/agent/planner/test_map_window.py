@@ -11,13 +11,13 @@ import torch
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
-from agent.planner import Planner
-from agent.planner.driving import DrivingPlanner
-from agent.planner.map_window import MapWindow
-from sim import DEFAULT, HouseVectorEnv
 from tests.sample_houses import random_house
 from tests.sim.conformance.autoreset import check_autoreset_modes
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.agent.planner.map_window import MapWindow
+from vitruvius.sim import DEFAULT, HouseVectorEnv
 
 HOUSES = [random_house(seed) for seed in range(3)]
 SIDE = 32
@@ -109,10 +109,10 @@ def test_it_is_the_same_in_any_batch_and_by_tensors():
 
 def test_other_libraries_wrap_it_and_learn_from_it():
     stable = pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     made = gymnasium.make_vec(
-        "sim:Vitruvius/House-v0", num_envs=4, autoreset_mode="SameStep", max_episode_steps=20
+        "vitruvius:Vitruvius/House-v0", num_envs=4, autoreset_mode="SameStep", max_episode_steps=20
     )
     envs = MapWindow(made, 48)
     counted = RecordEpisodeStatistics(envs)

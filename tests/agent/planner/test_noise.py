@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import torch
 
-from agent.learning.environments import make_envs, shield
-from agent.planner import TAKEN, TUNED, Planner
-from agent.policies.policies import Explorer
-from logic import generate
-from sim.config import DEFAULT, NOISY
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import TAKEN, TUNED, Planner
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.logic import generate
+from vitruvius.sim.config import DEFAULT, NOISY
 
 E = 64
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import torch
 
-from agent.learning.environments import make_envs
-from logic import House, Piece, Rect, Star, StarRoom
-from logic.errors import RequestError
-from sim import DEFAULT, HouseVectorEnv
-from sim.actions import FORWARD, HEADINGS, LEFT, RIGHT
-from sim.backends.grid.cells import STANDS, middle
-from sim.backends.grid.pack import pack
 from tests.agent.planner.adapter import SIDE, Planner
 from tests.agent.planner.brute_force import about
 from tests.agent.planner.conftest import E, Step, Walk
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.logic import House, Piece, Rect, Star, StarRoom
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, HEADINGS, LEFT, RIGHT
+from vitruvius.sim.backends.grid.cells import STANDS, middle
+from vitruvius.sim.backends.grid.pack import pack
 
 SQUARE = ((0, 0), (0, 1), (1, 0), (1, 1))
 

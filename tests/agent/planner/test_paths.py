@@ -5,16 +5,16 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent.learning.environments import make_envs, shield
-from agent.planner.paths import FAR
-from agent.policies.policies import Explorer
-from sim import HouseVectorEnv
-from sim.actions import FORWARD
-from sim.baselines.oracle import Oracle
 from tests.agent.planner.adapter import SIDE, UNKNOWN, Planner
 from tests.agent.planner.brute_force import about, distances, fewest_actions, neighbours, small_map
 from tests.agent.planner.conftest import E, Walk, ask
 from tests.sample_houses import random_house
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.baselines.oracle import Oracle
 
 
 def planted(random: np.random.Generator, odd: bool) -> tuple[list[Any], list[Any], list[dict]]:

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
-from sim import DEFAULT
 from tests.agent.planner.adapter import UNKNOWN, Planner
 from tests.agent.planner.brute_force import ACROSS, BEFORE, SINCE, candidates, levels, small_map, views
 from tests.agent.planner.conftest import E, Walk, ask
 from tests.agent.planner.test_occupancy import last
+from vitruvius.agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
+from vitruvius.sim import DEFAULT
 
 
 def hiding(random: np.random.Generator, places: int) -> tuple[list[Any], list[tuple[int, int, int]]]:

@@ -9,15 +9,15 @@ import msgspec
 import pygame
 import pytest
 
-from agent.banks import benchmark, geometry_hash, named
-from agent.play.beside import people_tables, replayable
-from agent.play.game import Game, agents_scenes, replayed
-from agent.play.results import PlayedGame, ResultsError, append, load
-from agent.play.window import EDGE, LARGE, MIN_WIDTH, TURN_EVERY, WORDS, GameWindow, Panel, fitted
-from agent.runs import checkpoint
-from logic import MissingProgram, save
-from sim import Oracle
+from vitruvius.agent.banks import benchmark, geometry_hash, named
+from vitruvius.agent.play.beside import people_tables, replayable
+from vitruvius.agent.play.game import Game, agents_scenes, replayed
+from vitruvius.agent.play.results import PlayedGame, ResultsError, append, load
+from vitruvius.agent.play.window import EDGE, LARGE, MIN_WIDTH, TURN_EVERY, WORDS, GameWindow, Panel, fitted
+from vitruvius.agent.runs import checkpoint
 from vitruvius.cli import main
+from vitruvius.logic import MissingProgram, save
+from vitruvius.sim import Oracle
 
 HOUSES = benchmark()[:3]
 STEP = 0.01

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from PIL import ImageGrab
 
-from agent.banks import benchmark, geometry_hash
-from agent.play.game import replayed
-from agent.play.results import load
-from logic import House, save
-from sim.film import SHARP, plan
 from tests.programs import PATIENCE, finished
+from vitruvius.agent.banks import benchmark, geometry_hash
+from vitruvius.agent.play.game import replayed
+from vitruvius.agent.play.results import load
+from vitruvius.logic import House, save
+from vitruvius.sim.film import SHARP, plan
 
 HEAD, SIZE = 64, 656
 """Pixels above a plan, and of its longer side on a display 800 pixels high: ``agent.play.window``."""

@@ -3,10 +3,10 @@
 import pytest
 import torch
 
-from agent.learning.config import QLearningConfig
-from agent.policies.memory import Memory
-from agent.policies.network import QNetwork
-from sim.actions import FORWARD, LEFT
+from vitruvius.agent.learning.config import QLearningConfig
+from vitruvius.agent.policies.memory import Memory
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.sim.actions import FORWARD, LEFT
 
 NO = torch.zeros(1, dtype=torch.bool)
 NOTHING = torch.zeros(1, 40, 2)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
-from agent.policies import driving, policies
-from agent.policies.driving import DrivingExplorer
-from agent.policies.policies import RandomPolicy, Tracker, epsilon_greedy, exploration, home
-from sim.actions import FORWARD, LEFT
-from sim.config import DEFAULT
+from vitruvius.agent.policies import driving, policies
+from vitruvius.agent.policies.driving import DrivingExplorer
+from vitruvius.agent.policies.policies import RandomPolicy, Tracker, epsilon_greedy, exploration, home
+from vitruvius.sim.actions import FORWARD, LEFT
+from vitruvius.sim.config import DEFAULT
 
 
 def seeded() -> torch.Generator:

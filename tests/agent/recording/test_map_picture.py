@@ -5,14 +5,14 @@ import pytest
 import torch
 from PIL import Image
 
-from agent.learning.environments import make_envs, shield
-from agent.policies.policies import Explorer
-from agent.recording.film import record
-from agent.recording.map_picture import EARLIER, KEY, LATELY, OCCUPIED, MapPicture, beside
-from agent.runs import checkpoint
-from sim.film import BODY, Camera, View
-from sim.geometry import geometry
 from tests import sample_houses
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.agent.recording.film import record
+from vitruvius.agent.recording.map_picture import EARLIER, KEY, LATELY, OCCUPIED, MapPicture, beside
+from vitruvius.agent.runs import checkpoint
+from vitruvius.sim.film import BODY, Camera, View
+from vitruvius.sim.geometry import geometry
 
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
 

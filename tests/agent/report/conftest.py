@@ -2,14 +2,14 @@
 
 import pytest
 
-from agent.algorithms.build import network_of
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.recording import trace
-from agent.recording.film import watch
-from agent.recording.recorder import Recorder
-from agent.runs.checkpoint import Checkpoint
 from tests import sample_houses
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.recording import trace
+from vitruvius.agent.recording.film import watch
+from vitruvius.agent.recording.recorder import Recorder
+from vitruvius.agent.runs.checkpoint import Checkpoint
 
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
 STEPS = 60

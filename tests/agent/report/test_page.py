@@ -10,18 +10,18 @@ import msgspec
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from agent.banks import benchmark
-from agent.recording import trace
-from agent.recording.trace import Trace
-from agent.report.folder import describe, write_report
 from benchmarks import SECTIONS
-from logic import House, save
 from tests.agent.report.conftest import STEPS, recorded, untrained
 from tests.agent.report.test_report import LINE, measured, metrics
 from tests.benchmarks.reports import report as timed
 from tests.benchmarks.reports import simulator_report
 from tests.browsing import box, cut_on_paper, findings, too_wide
 from tests.conftest import opened_page
+from vitruvius.agent.banks import benchmark
+from vitruvius.agent.recording import trace
+from vitruvius.agent.recording.trace import Trace
+from vitruvius.agent.report.folder import describe, write_report
+from vitruvius.logic import House, save
 
 
 @pytest.fixture(scope="module")

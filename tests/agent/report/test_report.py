@@ -12,22 +12,22 @@ import msgspec
 import numpy as np
 import pytest
 
-from agent.banks import bank_hash, benchmark
-from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
-from agent.recording import trace
-from agent.recording.trace import Trace, TraceError
-from agent.report import plans
-from agent.report.folder import describe, report, write_report
-from agent.report.measured import section as measured_section
-from agent.report.page import ReportError
-from agent.report.plots import Axis, DataSeries, line_plot, some
 from benchmarks import SECTIONS
-from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
 from tests.agent.report.conftest import HOUSE
 from tests.benchmarks.reports import report as timed
 from tests.benchmarks.reports import simulator_report
+from vitruvius.agent.banks import bank_hash, benchmark
+from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
+from vitruvius.agent.recording import trace
+from vitruvius.agent.recording.trace import Trace, TraceError
+from vitruvius.agent.report import plans
+from vitruvius.agent.report.folder import describe, report, write_report
+from vitruvius.agent.report.measured import section as measured_section
+from vitruvius.agent.report.page import ReportError
+from vitruvius.agent.report.plots import Axis, DataSeries, line_plot, some
 from vitruvius.commands.report import Report
+from vitruvius.logic import House, HouseFileError, save
 
 LINE = {
     "steps": 1000,

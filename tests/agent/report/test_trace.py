@@ -9,13 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from agent.planner import FREE, TAKEN
-from agent.recording import trace
-from agent.recording.film import watch
-from agent.recording.recorder import EVERY, Recorder
-from agent.recording.trace import FORMAT, Packed, Trace, TraceError
-from sim.geometry import geometry
 from tests.agent.report.conftest import HOUSE, STEPS, recorded, untrained, with_planner
+from vitruvius.agent.planner import FREE, TAKEN
+from vitruvius.agent.recording import trace
+from vitruvius.agent.recording.film import watch
+from vitruvius.agent.recording.recorder import EVERY, Recorder
+from vitruvius.agent.recording.trace import FORMAT, Packed, Trace, TraceError
+from vitruvius.sim.geometry import geometry
 
 
 class Notes:

@@ -10,14 +10,14 @@ import pytest
 import safetensors.torch
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.dqn.config import DQNConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.table import PRESETS
-from agent.learning.config import TrainConfig
-from agent.policies.network import QNetwork
-from agent.runs.checkpoint import FORMAT, Checkpoint, load, save
-from agent.runs.released import CheckpointError, released
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.learning.config import TrainConfig
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.agent.runs.checkpoint import FORMAT, Checkpoint, load, save
+from vitruvius.agent.runs.released import CheckpointError, released
 
 CONFIG = PQNConfig(steps=1000, seed=3)
 
@@ -100,7 +100,7 @@ def test_other_tensors_are_refused(tmp_path):
 
 
 def test_a_checkpoint_that_names_too_many_houses_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("agent.runs.checkpoint.MAX_LEARNT_HOUSES", 2)
+    monkeypatch.setattr("vitruvius.agent.runs.checkpoint.MAX_LEARNT_HOUSES", 2)
     path = tmp_path / "a.safetensors"
     save(Checkpoint(network_of(CONFIG), CONFIG, 512, learnt_in=frozenset({1, 2, 3})), path)
     assert "learnt_in must be at most 2 numbers" in refusal(path)

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.recurrent import RecurrentQNetwork
-from agent.algorithms.table import PRESETS
-from agent.policies.network import QNetwork, seeded
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
-from agent.runs.export import INPUTS, OUTPUTS, ExportedStep, NoExporter, export
-from logic.errors import RequestError
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.recurrent import RecurrentQNetwork
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.policies.network import QNetwork, seeded
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
+from vitruvius.agent.runs.export import INPUTS, OUTPUTS, ExportedStep, NoExporter, export
 from vitruvius.cli import main
+from vitruvius.logic.errors import RequestError
 
 onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")

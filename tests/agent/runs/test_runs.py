@@ -14,27 +14,27 @@ from pathlib import Path
 import pytest
 import torch
 
-from agent.algorithms.build import algorithm_of
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.learner import PQN
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.table import PRESETS
-from agent.banks import bank_hash
-from agent.learning.learner import Diverged
-from agent.report.folder import report
-from agent.runs import checkpoint, runs
-from agent.runs.released import CheckpointError
-from agent.runs.runs import run
-from logic import HouseSet, HouseStream, load, save
-from logic.errors import RequestError
-from logic.stopping import Terminated
-from sim import HouseRotation
-from sim.environment.arguments import BANK
 from tests import processes
 from tests.programs import PATIENCE
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import algorithm_of
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.learner import PQN
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.banks import bank_hash
+from vitruvius.agent.learning.learner import Diverged
+from vitruvius.agent.report.folder import report
+from vitruvius.agent.runs import checkpoint, runs
+from vitruvius.agent.runs.released import CheckpointError
+from vitruvius.agent.runs.runs import run
 from vitruvius.cli import parse
+from vitruvius.logic import HouseSet, HouseStream, load, save
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.stopping import Terminated
+from vitruvius.sim import HouseRotation
+from vitruvius.sim.environment.arguments import BANK
 
 HOUSES = [random_house(seed) for seed in range(4)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)

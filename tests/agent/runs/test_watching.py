@@ -14,20 +14,20 @@ import pytest
 import torch
 from torch import nn
 
-from agent.algorithms.dqn.config import DQNConfig
-from agent.algorithms.pqn.config import PQNConfig
-from agent.banks import benchmark
-from agent.learning.learner import Progress
-from agent.runs import checkpoint
-from agent.runs.released import CheckpointError
-from agent.runs.runs import run
-from agent.runs.watching import Watching
-from logic import HouseFileError, save
-from logic.errors import RequestError
-from sim import allow, allowed
 from tests.agent.runs.test_runs import metrics, same
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.banks import benchmark
+from vitruvius.agent.learning.learner import Progress
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.released import CheckpointError
+from vitruvius.agent.runs.runs import run
+from vitruvius.agent.runs.watching import Watching
 from vitruvius.cli import parse
+from vitruvius.logic import HouseFileError, save
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import allow, allowed
 
 HOUSES, HELD_OUT = [random_house(seed) for seed in range(2)], [random_house(seed) for seed in range(4, 6)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2, sim=("steps=300",))
@@ -146,7 +146,7 @@ def test_no_file_names_a_module(tmp_path, nothing_allowed):
     ],
 )
 def test_a_module_that_is_no_q_network_is_refused(module, message, nothing_allowed):
-    from agent.algorithms.build import network_of
+    from vitruvius.agent.algorithms.build import network_of
 
     allow(module)
     for kind in (PQNConfig, DQNConfig):

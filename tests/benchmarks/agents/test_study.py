@@ -13,14 +13,6 @@ import numpy as np
 import pytest
 import tyro
 
-from agent.algorithms.build import network_of
-from agent.banks import BANKS, NAME
-from agent.evaluation import scores
-from agent.evaluation.episodes import EpisodeScores
-from agent.evaluation.result import Result
-from agent.learning.config import TARGET_MODES, differences
-from agent.runs import checkpoint
-from agent.runs.checkpoint import Checkpoint
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
@@ -28,8 +20,16 @@ from benchmarks.agents.records import External, Outcome, Study, TrainingEntry, b
 from benchmarks.agents.run import Agents, measured
 from benchmarks.agents.runs import EntryRun, ExternalRun, with_run
 from benchmarks.common.processes import StudyFailed
-from logic.errors import RequestError
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.banks import BANKS, NAME
+from vitruvius.agent.evaluation import scores
+from vitruvius.agent.evaluation.episodes import EpisodeScores
+from vitruvius.agent.evaluation.result import Result
+from vitruvius.agent.learning.config import TARGET_MODES, differences
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.cli import parse
+from vitruvius.logic.errors import RequestError
 
 ROOT = Path(__file__).parents[3]
 

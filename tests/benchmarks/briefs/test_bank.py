@@ -15,9 +15,9 @@ from benchmarks.briefs.make import IMPOSSIBLE, REASONS, BriefEntry, proven, read
 from benchmarks.briefs.plans import dissected, of_dissection
 from benchmarks.briefs.proofs import needed
 from benchmarks.briefs.run import BriefStudy
-from logic import HouseFileError
-from logic.request.brief import Brief, BriefRoom
-from logic.request.brief_lines import requirements
+from vitruvius.logic import HouseFileError
+from vitruvius.logic.request.brief import Brief, BriefRoom
+from vitruvius.logic.request.brief_lines import requirements
 
 
 def test_the_bank_is_five_hundred_briefs_that_can_be_read_each_with_its_name() -> None:

@@ -8,8 +8,8 @@ import pytest
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.judge import faults, lines
 from benchmarks.briefs.score import Answer, judged, judged_all, score
-from logic import House, HouseFileError
-from logic.request.brief import read_brief
+from vitruvius.logic import House, HouseFileError
+from vitruvius.logic.request.brief import read_brief
 
 BRIEF: dict[str, Any] = {
     "rooms": [

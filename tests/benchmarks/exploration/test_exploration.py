@@ -9,12 +9,12 @@ import pytest
 from benchmarks.exploration.play import AGENTS, FRONTIER, Walk, configuration, walks
 from benchmarks.exploration.run import Exploration
 from benchmarks.exploration.seen import OPEN, SHUT, UNSEEN, Seen
-from logic import House, RequestError
-from logic.exports import export
-from logic.house.occupancy import FREE
-from sim import HouseVectorEnv
-from sim.actions import HEADINGS
 from tests.maps import random_map
+from vitruvius.logic import House, RequestError
+from vitruvius.logic.exports import export
+from vitruvius.logic.house.occupancy import FREE
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import HEADINGS
 
 MAP = random_map(5, 0.3)
 ROOMS = np.zeros((90, 120), bool)

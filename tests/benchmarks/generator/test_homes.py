@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.generator.homes import Homes, type_rows
 from benchmarks.generator.published import PASSAGES, beside_published, glazed, whole
-from logic import Door, House, Room, Window
+from vitruvius.logic import Door, House, Room, Window
 
 FLAT = House(
     (Room(0, 0, 4, 4, "R0", "bedroom"), Room(4, 0, 1, 4, "R1", "corridor"), Room(5, 0, 5, 4, "R2", "living")),

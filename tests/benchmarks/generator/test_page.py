@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.generator.page import generator_page
 from benchmarks.generator.run import Generator
-from logic import GrammarError, RequestError
 from tests.benchmarks.reports import report
+from vitruvius.logic import GrammarError, RequestError
 
 
 def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> None:

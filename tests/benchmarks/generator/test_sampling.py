@@ -13,12 +13,12 @@ import pytest
 
 from benchmarks.generator.laws import CHAINS, along_sides, held, on_a_chain, on_a_wall
 from benchmarks.generator.layouts import by_rejection, entropy, every_layout
-from logic import RequestError, count_layouts
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.layout.program import EVERY, Program
-from logic.placement import prolog
 from vitruvius.cli import main
+from vitruvius.logic import RequestError, count_layouts
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.layout.program import EVERY, Program
+from vitruvius.logic.placement import prolog
 
 ALPHA = 1e-3
 """Significance level of the tests. The seeds are fixed, so a test passes always or never."""
@@ -152,7 +152,7 @@ def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
 
 def test_a_count_says_once_a_second_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A clock advances by 0.4 s with each layout."""
-    monkeypatch.setattr("logic.layout.program.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
+    monkeypatch.setattr("vitruvius.logic.layout.program.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
     assert list(coins(tmp_path, EVERY).count([], 60)) == [(3, None), (6, None), (7, True)]
 
 
@@ -169,7 +169,7 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
         time.sleep(0.2)  # the count is shown ten times per second
         yield "hall", 5678, True
 
-    monkeypatch.setattr("logic.count_layouts", counted)
+    monkeypatch.setattr("vitruvius.count_layouts", counted)
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     with pytest.raises(SystemExit, match="0"):
         main(["generate", "--rooms", "2", "--count-layouts"])

@@ -14,7 +14,7 @@ import pytest
 from benchmarks.common.pages import machine
 from benchmarks.paper import complexity
 from benchmarks.paper.complexity import Complexity, OtherMachine, growth, table
-from logic.placement import prolog
+from vitruvius.logic.placement import prolog
 
 SIDES = {"bedroom": (12, 17), "bathroom": (8, 12), "kitchen": (10, 15)}
 

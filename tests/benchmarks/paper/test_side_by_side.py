@@ -9,17 +9,17 @@ import pytest
 import torch
 from torch import nn
 
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.paper.learner import q_targets, squared_loss
-from agent.algorithms.paper.network import PaperNetwork
-from agent.algorithms.table import PRESETS
-from agent.avoidance import PaperRule
-from agent.learning.environments import make_envs
-from agent.policies.policies import home
 from benchmarks.paper.side_by_side import Actors, Runs, find_gradients, forward, stacked
-from sim import HouseVectorEnv
-from sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
-from sim.environment.arguments import PAPER_HOUSE, house_list
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.paper.learner import q_targets, squared_loss
+from vitruvius.agent.algorithms.paper.network import PaperNetwork
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.avoidance import PaperRule
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.policies.policies import home
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
+from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
 
 PRESET = replace(cast(PaperConfig, PRESETS["paper"]), batch_size=20, num_minibatches=20, buffer_size=4000)
 CONFIGS = [

@@ -13,11 +13,11 @@ from benchmarks.realism.fit import fitted, off, shares, with_weights
 from benchmarks.realism.plans import plans_of
 from benchmarks.realism.run import Realism, stated_weights
 from benchmarks.realism.statistics import area_under, distance, told_apart
-from logic import RequestError, generate, save
-from logic.grammar import find
-from logic.house.house import House
-from logic.house.parts import Door, Room
 from tests.logic.readers.written import WRITERS
+from vitruvius.logic import RequestError, generate, save
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Door, Room
 
 ROWS = 150
 

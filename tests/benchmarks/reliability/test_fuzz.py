@@ -9,7 +9,7 @@ from benchmarks.reliability.environments import Calls
 from benchmarks.reliability.fuzz import Fuzz, FuzzTrial
 from benchmarks.reliability.grammars import RandomGrammars
 from benchmarks.reliability.readers import FuzzReader, begin
-from logic.errors import RequestError, VitruviusError
+from vitruvius.logic.errors import RequestError, VitruviusError
 
 
 def broken(path: Path) -> None:

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from logic.browser.playground import folder
-from logic.browser.playground.server import Server, listening
-from logic.errors import MissingProgram
 from tests.conftest import opened_page
+from vitruvius.logic.browser.playground import folder
+from vitruvius.logic.browser.playground.server import Server, listening
+from vitruvius.logic.errors import MissingProgram
 
 
 @pytest.fixture(scope="module")

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from logic import House, check, generate
-from logic.browser.playground import folder
-from logic.browser.playground.server import listening
-from logic.errors import MissingProgram, RequestError, VitruviusError
-from logic.grammar import SHIPPED
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from tests.logic.browser.answers import answered
 from tests.programs import PATIENCE
+from vitruvius.logic import House, check, generate
+from vitruvius.logic.browser.playground import folder
+from vitruvius.logic.browser.playground.server import listening
+from vitruvius.logic.errors import MissingProgram, RequestError, VitruviusError
+from vitruvius.logic.grammar import SHIPPED
 
 WHOLE = 1000 * PATIENCE
 """Timeout of an answer, milliseconds."""

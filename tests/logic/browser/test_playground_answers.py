@@ -10,18 +10,18 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from logic import GrammarError, Unsatisfiable, check
-from logic.browser.playground.bundle import bundle
-from logic.errors import RequestError
-from logic.grammar import SHIPPED, find
-from logic.house.house import House
-from logic.language.linter import findings
-from logic.spelling import closest
 from tests.logic.browser.answers import answered
 from tests.logic.grammars.test_includes import LP, PL, WRONG
 from tests.logic.language.test_own_topology import RULES, SIZES, TOPOLOGIES
 from tests.logic.proofs import test_plan_proofs as proofs
 from tests.logic.workers import in_process
+from vitruvius.logic import GrammarError, Unsatisfiable, check
+from vitruvius.logic.browser.playground.bundle import bundle
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.language.linter import findings
+from vitruvius.logic.spelling import closest
 
 MISTAKES = {
     "what the core derives": "#program house.\nwindow(R,north) :- room(R,hall).",

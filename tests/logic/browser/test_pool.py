@@ -6,12 +6,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from logic.browser.watch import pool as pools
-from logic.browser.watch.pool import Pool
-from logic.browser.watch.server import Guard
-from logic.browser.watch.session import Session
-from logic.errors import GrammarError, Killed, LimitReached, OutOfInferences, RequestError
-from logic.workers.solver import Solver
+from vitruvius.logic.browser.watch import pool as pools
+from vitruvius.logic.browser.watch.pool import Pool
+from vitruvius.logic.browser.watch.server import Guard
+from vitruvius.logic.browser.watch.session import Session
+from vitruvius.logic.errors import GrammarError, Killed, LimitReached, OutOfInferences, RequestError
+from vitruvius.logic.workers.solver import Solver
 
 
 class Ready(Solver):

@@ -22,17 +22,17 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
-from logic import generate
-from logic.browser.watch.pool import SIZE, Pool, Spares, Stale
-from logic.drawing.canvas import svg
-from logic.drawing.draw import plan
-from logic.drawing.palettes import style
-from logic.grammar import SHIPPED
-from logic.request.request import Request
-from logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from tests.programs import PATIENCE, finished
 from vitruvius.cli import main
+from vitruvius.logic import generate
+from vitruvius.logic.browser.watch.pool import SIZE, Pool, Spares, Stale
+from vitruvius.logic.drawing.canvas import svg
+from vitruvius.logic.drawing.draw import plan
+from vitruvius.logic.drawing.palettes import style
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 
 expect.set_options(timeout=1000 * PATIENCE)
 
@@ -464,7 +464,7 @@ def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothin
     lookup.chmod(0o755)
     parent = (
         "import os, pathlib, time\n"
-        "from logic.workers.messages import Prepare\nfrom logic.workers.solver import Solver\n"
+        "from vitruvius.logic.workers.messages import Prepare\nfrom vitruvius.logic.workers.solver import Solver\n"
         "solver = Solver(Prepare(grammar=''))\n"
         f"while not [*pathlib.Path({str(tmp_path)!r}).glob('started.*')]: time.sleep(0.01)\n"
         "os._exit(0)\n"

@@ -8,12 +8,6 @@ import pytest
 from hypothesis import given, settings
 from msgspec.structs import replace
 
-from logic import Door, House, Piece, StarRoom, check, load
-from logic.checking.check import CHECKS, IN_A_ROOM, Promises
-from logic.house.boxes import distance
-from logic.house.kinds import Kind, kind_of
-from logic.house.part_names import doors_by_name
-from logic.house.parts import ORIGINAL, Provenance
 from tests.logic.house.handmade import (
     DOOR,
     TURNED,
@@ -28,6 +22,12 @@ from tests.logic.house.handmade import (
     turned_house,
 )
 from tests.sample_houses import PAPER, changed_star
+from vitruvius.logic import Door, House, Piece, StarRoom, check, load
+from vitruvius.logic.checking.check import CHECKS, IN_A_ROOM, Promises
+from vitruvius.logic.house.boxes import distance
+from vitruvius.logic.house.kinds import Kind, kind_of
+from vitruvius.logic.house.part_names import doors_by_name
+from vitruvius.logic.house.parts import ORIGINAL, Provenance
 
 EXAMPLE = Path(__file__).parents[2] / "fixtures" / "example1.json"
 BEDROOM, BATHROOM, KITCHEN, HALL = range(4)

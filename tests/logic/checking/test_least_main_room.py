@@ -7,9 +7,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from logic import check
-from logic.checking.least_main_room import least_area, least_rectangle
 from tests.logic.house.handmade import DOOR, Sketch, built, turned_house
+from vitruvius.logic import check
+from vitruvius.logic.checking.least_main_room import least_area, least_rectangle
 
 lengths = st.floats(0.5, 20.0)
 

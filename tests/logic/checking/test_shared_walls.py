@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from logic import Door, House, Piece, Room, Window, check
-from logic.checking import openings as checked
-from logic.house.parts import Rect
-from logic.house.promises import Promises
 from tests.plans import PLANS, flat, random_plan
 from tests.thick import thickened
+from vitruvius.logic import Door, House, Piece, Room, Window, check
+from vitruvius.logic.checking import openings as checked
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.house.promises import Promises
 
 HOME = Promises(
     door_width=0.8,

@@ -3,11 +3,11 @@
 import pytest
 from msgspec.structs import replace
 
-from logic import Door, House, Piece, check
-from logic.house.parts import Provenance
-from logic.house.promises import Promises, Thickness
 from tests.logic.house.handmade import Sketch, built, piece, sketches
 from tests.plans import flat
+from vitruvius.logic import Door, House, Piece, check
+from vitruvius.logic.house.parts import Provenance
+from vitruvius.logic.house.promises import Promises, Thickness
 
 
 def with_bedroom(*pieces: Piece) -> House:

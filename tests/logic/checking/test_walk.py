@@ -7,10 +7,10 @@ import shapely
 from hypothesis import given, settings
 from scipy.ndimage import label
 
-from logic import House, Rect
-from logic.checking.walk import first_space, spaces
-from logic.house.parts import BODY
 from tests.logic.house.handmade import houses
+from vitruvius.logic import House, Rect
+from vitruvius.logic.checking.walk import first_space, spaces
+from vitruvius.logic.house.parts import BODY
 
 
 @settings(max_examples=20)

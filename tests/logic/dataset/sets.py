@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from logic.dataset.sets import MANIFEST, SET, Held, Manifest, encoded
 from vitruvius.cli import main
+from vitruvius.logic.dataset.sets import MANIFEST, SET, Held, Manifest, encoded
 
 ASKED = ("generate", "--rooms", "1", "--count", "12", "--validation", "3", "--test", "2")
 

@@ -14,12 +14,12 @@ import msgspec
 import pytest
 from msgspec import structs
 
-from logic import HouseFileError, HouseSet
-from logic.dataset.formats import read, schema
-from logic.dataset.parquet import MAX_GROUP_BYTES
-from logic.dataset.sets import MANIFEST, SET, Manifest, read_manifest, read_set
 from tests.logic.dataset.sets import command, made, restate
 from tests.programs import finished
+from vitruvius.logic import HouseFileError, HouseSet
+from vitruvius.logic.dataset.formats import read, schema
+from vitruvius.logic.dataset.parquet import MAX_GROUP_BYTES
+from vitruvius.logic.dataset.sets import MANIFEST, SET, Manifest, read_manifest, read_set
 
 ROOT = Path(__file__).parents[3]
 
@@ -241,7 +241,7 @@ BOMBS: dict[str, tuple[Callable[[], Any], dict[str, Any]]] = {
 READING = """
 import sys
 from pathlib import Path
-from logic.dataset.formats import read
+from vitruvius.logic.dataset.formats import read
 for path in sys.argv[1:]:
     try:
         print(sum(1 for _ in read(Path(path))))

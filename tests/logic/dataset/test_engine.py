@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 
-from logic import cluster
-from logic.errors import GrammarError, MissingProgram, Reason, Unsatisfiable, to_record
 from tests.logic.dataset.sets import command, content
 from tests.programs import PATIENCE, finished
+from vitruvius.logic import cluster
+from vitruvius.logic.errors import GrammarError, MissingProgram, Reason, Unsatisfiable, to_record
 
 ROOT = Path(__file__).parents[3]
 
@@ -34,8 +34,8 @@ import importlib, os, sys, threading, time, warnings
 from pathlib import Path
 from benchmarks.common.pages import machine
 from benchmarks.paper.complexity import StudyCell, measured
-from logic import cluster
-from logic.grammar import find
+from vitruvius.logic import cluster
+from vitruvius.logic.grammar import find
 
 warnings.showwarning = lambda message, *_: print(message)
 cluster.RETRIES = 1
@@ -77,10 +77,10 @@ else:
 STUDY = """
 import sys
 from pathlib import Path
-from agent.evaluation import protocol
-from agent.evaluation.scores import modes_of
+from vitruvius.agent.evaluation import protocol
+from vitruvius.agent.evaluation.scores import modes_of
 from benchmarks.common.processes import Job, run_all
-from logic import cluster
+from vitruvius.logic import cluster
 from tests.logic.dataset.test_engine import ONCE
 from tests.sample_houses import random_house
 
@@ -290,7 +290,7 @@ def test_errors_cross_processes_whole() -> None:
 LISTENING = """
 import contextlib, os, sys
 from pathlib import Path
-from logic import cluster
+from vitruvius.logic import cluster
 from tests.hostile.watch import descendants
 
 with cluster.connected(workers=1):

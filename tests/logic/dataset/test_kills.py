@@ -6,9 +6,9 @@ import sys
 import time
 from pathlib import Path
 
-from logic.dataset.sets import read_manifest
 from tests.logic.dataset.sets import content
 from tests.programs import PATIENCE
+from vitruvius.logic.dataset.sets import read_manifest
 
 ROOT = Path(__file__).parents[3]
 

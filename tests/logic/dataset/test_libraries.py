@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from logic import HouseSet, load
-from logic.dataset.rows import house_of, house_sha256
-from logic.dataset.sets import read_set
+from vitruvius.logic import HouseSet, load
+from vitruvius.logic.dataset.rows import house_of, house_sha256
+from vitruvius.logic.dataset.sets import read_set
 
 SPLITS = {"train": 12, "validation": 3, "test": 2}
 

@@ -11,13 +11,22 @@ from typing import Any
 import pytest
 from msgspec import structs
 
-from logic import House, HouseFileError, Houses, HouseSet, check, generate, load
-from logic.dataset.formats import GROUP, Files, written
-from logic.dataset.rows import HOUSE, Row, limit_row
-from logic.dataset.sets import MANIFEST, SET, Held, Manifest, Shard, encoded, read_manifest, read_set
-from logic.dataset.shards import complete
 from tests.logic.dataset.sets import command, restate
 from tests.programs import finished
+from vitruvius.logic import House, HouseFileError, Houses, HouseSet, check, generate, load
+from vitruvius.logic.dataset.formats import GROUP, Files, written
+from vitruvius.logic.dataset.rows import HOUSE, Row, limit_row
+from vitruvius.logic.dataset.sets import (
+    MANIFEST,
+    SET,
+    Held,
+    Manifest,
+    Shard,
+    encoded,
+    read_manifest,
+    read_set,
+)
+from vitruvius.logic.dataset.shards import complete
 
 ROWS = 79 * GROUP
 
@@ -115,7 +124,7 @@ def manifest(folder: Path) -> Manifest:
 def peak(folder: Path, rows: int) -> int:
     """Return the peak memory of a process that reads all houses, KiB."""
     program = (
-        "import resource, sys; from logic import load; houses = load(sys.argv[1]); "
+        "import resource, sys; from vitruvius.logic import load; houses = load(sys.argv[1]); "
         "print(sum(1 for _ in houses), houses[len(houses) // 2].rooms[0].name, "
         "resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     )

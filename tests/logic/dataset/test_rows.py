@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from logic.dataset.formats import read, written
-from logic.dataset.rows import house_of, house_row, house_sha256, limit_row, source
-from logic.dataset.sets import Set
-from logic.dataset.splits import SPLITS, split_of
-from logic.house.house import House
-from logic.house.promises import Promises
 from tests.logic.workers import in_process
+from vitruvius.logic.dataset.formats import read, written
+from vitruvius.logic.dataset.rows import house_of, house_row, house_sha256, limit_row, source
+from vitruvius.logic.dataset.sets import Set
+from vitruvius.logic.dataset.splits import SPLITS, split_of
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.promises import Promises
 
 SIZES = {"family": 4, "home": 6, "apartments": 8}
 

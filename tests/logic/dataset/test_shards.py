@@ -10,17 +10,17 @@ from typing import Any
 
 import pytest
 
-from logic import House, HouseSet, LimitReached, generate
-from logic.dataset.formats import read
-from logic.dataset.rows import house_sha256
-from logic.dataset.sets import Manifest, read_manifest, read_set
-from logic.errors import Killed
-from logic.grammar import SHIPPED
-from logic.workers.series import HouseSeries
 from tests.logic.dataset.sets import command, content, made
 from tests.programs import finished
 from vitruvius.info.kinds import SetOfHouses
 from vitruvius.info.recognise import recognised
+from vitruvius.logic import House, HouseSet, LimitReached, generate
+from vitruvius.logic.dataset.formats import read
+from vitruvius.logic.dataset.rows import house_sha256
+from vitruvius.logic.dataset.sets import Manifest, read_manifest, read_set
+from vitruvius.logic.errors import Killed
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.workers.series import HouseSeries
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,11 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from PIL import Image, ImageColor
 
-from logic import House, Piece, Rect, load
-from logic.drawing.canvas import (
+from tests.logic.house.handmade import Sketch, built, sketches, turned, turned_house
+from tests.plans import PLANS
+from tests.sample_houses import changed_star
+from vitruvius.logic import House, Piece, Rect, load
+from vitruvius.logic.drawing.canvas import (
     DENSITY,
     Block,
     Drawing,
@@ -34,21 +37,18 @@ from logic.drawing.canvas import (
     png,
     text_width,
 )
-from logic.drawing.door_leaves import Leaf, door_leaves
-from logic.drawing.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
-from logic.drawing.frame import BEYOND, INNER, OUTER, Frame, drawn_extent, extent, grown
-from logic.drawing.furniture import piece_shapes
-from logic.drawing.labels import LEAST, abbreviations
-from logic.drawing.palettes import Inks, style
-from logic.drawing.plan import boxes_of, house_shapes, opening, wall_boxes
-from logic.house.boxes import distance, excess, overlap
-from logic.house.looks import DEFAULT as LOOKS
-from logic.house.part_names import doors_by_name, target_in, windows_by_name
-from logic.house.parts import ORIGINAL, OUTSIDE, Door, Provenance, Room
-from logic.house.promises import Thickness
-from tests.logic.house.handmade import Sketch, built, sketches, turned, turned_house
-from tests.plans import PLANS
-from tests.sample_houses import changed_star
+from vitruvius.logic.drawing.door_leaves import Leaf, door_leaves
+from vitruvius.logic.drawing.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
+from vitruvius.logic.drawing.frame import BEYOND, INNER, OUTER, Frame, drawn_extent, extent, grown
+from vitruvius.logic.drawing.furniture import piece_shapes
+from vitruvius.logic.drawing.labels import LEAST, abbreviations
+from vitruvius.logic.drawing.palettes import Inks, style
+from vitruvius.logic.drawing.plan import boxes_of, house_shapes, opening, wall_boxes
+from vitruvius.logic.house.boxes import distance, excess, overlap
+from vitruvius.logic.house.looks import DEFAULT as LOOKS
+from vitruvius.logic.house.part_names import doors_by_name, target_in, windows_by_name
+from vitruvius.logic.house.parts import ORIGINAL, OUTSIDE, Door, Provenance, Room
+from vitruvius.logic.house.promises import Thickness
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 INKS = Inks()
@@ -341,7 +341,7 @@ def test_a_leaf_is_as_long_as_its_door_hangs_on_a_jamb_and_swings_into_a_room(ho
 
 
 def test_a_leaf_sweeps_over_furniture_only_where_each_other_way_would_too() -> None:
-    houses = load(Path(__file__).parents[3] / "benchmarks/houses/home-test-v1.jsonl.gz")[:60]
+    houses = load(Path(__file__).parents[3] / "agent/houses/home-test-v1.jsonl.gz")[:60]
     doors, blocked = 0, 0
     for house in houses:
         for leaf, door in zip(door_leaves(house), house.doors, strict=True):
@@ -478,7 +478,7 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
 
 @pytest.mark.parametrize("size", [200, 300, 720])
 def test_a_name_in_full_hides_no_furniture_and_the_key_has_the_abbreviations_that_are_used(size: int) -> None:
-    bank = Path(__file__).parents[3] / "benchmarks" / "houses"
+    bank = Path(__file__).parents[3] / "agent" / "houses"
     houses = [*load(bank / "home-test-v1.jsonl.gz")[:48], *load(bank / "test-v1.jsonl.gz")[:16]]
     seen = Counter[str]()
     for house in houses:
@@ -590,7 +590,7 @@ def test_one_scale_makes_a_metre_as_long_in_all_plans(tmp_path: Path) -> None:
 def test_the_colour_of_a_new_type_is_the_same_in_each_process() -> None:
     names = ["library", "greenhouse", "cellar", "foyer", "office"]
     code = (
-        "from logic import House, Room; from logic.drawing.palettes import style; "
+        "from vitruvius.logic import House, Room; from vitruvius.logic.drawing.palettes import style; "
         f"rooms = tuple(Room(4 * k, 0, 4, 4, f'R{{k}}', name) for k, name in enumerate({names!r})); "
         f"print(*(style([House(rooms)]).fill(name).colour for name in {names!r}))"
     )

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from logic import House, RequestError, Room, save
-from logic.drawing.canvas import Block, Part, Rings, Text
-from logic.drawing.draw import MILLIMETRE
-from logic.drawing.pages import BORDER, SIZES, page, scale_of
-from logic.drawing.palettes import style
 from tests.plans import PLANS
 from vitruvius.cli import main
+from vitruvius.logic import House, RequestError, Room, save
+from vitruvius.logic.drawing.canvas import Block, Part, Rings, Text
+from vitruvius.logic.drawing.draw import MILLIMETRE
+from vitruvius.logic.drawing.pages import BORDER, SIZES, page, scale_of
+from vitruvius.logic.drawing.palettes import style
 
 FLAT = PLANS["flat"]
 LOOK = style([FLAT])

@@ -22,14 +22,14 @@ from msgspec.structs import replace
 from PIL import Image
 from pxr import Usd, UsdGeom, UsdPhysics
 
-from logic import Door, FreeWall, House, Piece, RequestError, Room, Window, load
-from logic.exports import FORMATS, export
-from logic.exports.mjcf import THIN
-from logic.exports.solids import Solid, solids
-from logic.house.parts import OUTSIDE, Provenance
-from logic.house.promises import Promises
 from tests.sample_houses import ONE_ROOM, drawn
 from tests.thick import thickened
+from vitruvius.logic import Door, FreeWall, House, Piece, RequestError, Room, Window, load
+from vitruvius.logic.exports import FORMATS, export
+from vitruvius.logic.exports.mjcf import THIN
+from vitruvius.logic.exports.solids import Solid, solids
+from vitruvius.logic.house.parts import OUTSIDE, Provenance
+from vitruvius.logic.house.promises import Promises
 
 
 def own(*rooms: Room, doors: Iterable[Door] = (), topology: str = "own", **more: Any) -> House:

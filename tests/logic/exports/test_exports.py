@@ -19,14 +19,14 @@ import yaml
 from PIL import Image
 from pxr import Usd, UsdGeom
 
-from agent.banks import benchmark
-from logic import FreeWall, House, Room, save
-from logic.exports import FORMATS, export
-from logic.exports.solids import HEAD, SILL, WALL_HEIGHT, solids
-from logic.request.given_plan import read_plan
 from tests.plans import PLANS
 from tests.sample_houses import RANDOM, example
+from vitruvius.agent.banks import benchmark
 from vitruvius.cli import main
+from vitruvius.logic import FreeWall, House, Room, save
+from vitruvius.logic.exports import FORMATS, export
+from vitruvius.logic.exports.solids import HEAD, SILL, WALL_HEIGHT, solids
+from vitruvius.logic.request.given_plan import read_plan
 
 PAGE = Path(__file__).parents[3] / "docs" / "house-file.md"
 HOME, STAR, ORIGINAL = benchmark("home-test-v1")[3], RANDOM[0], example()

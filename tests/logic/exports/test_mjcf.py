@@ -9,14 +9,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from agent.banks import benchmark
-from logic import FreeWall, House, Room
-from logic.exports.mjcf import EYE, to_mjcf
-from logic.grammar import SHIPPED, shipped
-from logic.house.looks import folder_looks
-from sim import HouseVectorEnv
-from sim.config import DEFAULT
 from tests.sample_houses import RANDOM, example
+from vitruvius.agent.banks import benchmark
+from vitruvius.logic import FreeWall, House, Room
+from vitruvius.logic.exports.mjcf import EYE, to_mjcf
+from vitruvius.logic.grammar import SHIPPED, shipped
+from vitruvius.logic.house.looks import folder_looks
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import DEFAULT
 
 CELLS = np.zeros((30, 50), bool)
 CELLS[[0, -1]] = CELLS[8:20, 20:26] = True

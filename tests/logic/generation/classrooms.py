@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from logic.generation.builder import Builder
-from logic.grammar import find
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
 
 PLAN = """
 topology(dissection).  type(foyer; classroom).  empty(foyer).

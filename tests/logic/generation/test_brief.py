@@ -14,13 +14,13 @@ from scipy.cluster.hierarchy import DisjointSet
 import logic
 from benchmarks.briefs.bank import frozen
 from benchmarks.generator.verdicts import brief_systems, until_refuted, verdicts
-from logic import House, RequestError, Unsatisfiable
-from logic.checking.check import violations
-from logic.grammar import find
-from logic.house.parts import OUTSIDE, Room
-from logic.request.brief import Brief, alone, read_brief
-from logic.request.request import Request
 from tests.logic.workers import in_process
+from vitruvius.logic import House, RequestError, Unsatisfiable
+from vitruvius.logic.checking.check import violations
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.parts import OUTSIDE, Room
+from vitruvius.logic.request.brief import Brief, alone, read_brief
+from vitruvius.logic.request.request import Request
 
 FLAT: dict[str, Any] = {
     "rooms": [
@@ -42,7 +42,7 @@ SIDES = {"north": 1, "east": 2, "south": 3, "west": 0}
 
 
 def generate(brief: dict[str, Any], grammar: str | None = None, **how: Any) -> Iterator[House]:
-    """Yield the houses of ``logic.generate`` for a brief, in this process."""
+    """Yield the houses of ``vitruvius.generate`` for a brief, in this process."""
     read = read_brief(brief)
     record = msgspec.to_builtins(read if grammar else alone(read))
     return in_process.generate(len(read.rooms), grammar=grammar or "plain", brief=record, **how)

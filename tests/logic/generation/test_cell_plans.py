@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import pytest
 from msgspec.structs import replace
 
-from logic import check
-from logic.house.house import House
-from logic.house.parts import Rect
 from tests.logic.workers.in_process import generate
+from vitruvius.logic import check
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Rect
 
 CELL = 0.3
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from clingo import Symbol
 
-from logic import Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Room
-from logic.layout.programs import Programs
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
 from tests.logic.workers import in_process
+from vitruvius.logic import Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Room
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 10**8
 

@@ -8,17 +8,17 @@ import clingo
 import numpy as np
 import pytest
 
-from logic import Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.house.house import House
-from logic.language.linter import all_warnings
-from logic.layout import program
-from logic.layout.program import Program, TooMany
-from logic.layout.programs import CROWD, crowded
-from logic.layout.relaxed import Relaxed, Statement
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
 from tests.logic.generation import classrooms
+from vitruvius.logic import Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.house.house import House
+from vitruvius.logic.language.linter import all_warnings
+from vitruvius.logic.layout import program
+from vitruvius.logic.layout.program import Program, TooMany
+from vitruvius.logic.layout.programs import CROWD, crowded
+from vitruvius.logic.layout.relaxed import Relaxed, Statement
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 DESKS = """
 {types}

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 import shapely
 
-from logic import GrammarError, check, generate
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.house import House
-from logic.request.request import Request
+from vitruvius.logic import GrammarError, check, generate
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.request.request import Request
 
 DISSECTION = Path(__file__).parents[3] / "examples" / "dissection"
 

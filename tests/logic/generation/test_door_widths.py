@@ -7,11 +7,11 @@ import pytest
 from msgspec import structs
 
 import logic
-from logic import GrammarError, RequestError, Unsatisfiable, check
-from logic.grammar import SHIPPED
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door
 from tests.logic.workers.in_process import generate
+from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door
 
 WIDTHS = {
     frozenset(("bathroom", "corridor")): 0.7,

@@ -6,13 +6,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from logic import Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.house.house import House
-from logic.house.parts import Room
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
 from tests.logic.generation import classrooms
+from vitruvius.logic import Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Room
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 SCHOOL = """
 {types}

@@ -3,12 +3,12 @@
 import pytest
 from clingo import Function, Number, parse_term
 
-from logic.generation.furnish import Frame, GivenRoom, Unfurnishable
-from logic.generation.movable_doors import LooseRoom
-from logic.generation.tiling import _apart
-from logic.generation.units import Unit
-from logic.house.parts import Rect
-from logic.request.request import Request
+from vitruvius.logic.generation.furnish import Frame, GivenRoom, Unfurnishable
+from vitruvius.logic.generation.movable_doors import LooseRoom
+from vitruvius.logic.generation.tiling import _apart
+from vitruvius.logic.generation.units import Unit
+from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.request.request import Request
 
 ROOM = Rect(1, 1, 4, 3)
 SOUTH = [Rect(2, 4, 0.9, 0), Rect(1, 2, 0, 0.8), Rect(4, 1, 0.7, 0)]

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from logic import Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.house import House
-from logic.house.parts import Piece, Room
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
+from vitruvius.logic import Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Piece, Room
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 10**8
 SEEDS = range(6)

@@ -9,18 +9,18 @@ import shapely
 from clingo import Function, Number, Symbol
 from shapely.geometry.base import BaseGeometry
 
-from logic.errors import LimitReached
-from logic.generation.builder import Builder
-from logic.generation.furnish import Frame, GivenRoom, Unfurnishable, furnished
-from logic.generation.movable_doors import LooseRoom
-from logic.grammar import SHIPPED, find
-from logic.house.boxes import TOLERANCE
-from logic.house.boxes import overlap as overlapping
-from logic.house.parts import Piece, Rect, pieces_of
-from logic.layout.program import Program
-from logic.layout.programs import GIVEN
-from logic.layout.terms import parts as terms_of
-from logic.request.request import Request
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.furnish import Frame, GivenRoom, Unfurnishable, furnished
+from vitruvius.logic.generation.movable_doors import LooseRoom
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.boxes import TOLERANCE
+from vitruvius.logic.house.boxes import overlap as overlapping
+from vitruvius.logic.house.parts import Piece, Rect, pieces_of
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.terms import parts as terms_of
+from vitruvius.logic.request.request import Request
 
 NEAR = 1e-6
 PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8

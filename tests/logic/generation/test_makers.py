@@ -7,25 +7,25 @@ import numpy as np
 import pytest
 from clingo import Function, Number, parse_term
 
-from logic.errors import LimitReached, RequestError
-from logic.generation import builder as building
-from logic.generation import movable_doors
-from logic.generation.brief import BriefMaker
-from logic.generation.builder import Builder
-from logic.generation.furnish import GivenRoom, Unfurnishable
-from logic.generation.given_plan import PATIENCE, GivenPlanMaker
-from logic.generation.movable_doors import LooseRoom
-from logic.generation.shared_walls import SharedWallsMaker, at_face
-from logic.generation.star import StarMaker
-from logic.generation.tiling import require_tiling
-from logic.generation.units import Unit, UnitsMaker
-from logic.house.house import House
-from logic.house.parts import Rect, Room
-from logic.layout.program import Conflict
-from logic.placement.plan import Plan, PlanDoor, PlanRoom, sides
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.logic.request.test_given_plan import BOXES, geojson
+from vitruvius.logic.errors import LimitReached, RequestError
+from vitruvius.logic.generation import builder as building
+from vitruvius.logic.generation import movable_doors
+from vitruvius.logic.generation.brief import BriefMaker
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.furnish import GivenRoom, Unfurnishable
+from vitruvius.logic.generation.given_plan import PATIENCE, GivenPlanMaker
+from vitruvius.logic.generation.movable_doors import LooseRoom
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker, at_face
+from vitruvius.logic.generation.star import StarMaker
+from vitruvius.logic.generation.tiling import require_tiling
+from vitruvius.logic.generation.units import Unit, UnitsMaker
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Rect, Room
+from vitruvius.logic.layout.program import Conflict
+from vitruvius.logic.placement.plan import Plan, PlanDoor, PlanRoom, sides
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 DEN = GivenRoom("den", Rect(1, 1, 4, 3), [Rect(2, 4, 0.9, 0)])
 NO_MOVE = LooseRoom(DEN, [None])

@@ -7,19 +7,19 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from logic import Unsatisfiable, check
-from logic.drawing.door_leaves import door_leaves
-from logic.exports.geojson import to_geojson
-from logic.exports.solids import solids
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.boxes import Box, distance
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door
-from logic.proofs.answer import house_or_proof
-from logic.request.brief import read_brief
-from logic.request.own_plan import OwnPlan
-from logic.request.request import Request
+from vitruvius.logic import Unsatisfiable, check
+from vitruvius.logic.drawing.door_leaves import door_leaves
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.exports.solids import solids
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.boxes import Box, distance
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.brief import read_brief
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 10**8
 OPEN = "opening(living,(kitchen;dining)).\n"

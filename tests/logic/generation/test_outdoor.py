@@ -9,17 +9,17 @@ import pytest
 import shapely
 from msgspec import structs
 
-from logic import RequestError, Unsatisfiable, check, generate
-from logic.drawing.draw import plan_svg
-from logic.drawing.wall_union import wall_rings
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Room, Window
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
-from logic.why.shared_walls import PlanWitness
 from tests.logic.request.test_given_plan import Box, geojson
+from vitruvius.logic import RequestError, Unsatisfiable, check, generate
+from vitruvius.logic.drawing.draw import plan_svg
+from vitruvius.logic.drawing.wall_union import wall_rings
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Room, Window
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.shared_walls import PlanWitness
 
 INFERENCES = 10**8
 BALCONY = """
@@ -218,7 +218,7 @@ def test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door(tmp_pa
 
 def test_a_body_finds_targets_on_a_patio_and_its_boards_are_drawn(tmp_path: Path) -> None:
     house = Builder(find(grammar(tmp_path / "mine"))).house(Request(3), 0, 0, INFERENCES)
-    env = gym.make("sim:Vitruvius/House-v0", houses=[house], targets={"rooms": ["patio"]})
+    env = gym.make("vitruvius:Vitruvius/House-v0", houses=[house], targets={"rooms": ["patio"]})
     west, north, east, south = of_type(house, "patio").box
     for seed in range(3):
         _, info = env.reset(seed=seed)

@@ -9,21 +9,21 @@ import pytest
 import shapely
 from msgspec import UNSET, ValidationError, structs
 
-from logic import PlanWarning, RequestError, Unsatisfiable, check
-from logic.drawing.frame import Frame
-from logic.drawing.labels import room_names
-from logic.drawing.palettes import style
-from logic.exports.geojson import to_geojson
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.house import House
-from logic.house.parts import Room
-from logic.proofs.answer import house_or_proof
-from logic.request.brief import read_brief
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
-from logic.request.request import Request
-from logic.workers.nearest_plan import nearest_plan
+from vitruvius.logic import PlanWarning, RequestError, Unsatisfiable, check
+from vitruvius.logic.drawing.frame import Frame
+from vitruvius.logic.drawing.labels import room_names
+from vitruvius.logic.drawing.palettes import style
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Room
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.brief import read_brief
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.workers.nearest_plan import nearest_plan
 
 INFERENCES = 10**8
 RULES = """

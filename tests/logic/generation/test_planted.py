@@ -10,13 +10,13 @@ from benchmarks.briefs.at_limits import planted
 from benchmarks.briefs.attempts import attempt
 from benchmarks.briefs.planted import row_of
 from benchmarks.briefs.tightened import tightened
-from logic.grammar import find
-from logic.house.house import House
-from logic.proofs.answer import house_or_proof
-from logic.request.brief import alone, read_brief
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.logic.workers import in_process
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.brief import alone, read_brief
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 BRIEFS, INFERENCES = range(60), 10_000_000
 

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from logic import Unsatisfiable, check, generate, nearest_plan
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.house import House
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
 from tests.logic.request.test_given_plan import Box, geojson
+from vitruvius.logic import Unsatisfiable, check, generate, nearest_plan
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 HOTEL = Path(__file__).parents[3] / "examples" / "hotel"
 INFERENCES = 10**8

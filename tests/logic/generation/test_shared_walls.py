@@ -11,20 +11,20 @@ import pytest
 from clingo import Symbol
 
 from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
-from logic import GrammarError, RequestError, Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.grammar import SHIPPED, find
-from logic.house.boxes import overlap
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Rect
-from logic.house.star import Star, StarRoom
-from logic.layout.program import Nogood
-from logic.layout.programs import Programs
-from logic.placement.plan import Plan
-from logic.proofs.answer import house_or_proof
-from logic.request.fixed_rooms import fixed_rooms
-from logic.request.request import Request
+from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.boxes import overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Rect
+from vitruvius.logic.house.star import Star, StarRoom
+from vitruvius.logic.layout.program import Nogood
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.placement.plan import Plan
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.fixed_rooms import fixed_rooms
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 10**8
 ROW = """%# Topology `row`: the rooms stand in a row, from west to east.

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from clingo import Function, Number
 
-from logic.errors import LimitReached
-from logic.generation.builder import Builder
-from logic.generation.star import MOST_MISFITS, Nogoods, StarMaker
-from logic.grammar import find
-from logic.layout.program import Conflict
-from logic.placement.placer import Infeasible, Misfit
-from logic.request.request import Request
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.star import MOST_MISFITS, Nogoods, StarMaker
+from vitruvius.logic.grammar import find
+from vitruvius.logic.layout.program import Conflict
+from vitruvius.logic.placement.placer import Infeasible, Misfit
+from vitruvius.logic.request.request import Request
 
 FOUR = Request(4)
 

@@ -12,18 +12,18 @@ import pytest
 import shapely
 from msgspec import structs
 
-from logic import GrammarError, Unsatisfiable, check, generate
-from logic.exports.geojson import to_geojson
-from logic.exports.solids import solids
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.house.promises import Promises, Thickness
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.logic.workers import in_process
 from tests.thick import faces
+from vitruvius.logic import GrammarError, Unsatisfiable, check, generate
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.exports.solids import solids
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.house.promises import Promises, Thickness
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 MASONRY = Path(__file__).parents[3] / "examples" / "masonry"
 INNER, OUTER = 0.12, 0.36

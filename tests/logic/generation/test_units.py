@@ -7,15 +7,15 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from logic import GrammarError, House, RequestError, Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.generation.units import _units_of
-from logic.grammar import SHIPPED, find
-from logic.house.parts import OUTSIDE
-from logic.language.loaded import LoadedGrammar
-from logic.layout.programs import Programs
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
+from vitruvius.logic import GrammarError, House, RequestError, Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.units import _units_of
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.parts import OUTSIDE
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 10**9
 PUBLIC = "commonCorridor"
@@ -73,7 +73,9 @@ def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
 ) -> None:
     """A flat of 5 rooms between two others has light from one side, and is infeasible if flats are deep."""
     tried = list[int]()
-    monkeypatch.setattr("logic.generation.units._units_of", lambda *made: tried.append(1) or _units_of(*made))
+    monkeypatch.setattr(
+        "vitruvius.logic.generation.units._units_of", lambda *made: tried.append(1) or _units_of(*made)
+    )
     house = apartments.house(Request(64), 0, 0, INFERENCES)
     assert check(house) == []
     assert len(units(house)) > 6

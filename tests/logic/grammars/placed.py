@@ -7,10 +7,10 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from logic import generate
-from logic.house.boxes import BACK, Box, overlap
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Piece, Room
+from vitruvius.logic import generate
+from vitruvius.logic.house.boxes import BACK, Box, overlap
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Piece, Room
 
 NEAR = 1.2
 """Distance in metres below which a wall blocks the view from a sofa."""

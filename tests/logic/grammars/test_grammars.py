@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from clingo.ast import ASTType, parse_files
 
-from logic import GrammarError, House, VitruviusError, check, generate
-from logic.grammar import SHIPPED, find, shipped
-from logic.house.promises import PROMISES, Promises
 from tests import architect
 from tests.logic.workers import in_process
+from vitruvius.logic import GrammarError, House, VitruviusError, check, generate
+from vitruvius.logic.grammar import SHIPPED, find, shipped
+from vitruvius.logic.house.promises import PROMISES, Promises
 
 BASE = SHIPPED / "family"
 

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from logic import GrammarError, House
-from logic.browser.watch.session import Rules, Session
-from logic.errors import Unsatisfiable
-from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import MISTAKES, linted
 from tests.logic.workers import in_process
 from tests.programs import PATIENCE
+from vitruvius.logic import GrammarError, House
+from vitruvius.logic.browser.watch.session import Rules, Session
+from vitruvius.logic.errors import Unsatisfiable
+from vitruvius.logic.grammar import SHIPPED, find
 
 LP, PL = '#include "{}".', ":- include('{}')."
 

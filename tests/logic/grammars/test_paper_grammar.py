@@ -6,8 +6,8 @@ from itertools import combinations
 
 import pytest
 
-from logic import House, Piece, Room, generate
-from logic.house.boxes import BACK, distance, is_on_wall, overlap, walls_touched
+from vitruvius.logic import House, Piece, Room, generate
+from vitruvius.logic.house.boxes import BACK, distance, is_on_wall, overlap, walls_touched
 
 FOOT = 0.3048
 NEAR = 1e-6

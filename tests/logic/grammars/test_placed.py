@@ -4,10 +4,10 @@ from collections import Counter
 
 import pytest
 
-from logic import generate
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Piece, Room, Window
 from tests.logic.grammars.placed import counted
+from vitruvius.logic import generate
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Piece, Room, Window
 
 
 def house(

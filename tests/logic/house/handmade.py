@@ -6,9 +6,9 @@ from typing import TypeVar, cast
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from logic import House, Piece, Rect, Star, StarRoom
-from logic.house.parts import Orientation
 from tests.sample_houses import changed_star
+from vitruvius.logic import House, Piece, Rect, Star, StarRoom
+from vitruvius.logic.house.parts import Orientation
 
 Placed = TypeVar("Placed", bound=Rect)
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from logic import House, save
-from logic.drawing.canvas import Line, flat
-from logic.drawing.difference import COLOURS, diff_drawing, diff_svg
-from logic.house.diff import changes
-from logic.house.part_names import target_in
 from tests.logic.house.handmade import built, sketches, turned_house
 from tests.plans import PLANS
 from vitruvius.cli import main
+from vitruvius.logic import House, save
+from vitruvius.logic.drawing.canvas import Line, flat
+from vitruvius.logic.drawing.difference import COLOURS, diff_drawing, diff_svg
+from vitruvius.logic.house.diff import changes
+from vitruvius.logic.house.part_names import target_in
 
 FLAT = PLANS["flat"]
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from IPython.core.formatters import DisplayFormatter
 
-from logic import Houses, load, save
-from logic.house.gallery import SHOWN
 from tests.plans import PLANS
+from vitruvius.logic import Houses, load, save
+from vitruvius.logic.house.gallery import SHOWN
 
 HOUSES = [*PLANS.values()]
 

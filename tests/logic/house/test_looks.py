@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from logic import GrammarError, House, Piece, RequestError, Room, lint
-from logic.drawing.canvas import Block, Part, Strokes
-from logic.drawing.draw import draw, plan
-from logic.drawing.palettes import PALETTES, Palette, style
-from logic.grammar import SHIPPED, shipped
-from logic.house.looks import DEFAULT, READABLE, contrast, folder_looks, looks_of
-from logic.house.parts import ORIGINAL, Provenance
 from tests.plans import PLANS
+from vitruvius.logic import GrammarError, House, Piece, RequestError, Room, lint
+from vitruvius.logic.drawing.canvas import Block, Part, Strokes
+from vitruvius.logic.drawing.draw import draw, plan
+from vitruvius.logic.drawing.palettes import PALETTES, Palette, style
+from vitruvius.logic.grammar import SHIPPED, shipped
+from vitruvius.logic.house.looks import DEFAULT, READABLE, contrast, folder_looks, looks_of
+from vitruvius.logic.house.parts import ORIGINAL, Provenance
 
 APART = 15
 """Least difference of colours for the colour-blind: CIE 1976, of which 2.3 is just visible."""
@@ -186,7 +186,7 @@ def lab(colour: str, sight: str = "normal") -> np.ndarray:
 
 @pytest.mark.parametrize("sight", MACHADO)
 def test_the_colour_blind_tell_the_distinct_colours_apart_and_what_came_from_what_went(sight: str) -> None:
-    from logic.drawing.difference import COLOURS
+    from vitruvius.logic.drawing.difference import COLOURS
 
     for colours, least in ((PALETTES["distinct"].floors, APART), ([*COLOURS.values()], 20)):
         for one, other in combinations(colours, 2):

@@ -17,13 +17,13 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from PIL import Image
 
-from agent.banks import benchmark
-from logic import House, HouseFileError, check, load, save
-from logic.exports import export
-from logic.house import occupancy
-from logic.house.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from tests.sample_houses import RANDOM, example
+from vitruvius.agent.banks import benchmark
 from vitruvius.cli import main
+from vitruvius.logic import House, HouseFileError, check, load, save
+from vitruvius.logic.exports import export
+from vitruvius.logic.house import occupancy
+from vitruvius.logic.house.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 SHARED = Path(__file__).parents[4] / "shared" / "maps"
 SAID = {
@@ -368,7 +368,7 @@ def test_a_house_file_with_a_map_that_is_none_is_refused(case: str) -> None:
 
 
 def test_a_map_has_no_rooms_for_plans_of_houses() -> None:
-    from logic import RequestError, generate
+    from vitruvius.logic import RequestError, generate
 
     house = House.from_grid([[0, 0], [0, 0]], 2.0)
     with pytest.raises(RequestError, match="it is a map of cells"):

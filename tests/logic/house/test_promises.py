@@ -12,19 +12,19 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from logic import House, RequestError, check, load, save
-from logic.checking.figures import figure, number, percent
-from logic.errors import HouseFileError
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.parts import Piece, Room
-from logic.house.promises import PROMISES, Promises, Thickness
-from logic.house.promises import given as stated
-from logic.request.request import Request
-from logic.workers.standards import promises_of, standard
 from tests.logic.workers import in_process
 from tests.plans import flat
 from vitruvius.commands.houses import Check
+from vitruvius.logic import House, RequestError, check, load, save
+from vitruvius.logic.checking.figures import figure, number, percent
+from vitruvius.logic.errors import HouseFileError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.parts import Piece, Room
+from vitruvius.logic.house.promises import PROMISES, Promises, Thickness
+from vitruvius.logic.house.promises import given as stated
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.workers.standards import promises_of, standard
 
 ROOMS = {"home": 5, "family": 4, "clinic": 6}
 """Numbers of rooms, as few as show most of what a grammar states."""

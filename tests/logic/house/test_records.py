@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from logic import FreeWall, House, check, load, save
-from logic.house.records import schema
-from logic.request.geojson import from_geojson
 from tests.logic.house.handmade import houses
 from tests.plans import PLANS
 from tests.sample_houses import FIXTURES, changed_record, random_house
 from vitruvius.cli import main
+from vitruvius.logic import FreeWall, House, check, load, save
+from vitruvius.logic.house.records import schema
+from vitruvius.logic.request.geojson import from_geojson
 
 SCHEMA = schema()
 RECORDS = [json.loads(json.dumps(house.to_dict())) for house in PLANS.values()]

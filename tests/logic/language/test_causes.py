@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from logic import GrammarError
-from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import linted
 from tests.programs import PATIENCE
+from vitruvius.logic import GrammarError
+from vitruvius.logic.grammar import SHIPPED, find
 
 MISSPELT = [
     ("rooms.lp", "type(hall;", "tpye(hall;", "did you mean type/1?"),

@@ -9,16 +9,16 @@ import msgspec
 import pytest
 from clingo import Function, Number
 
-from logic import House, LimitReached, Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.house.promises import Promises
-from logic.language.loaded import LoadedGrammar
-from logic.layout.account import BY_AREA, EASE
-from logic.proofs.answer import house_or_proof
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.logic.workers.in_process import generate
+from vitruvius.logic import House, LimitReached, Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.layout.account import BY_AREA, EASE
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 KITCHEN = "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }."
 AREA = "room_area(kitchen,   6.0, 16.0)."
@@ -196,8 +196,8 @@ def test_a_star_that_its_area_does_not_allow_is_proved_impossible_by_that_line(
 def test_a_limit_names_the_area_of_a_star_that_is_nearly_too_small(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("logic.generation.star.MOST_MISFITS", 3)
-    monkeypatch.setattr("logic.generation.star.MOST_AREAS", 3)
+    monkeypatch.setattr("vitruvius.logic.generation.star.MOST_MISFITS", 3)
+    monkeypatch.setattr("vitruvius.logic.generation.star.MOST_AREAS", 3)
     folder = edited(tmp_path / "mine", {}, "family")
     (folder / "area.pl").write_text("house_area(40.0, 41.0).")
     builder = Builder(find(folder))

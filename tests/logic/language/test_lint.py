@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from logic import GrammarError, GrammarWarning, generate, lint
-from logic.grammar import SHIPPED, find, shipped
-from logic.language import linter
-from logic.language.linter import findings
-from logic.layout.conditional import Source
-from logic.layout.program import Part
-from logic.layout.relaxed import Relaxed
 from vitruvius.cli import main
+from vitruvius.logic import GrammarError, GrammarWarning, generate, lint
+from vitruvius.logic.grammar import SHIPPED, find, shipped
+from vitruvius.logic.language import linter
+from vitruvius.logic.language.linter import findings
+from vitruvius.logic.layout.conditional import Source
+from vitruvius.logic.layout.program import Part
+from vitruvius.logic.layout.relaxed import Relaxed
 
 
 @pytest.mark.parametrize(

@@ -13,14 +13,14 @@ import clingo
 import pytest
 from clingo import Function, Number
 
-from logic import Finding, GrammarError, GrammarWarning, generate
-from logic.grammar import RULES, SHIPPED, find, shipped
-from logic.layout.differences import Differences
-from logic.layout.program import CORE
-from logic.placement import prolog
 from tests.logic.language import mistakes
 from tests.logic.language.mistakes import Mistake
 from tests.programs import PATIENCE
+from vitruvius.logic import Finding, GrammarError, GrammarWarning, generate
+from vitruvius.logic.grammar import RULES, SHIPPED, find, shipped
+from vitruvius.logic.layout.differences import Differences
+from vitruvius.logic.layout.program import CORE
+from vitruvius.logic.placement import prolog
 
 SECONDS = 2.0
 """CPU time in which a mistake must be found, seconds."""
@@ -34,7 +34,7 @@ MISTAKES = {each.title: each for table in TABLES for each in table.MISTAKES if i
 
 def linted(folder: Path) -> tuple[list[Finding], float]:
     """Return lint's findings about a grammar outside of this package, and its CPU time in seconds."""
-    from logic.language.linter import findings
+    from vitruvius.logic.language.linter import findings
 
     prolog.load(RULES / "core.pl")
     begin = time.process_time()

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from logic import GrammarError, Unsatisfiable, check
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import INFERENCES, builder
 from tests.logic.rules.plan_geometry import shared
+from vitruvius.logic import GrammarError, Unsatisfiable, check
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 RULES = """topology(mine).
 type(a;b;c).  empty(a;b;c).  lit(b).  degree(b,1,3).

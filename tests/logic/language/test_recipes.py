@@ -12,18 +12,18 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from logic.checking.least_main_room import side_of
-from logic.errors import Finding
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, TOPOLOGIES, find
-from logic.house.boxes import BACK, TOLERANCE, WALLS, is_on_wall, walls_touched
-from logic.house.house import House
-from logic.house.parts import Piece, Room
-from logic.house.star import StarRoom
-from logic.language.linter import all_warnings, errors
-from logic.language.loaded import LoadedGrammar
-from logic.language.reference import Recipe, asp_entries, prolog_entries, recipes
-from logic.request.request import Request
+from vitruvius.logic.checking.least_main_room import side_of
+from vitruvius.logic.errors import Finding
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, TOPOLOGIES, find
+from vitruvius.logic.house.boxes import BACK, TOLERANCE, WALLS, is_on_wall, walls_touched
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Piece, Room
+from vitruvius.logic.house.star import StarRoom
+from vitruvius.logic.language.linter import all_warnings, errors
+from vitruvius.logic.language.loaded import LoadedGrammar
+from vitruvius.logic.language.reference import Recipe, asp_entries, prolog_entries, recipes
+from vitruvius.logic.request.request import Request
 
 SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 """Numbers of rooms of the houses in which a recipe is tested."""

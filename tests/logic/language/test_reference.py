@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from logic.grammar import RULES, find, shipped
-from logic.language.reference import asp_entries, page, prolog_entries, recipes
+from vitruvius.logic.grammar import RULES, find, shipped
+from vitruvius.logic.language.reference import asp_entries, page, prolog_entries, recipes
 
 ROOT = Path(__file__).parents[3]
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from logic.errors import VitruviusError
-from logic.grammar import SHIPPED, find
-from logic.request.request import Request
 from tests.programs import PATIENCE
+from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.request.request import Request
 
 # Whole texts at the end of sizes.pl. RUN leaves a file behind if it ever runs.
 REFUSED = {
@@ -103,9 +103,9 @@ WAYS = {
 
 def tried(folder: Path, trace: Path) -> tuple[list[str], bool, bool]:
     """Return lint's errors, and True for lint and for a bedroom if they left a trace."""
-    from logic.generation.builder import Builder
-    from logic.language.linter import findings
-    from logic.proofs.answer import house_or_proof
+    from vitruvius.logic.generation.builder import Builder
+    from vitruvius.logic.language.linter import findings
+    from vitruvius.logic.proofs.answer import house_or_proof
 
     errors = [each.text for each in findings(find(folder)) if each.severity == "error"]
     linted = trace.exists()

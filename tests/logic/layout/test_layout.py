@@ -10,14 +10,14 @@ import pytest
 from clingo import Function, Number, Symbol
 from scipy.stats import chisquare
 
-from logic import GrammarError
-from logic.generation.evidence import NoLayout
-from logic.grammar import find
-from logic.layout.branching import Brancher
-from logic.layout.program import Program
-from logic.layout.terms import granted, parts, requirements
-from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import ROW, builder, copied
+from vitruvius.logic import GrammarError
+from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.grammar import find
+from vitruvius.logic.layout.branching import Brancher
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.layout.terms import granted, parts, requirements
+from vitruvius.logic.request.request import Request
 
 FAMILY = find("family")
 CHOICE = """

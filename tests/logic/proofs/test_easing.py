@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.proofs.easing import easing
-from logic.request.request import Request
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.proofs.easing import easing
+from vitruvius.logic.request.request import Request
 
 HARD: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     "more rooms than keys": (

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from logic import House, Unsatisfiable
-from logic.errors import Reason
-from logic.grammar import SHIPPED
 from tests.logic.proofs.conflicts import CASES
 from tests.logic.workers import in_process
 from vitruvius.cli import main
+from vitruvius.logic import House, Unsatisfiable
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.grammar import SHIPPED
 
 Case = tuple[Path, dict[str, Any], list[str], Unsatisfiable]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from logic import GrammarError, House, Unsatisfiable
-from logic.grammar import find
-from logic.language.linter import findings
 from tests.logic.workers import in_process
+from vitruvius.logic import GrammarError, House, Unsatisfiable
+from vitruvius.logic.grammar import find
+from vitruvius.logic.language.linter import findings
 
 TYPES = ("hall", "den", "bath", "passage")
 ROOMS = """topology(ring).

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from logic import House, Unsatisfiable
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
 from tests.logic.generation.test_shared_walls import builder
 from tests.logic.request.test_given_plan import BOXES, Box, geojson, made
+from vitruvius.logic import House, Unsatisfiable
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
 
 TYPED = {"hall": "hall", "living": "living", "kitchen": "kitchen", "bath": "bathroom", "bedroom": "bedroom"}
 
@@ -133,7 +133,7 @@ def test_where_the_shortest_proof_takes_too_long_another_one_is_found(
     home: Builder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The proof is irreducible, too: the search for the shortest ends at its first conflict."""
-    monkeypatch.setattr("logic.proofs.least.MOST_CONFLICTS", 1)
+    monkeypatch.setattr("vitruvius.logic.proofs.least.MOST_CONFLICTS", 1)
     boxes, types, request, lines = CASES["a room that is no living room"]
     with pytest.raises(Unsatisfiable) as caught:
         made(home, geojson(BOXES | boxes, **(TYPED | types)), **request)
@@ -157,7 +157,7 @@ def test_of_the_statements_of_a_large_plan_those_are_named_that_matter_if_they_a
     boxes, types, request, lines = CASES["a hall too narrow"]
     plan = geojson(BOXES | boxes, **(TYPED | types))
     for most, expected in ((2, lines[:2]), (1, ["and 1 more that it says of its rooms"])):
-        monkeypatch.setattr("logic.proofs.least.MOST_NAMED", most)
+        monkeypatch.setattr("vitruvius.logic.proofs.least.MOST_NAMED", most)
         with pytest.raises(Unsatisfiable) as caught:
             made(home, plan, **request)
         found = [each.text for each in caught.value.reasons if each.text.startswith("plan:")]

@@ -7,19 +7,19 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from logic import GrammarWarning, Unsatisfiable, check, generate
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.house import House
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.language.linter import findings
-from logic.proofs.answer import house_or_proof
-from logic.proofs.giving_way import without
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
-from logic.why.kinds import witness_of
 from tests.logic.generation.test_shared_walls import builder, copied
 from tests.logic.request.test_given_plan import BOXES, Box, geojson
+from vitruvius.logic import GrammarWarning, Unsatisfiable, check, generate
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.language.linter import findings
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.proofs.giving_way import without
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.kinds import witness_of
 
 INFERENCES = 10**8
 ROOMS = {"hall": "hall", "living": "living", "kitchen": "kitchen", "bath": "bathroom", "bedroom": "bedroom"}

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from logic import Unsatisfiable, check, generate, nearest_plan
 from tests.logic.readers.written import WRITERS
+from vitruvius.logic import Unsatisfiable, check, generate, nearest_plan
 
 
 def main() -> None:

@@ -10,9 +10,9 @@ import shapely
 from shapely import Polygon, affinity, box
 from shapely.geometry import mapping
 
-from logic import PlanWarning
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
+from vitruvius.logic import PlanWarning
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
 
 LARGE, MIDDLE, SMALL = box(0, 0, 8, 5), box(0, 0, 6, 5), box(0, 0, 4, 3)
 ELL = Polygon([(0, 0), (9, 0), (9, 4), (5, 4), (5, 7), (0, 7)])

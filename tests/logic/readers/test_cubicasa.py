@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from shapely import Polygon, affinity
 
-from logic import RequestError, load
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
 from tests.logic.readers.written import cubicasa
+from vitruvius.logic import RequestError, load
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
 
 pytestmark = pytest.mark.filterwarnings("ignore::logic.PlanWarning")
 
@@ -25,7 +25,7 @@ Change = Callable[[Polygon], Polygon]
 
 @pytest.fixture(scope="module")
 def model() -> str:
-    [home] = load(ROOT / "benchmarks" / "houses" / "home-test-v1.jsonl.gz")[:1]
+    [home] = load(ROOT / "agent" / "houses" / "home-test-v1.jsonl.gz")[:1]
     return cubicasa(home, np.random.default_rng(0), 0.0).decode()
 
 

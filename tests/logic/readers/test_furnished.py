@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from logic import House, generate
 from tests.logic.readers.fifty import outcome_of
 from tests.logic.readers.written import WRITERS
+from vitruvius.logic import House, generate
 
 
 @pytest.fixture(scope="module")

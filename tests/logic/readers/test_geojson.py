@@ -13,12 +13,12 @@ import shapely
 from shapely import affinity
 from shapely.geometry import mapping
 
-from logic import House, PlanWarning, RequestError, generate, load
-from logic.exports.geojson import to_geojson
-from logic.request.given_plan import read_plan
 from tests.logic.readers.test_readers import paired, shared
 from tests.logic.readers.written import inner, opening
 from tests.logic.request.test_given_plan import BOXES, geojson
+from vitruvius.logic import House, PlanWarning, RequestError, generate, load
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.request.given_plan import read_plan
 
 ROOT = Path(__file__).parents[3]
 CASES = ROOT.parent / "shared" / "cases"
@@ -33,7 +33,7 @@ Write = Callable[[House, float], dict[str, Any]]
 
 @pytest.fixture(scope="module")
 def homes() -> list[House]:
-    return list(load(ROOT / "benchmarks" / "houses" / "home-test-v1.jsonl.gz")[:4])
+    return list(load(ROOT / "agent" / "houses" / "home-test-v1.jsonl.gz")[:4])
 
 
 @pytest.fixture(autouse=True)

@@ -10,10 +10,10 @@ import ifcopenshell
 import ifcopenshell.guid
 import pytest
 
-from logic import RequestError
-from logic.readers.ifc_solids import solids
-from logic.readers.types import OUTSIDE, meant
-from logic.request.given_plan import read_plan
+from vitruvius.logic import RequestError
+from vitruvius.logic.readers.ifc_solids import solids
+from vitruvius.logic.readers.types import OUTSIDE, meant
+from vitruvius.logic.request.given_plan import read_plan
 
 pytestmark = pytest.mark.filterwarnings("ignore::logic.PlanWarning")
 

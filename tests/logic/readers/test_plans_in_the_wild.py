@@ -12,11 +12,11 @@ import shapely
 from shapely import LineString, Polygon, box
 from shapely.geometry import mapping
 
-from logic import House, PlanWarning, RequestError, load
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
-from sim import HouseVectorEnv
 from tests.logic.readers.test_readers import Ring, svg
+from vitruvius.logic import House, PlanWarning, RequestError, load
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.sim import HouseVectorEnv
 
 WALL = 0.12
 

@@ -14,16 +14,16 @@ import shapely
 from msgspec.structs import replace
 from shapely.geometry import mapping, shape
 
-from logic import Door, House, HouseFileError, PlanWarning, RequestError, load
-from logic.layout.terms import own_requirements
-from logic.readers import READERS
-from logic.readers.ifc import _sketch as sketch_of
-from logic.readers.ifc_solids import Solids
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
 from tests.logic.readers.written import WALL, WORDS, WRITERS, resplan_record
+from vitruvius.logic import Door, House, HouseFileError, PlanWarning, RequestError, load
+from vitruvius.logic.layout.terms import own_requirements
+from vitruvius.logic.readers import READERS
+from vitruvius.logic.readers.ifc import _sketch as sketch_of
+from vitruvius.logic.readers.ifc_solids import Solids
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
 
-BANK = Path(__file__).parents[3] / "benchmarks" / "houses" / "home-test-v1.jsonl.gz"
+BANK = Path(__file__).parents[3] / "agent" / "houses" / "home-test-v1.jsonl.gz"
 HOMES = 8
 
 Ring = list[tuple[float, float]]
@@ -285,7 +285,7 @@ def test_a_byte_order_mark_changes_no_plan(homes: list[House], tmp_path: Path) -
 
 def test_a_file_that_is_too_large_is_said_to_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A model that was cut there would be reported as damaged."""
-    monkeypatch.setattr("logic.request.given_plan.MOST_BYTES", 1 << 20)
+    monkeypatch.setattr("vitruvius.logic.request.given_plan.MOST_BYTES", 1 << 20)
     with pytest.raises(HouseFileError, match="more than 1 MiB: a plan is of one house"):
         written(tmp_path, b"ISO-10303-21;\nFILE_SCHEMA(('IFC4'));\n" + bytes(1 << 20))
 
@@ -473,7 +473,7 @@ def test_ifc_that_cannot_be_read_says_what_would_do(
         written(tmp_path, content.replace(b"(('IFC4'))", b"(('IFC4RC4'))"))
     with pytest.raises(RequestError, match=r"IfcSpace .* has no solid that can be read"):
         written(tmp_path, content.replace(b"IFCEXTRUDEDAREASOLID(", b"IFCSURFACECURVESWEPTAREASOLID("))
-    monkeypatch.setattr("logic.readers.ifc.SECONDS", 0.01)
+    monkeypatch.setattr("vitruvius.logic.readers.ifc.SECONDS", 0.01)
     with pytest.raises(RequestError, match="IfcOpenShell cannot read: export it again"):
         written(tmp_path, content)
     monkeypatch.undo()

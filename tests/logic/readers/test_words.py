@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from logic.grammar import find
-from logic.readers.types import meant, table, uses
+from vitruvius.logic.grammar import find
+from vitruvius.logic.readers.types import meant, table, uses
 
 NAMES = {
     "English": {

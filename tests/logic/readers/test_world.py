@@ -15,17 +15,17 @@ import shapely.affinity
 import shapely.geometry
 from shapely import LineString, Polygon
 
-from logic import House, HouseFileError, PlanWarning, load
-from logic.exports.geojson import to_geojson
-from logic.house.parts import MOST_WALLS
-from logic.readers.world import CELL, _free
-from sim import DEFAULT, HouseVectorEnv
 from tests.logic.readers.test_geojson import on_earth
 from tests.plans import flat
 from tests.thick import faces, thickened
 from vitruvius.info.kinds import Houses
 from vitruvius.info.reading import UnknownFileError
 from vitruvius.info.recognise import recognised
+from vitruvius.logic import House, HouseFileError, PlanWarning, load
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.house.parts import MOST_WALLS
+from vitruvius.logic.readers.world import CELL, _free
+from vitruvius.sim import DEFAULT, HouseVectorEnv
 
 Ring = Sequence[tuple[float, float]]
 

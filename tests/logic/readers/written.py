@@ -19,8 +19,8 @@ import shapely
 from shapely import Polygon, affinity
 from shapely.geometry import mapping
 
-from logic.house.house import House
-from logic.house.parts import Rect
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Rect
 
 WALL = 0.12
 """Thickness of walls, metres."""

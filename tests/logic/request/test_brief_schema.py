@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from logic.errors import RequestError
-from logic.request.brief import MOST_BYTES, read_brief
 from vitruvius.cli import main
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.request.brief import MOST_BYTES, read_brief
 
 ROOT = Path(__file__).parents[3]
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from logic import House, RequestError, Unsatisfiable, check, generate
-from logic.grammar import SHIPPED
-from logic.request.fixed_rooms import fixed_rooms
+from vitruvius.logic import House, RequestError, Unsatisfiable, check, generate
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.request.fixed_rooms import fixed_rooms
 
 
 @pytest.fixture(scope="module")

@@ -8,15 +8,15 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from logic import LimitReached, RequestError, Unsatisfiable, check
-from logic.generation.builder import Builder
-from logic.house.house import House
-from logic.house.parts import Room
-from logic.house.promises import PROMISES
-from logic.proofs.answer import house_or_proof
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import ROW, builder, copied
+from vitruvius.logic import LimitReached, RequestError, Unsatisfiable, check
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import Room
+from vitruvius.logic.house.promises import PROMISES
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 FILE = Path(__file__).parents[2] / "fixtures" / "plan.geojson"
 INFERENCES = 10**8
@@ -143,22 +143,22 @@ def test_a_room_that_cannot_be_furnished_is_proved_by_the_room_the_pieces_and_th
 def test_past_the_most_layouts_of_a_room_its_limit_is_named(
     home: Builder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("logic.generation.movable_doors.MOST_LAYOUTS", 0)
-    monkeypatch.setattr("logic.generation.shared_walls.MOST_TRIES", 6)
+    monkeypatch.setattr("vitruvius.logic.generation.movable_doors.MOST_LAYOUTS", 0)
+    monkeypatch.setattr("vitruvius.logic.generation.shared_walls.MOST_TRIES", 6)
     small = geojson(BOXES | {"bath": (6, 3, 7.6, 5.15)}, bath="bathroom")
     with pytest.raises(LimitReached, match=r"the last time bath, a bathroom of 1\.60 by 2\.15 m"):
         made(home, small, furniture={"bathtub": 1, "shower": 1, "washingMachine": 1})
 
 
 def test_doors_move_to_where_a_room_can_be_furnished(home: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("logic.generation.given_plan.PATIENCE", 1)
-    monkeypatch.setattr("logic.generation.shared_walls.MOST_TRIES", 1)
+    monkeypatch.setattr("vitruvius.logic.generation.given_plan.PATIENCE", 1)
+    monkeypatch.setattr("vitruvius.logic.generation.shared_walls.MOST_TRIES", 1)
     tight = geojson(BOXES | {"bath": (6, 0, 7.6, 3), "kitchen": (6, 3, 9, 6)}, bath="bathroom")
     for index in range(6):
         house = made(home, tight, index, furniture={"bathtub": 1, "shower": 1})
         assert check(house) == []
         assert {"bathtub", "shower"} <= {piece.type for piece in house.room("bath").pieces}
-    monkeypatch.setattr("logic.generation.given_plan.PATIENCE", 2)
+    monkeypatch.setattr("vitruvius.logic.generation.given_plan.PATIENCE", 2)
     with pytest.raises(LimitReached):
         [made(home, tight, index, furniture={"bathtub": 1, "shower": 1}) for index in range(6)]
 

@@ -7,14 +7,14 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from logic import House, RequestError, Unsatisfiable, check, generate, load, save
-from logic.generation.builder import Builder
-from logic.proofs.answer import house_or_proof
-from logic.request.given_plan import keeping, read_plan
-from logic.request.request import Request
-from logic.why.shared_walls import PlanWitness
 from tests.logic.generation.test_shared_walls import builder
 from vitruvius.cli import main
+from vitruvius.logic import House, RequestError, Unsatisfiable, check, generate, load, save
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.given_plan import keeping, read_plan
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.shared_walls import PlanWitness
 
 INFERENCES = 10**8
 

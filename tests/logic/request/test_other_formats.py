@@ -13,9 +13,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from logic import HouseFileError, load
-from logic.exports import export
-from logic.request.given_plan import read_plan
+from vitruvius.logic import HouseFileError, load
+from vitruvius.logic.exports import export
+from vitruvius.logic.request.given_plan import read_plan
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

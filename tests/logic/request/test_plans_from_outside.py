@@ -10,13 +10,13 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from logic import House, HouseFileError, PlanWarning, RequestError, load, save
-from logic.exports.geojson import to_geojson
-from logic.house.parts import Room
-from logic.request.given_plan import read_plan
 from tests.logic.request.test_given_plan import BOXES, Box, geojson
+from vitruvius.logic import House, HouseFileError, PlanWarning, RequestError, load, save
+from vitruvius.logic.exports.geojson import to_geojson
+from vitruvius.logic.house.parts import Room
+from vitruvius.logic.request.given_plan import read_plan
 
-BANKS = Path(__file__).parents[3] / "benchmarks" / "houses"
+BANKS = Path(__file__).parents[3] / "agent" / "houses"
 CASES = Path(__file__).parents[4] / "shared" / "cases"
 NAMES = ["home-test-v1", "home-large-test-v1", "test-v1", "large-test-v1"]
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logic import House, RequestError, generate
-from logic.request.request import Request, as_option, as_range, from_option, in_words
+from vitruvius.logic import House, RequestError, generate
+from vitruvius.logic.request.request import Request, as_option, as_range, from_option, in_words
 
 RANGES = st.tuples(st.integers(0, 99), st.integers(0, 99)).map(sorted).map(tuple) | st.tuples(
     st.integers(0, 99), st.none()

@@ -8,17 +8,17 @@ import msgspec
 import numpy as np
 import pytest
 
-from logic import check
-from logic.generation.shared_walls import SharedWallsMaker
-from logic.grammar import SHIPPED
-from logic.house.house import House
-from logic.language.linter import all_warnings, errors
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.docs.reader import ROOT, blocks
 from tests.logic.generation.test_shared_walls import builder, unfurnished
 from tests.logic.generation.test_units import PUBLIC, units
 from tests.logic.rules.plan_geometry import neighbours, shared
+from vitruvius.logic import check
+from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.house.house import House
+from vitruvius.logic.language.linter import all_warnings, errors
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 INFERENCES = 10**8
 NAMED = "#program house.\n:- adjacent(R,R).\n"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from clingo import Function, Number, Symbol
 
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.layout.program import CORE, Program
-from logic.placement.layout import Layout, RoomLayout
-from logic.placement.placer import Infeasible
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.layout.program import CORE, Program
+from vitruvius.logic.placement.layout import Layout, RoomLayout
+from vitruvius.logic.placement.placer import Infeasible
 
 WIDE = [Number(mm) for mm in (1, 99999, 1, 99999)]
 

@@ -3,7 +3,7 @@
 import clingo
 import pytest
 
-from logic.grammar import RULES, TOPOLOGIES
+from vitruvius.logic.grammar import RULES, TOPOLOGIES
 
 SIDES = ("north", "east", "south", "west")
 

@@ -7,14 +7,14 @@ from typing import Any
 import pytest
 from clingo import Function, Number, Symbol
 
-from logic.generation.builder import Builder
-from logic.generation.furnish import Furnished
-from logic.grammar import SHIPPED
-from logic.house.boxes import BACK, Box
-from logic.house.parts import Piece, Room
-from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import INFERENCES, builder
 from tests.logic.rules.plan_geometry import TOLERANCE
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.generation.furnish import Furnished
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.house.boxes import BACK, Box
+from vitruvius.logic.house.parts import Piece, Room
+from vitruvius.logic.request.request import Request
 
 WALLS = ("front", "left", "back", "right")
 """Walls as seen from the entrance, clockwise."""

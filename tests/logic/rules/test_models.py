@@ -20,8 +20,8 @@ from pathlib import Path
 import clingo
 import pytest
 
-from logic.grammar import RULES
-from logic.layout.ground import Instances
+from vitruvius.logic.grammar import RULES
+from vitruvius.logic.layout.ground import Instances
 
 FILES = sorted(Path(__file__).parent.glob("*.lpt"))
 DIFFERENCE = re.compile(r"&diff \{ (.+?) - (\S+) \} <= (.+?)(?=\s*:-|\.\s)")

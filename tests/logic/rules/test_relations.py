@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from clingo import Symbol
 
-from logic.generation.units import UnitsMaker
-from logic.house.house import House
-from logic.house.parts import OUTSIDE
-from logic.placement import plan as placed
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import INFERENCES, builder, unfurnished
 from tests.logic.rules.plan_geometry import TOLERANCE, Box, shared
 from tests.logic.rules.test_adjacent import NAMED, copied
+from vitruvius.logic.generation.units import UnitsMaker
+from vitruvius.logic.house.house import House
+from vitruvius.logic.house.parts import OUTSIDE
+from vitruvius.logic.placement import plan as placed
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
 
 SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
 

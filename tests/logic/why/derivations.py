@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from logic.why.answer import Derivation
+from vitruvius.logic.why.answer import Derivation
 
 
 def require_whole(nodes: Iterable[Derivation], target: str) -> None:

@@ -11,19 +11,29 @@ import numpy as np
 import pytest
 from clingo import Function, Symbol, parse_term
 
-from logic import House, HouseFileError, Piece, Rect, RequestError, Star, StarRoom, explain_house, save
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.part_names import part_names, target_in
-from logic.layout.program import Program
-from logic.placement.layout import RoomLayout
-from logic.request.fixed_rooms import fixed_rooms
-from logic.request.request import Request
-from logic.why.answer import Derivation, Why
-from logic.why.star import StarWitness
-from logic.why.support import Support
 from tests.sample_houses import changed_star
 from vitruvius.cli import main
+from vitruvius.logic import (
+    House,
+    HouseFileError,
+    Piece,
+    Rect,
+    RequestError,
+    Star,
+    StarRoom,
+    explain_house,
+    save,
+)
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.part_names import part_names, target_in
+from vitruvius.logic.layout.program import Program
+from vitruvius.logic.placement.layout import RoomLayout
+from vitruvius.logic.request.fixed_rooms import fixed_rooms
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.answer import Derivation, Why
+from vitruvius.logic.why.star import StarWitness
+from vitruvius.logic.why.support import Support
 
 INFERENCES = 100_000_000
 

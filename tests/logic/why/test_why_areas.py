@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from logic.generation.builder import Builder
-from logic.grammar import SHIPPED, find
-from logic.request.request import Request
-from logic.why.star import StarWitness
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.star import StarWitness
 
 
 def test_the_area_of_the_house_bounds_its_rooms_and_says_so(tmp_path: Path) -> None:

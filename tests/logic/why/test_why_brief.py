@@ -5,14 +5,14 @@ from typing import Any
 
 import pytest
 
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.part_names import doors_by_name
-from logic.request.brief import read_brief
-from logic.request.request import Request
-from logic.why.answer import Why
-from logic.why.kinds import witness_of
-from logic.why.witness import Witness
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.part_names import doors_by_name
+from vitruvius.logic.request.brief import read_brief
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.answer import Why
+from vitruvius.logic.why.kinds import witness_of
+from vitruvius.logic.why.witness import Witness
 
 INFERENCES = 10**8
 

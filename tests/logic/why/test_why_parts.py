@@ -8,17 +8,17 @@ from typing import Any
 import pytest
 from clingo import ast
 
-from logic import explain_house
-from logic.errors import Reason
-from logic.generation.builder import Builder
-from logic.grammar import RULES, SHIPPED
-from logic.house.part_names import doors_by_name, part_names, windows_by_name
-from logic.layout.reading import parse
-from logic.request.request import Request
-from logic.why.answer import Why, as_text
-from logic.why.shared_walls import PlanWitness
-from logic.why.support import _remark
 from tests.logic.generation.test_shared_walls import builder
+from vitruvius.logic import explain_house
+from vitruvius.logic.errors import Reason
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import RULES, SHIPPED
+from vitruvius.logic.house.part_names import doors_by_name, part_names, windows_by_name
+from vitruvius.logic.layout.reading import parse
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.answer import Why, as_text
+from vitruvius.logic.why.shared_walls import PlanWitness
+from vitruvius.logic.why.support import _remark
 
 INFERENCES = 10**8
 

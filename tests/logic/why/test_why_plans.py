@@ -4,16 +4,16 @@ import msgspec
 import pytest
 from clingo import Function, parse_term
 
-from logic import House, HouseFileError, RequestError
-from logic.generation.builder import Builder
-from logic.house.part_names import doors_by_name, target_in
-from logic.house.parts import OUTSIDE, Door, Window
-from logic.request.given_plan import read_plan
-from logic.request.request import Request
-from logic.why.answer import Why
-from logic.why.shared_walls import PlanWitness
 from tests.logic.generation.test_shared_walls import builder
 from tests.logic.why.derivations import require_whole
+from vitruvius.logic import House, HouseFileError, RequestError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.house.part_names import doors_by_name, target_in
+from vitruvius.logic.house.parts import OUTSIDE, Door, Window
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.answer import Why
+from vitruvius.logic.why.shared_walls import PlanWitness
 
 INFERENCES = 10**8
 

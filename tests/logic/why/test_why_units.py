@@ -4,16 +4,16 @@ from time import monotonic
 
 import pytest
 
-from logic import House, RequestError
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.house.part_names import doors_by_name, part_names
-from logic.placement.bounds import wall_bounds
-from logic.request.request import Request
-from logic.why.answer import Why
-from logic.why.kinds import witness_of
-from logic.why.units import UnitsWitness
 from tests.logic.why.derivations import require_whole
+from vitruvius.logic import House, RequestError
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.house.part_names import doors_by_name, part_names
+from vitruvius.logic.placement.bounds import wall_bounds
+from vitruvius.logic.request.request import Request
+from vitruvius.logic.why.answer import Why
+from vitruvius.logic.why.kinds import witness_of
+from vitruvius.logic.why.units import UnitsWitness
 
 INFERENCES = 10**9
 

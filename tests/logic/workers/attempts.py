@@ -10,10 +10,10 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from logic.errors import Finding
-from logic.language import linter
-from logic.workers import confinement
-from logic.workers.worker import main
+from vitruvius.logic.errors import Finding
+from vitruvius.logic.language import linter
+from vitruvius.logic.workers import confinement
+from vitruvius.logic.workers.worker import main
 
 _libc = ctypes.CDLL(None, use_errno=True)
 

@@ -1,6 +1,6 @@
 """Generation of houses in the process of the tests, since a solver process takes longer to start.
 
-It is for tests of rules. Tests of processes, limits and messages use ``logic.generate``.
+It is for tests of rules. Tests of processes, limits and messages use ``vitruvius.generate``.
 """
 
 from collections.abc import Iterator
@@ -8,12 +8,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from logic.generation.builder import Builder
-from logic.grammar import Grammar, find
-from logic.house.house import House
-from logic.layout.programs import Programs
-from logic.proofs.answer import house_or_proof
-from logic.request.request import Request
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import Grammar, find
+from vitruvius.logic.house.house import House
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.proofs.answer import house_or_proof
+from vitruvius.logic.request.request import Request
 
 
 def generate(
@@ -25,7 +25,7 @@ def generate(
     count: int = 1,
     **counts: Any,
 ) -> Iterator[House]:
-    """Yield the houses of ``logic.generate`` for these arguments."""
+    """Yield the houses of ``vitruvius.generate`` for these arguments."""
     request = Request.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
     rules = find(grammar)
     for index in range(count):

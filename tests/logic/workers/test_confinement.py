@@ -13,12 +13,12 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from logic import generate
-from logic.workers import confinement
-from logic.workers.messages import Open
 from tests.logic.workers import attempts
 from tests.logic.workers.test_generate import children
 from vitruvius.cli import main
+from vitruvius.logic import generate
+from vitruvius.logic.workers import confinement
+from vitruvius.logic.workers.messages import Open
 
 ROOT = Path(__file__).parents[3]
 CONFINED = pytest.mark.skipif(not all(confinement.measures().values()), reason="this kernel confines less")

@@ -13,7 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from logic import (
+from tests.logic.workers import in_process
+from tests.programs import PATIENCE, finished
+from vitruvius.logic import (
     GrammarError,
     House,
     LimitReached,
@@ -24,12 +26,10 @@ from logic import (
     lint,
     load,
 )
-from logic.grammar import SHIPPED
-from logic.workers.idle import MOST_IDLE
-from logic.workers.messages import Open
-from logic.workers.solver import Solver
-from tests.logic.workers import in_process
-from tests.programs import PATIENCE, finished
+from vitruvius.logic.grammar import SHIPPED
+from vitruvius.logic.workers.idle import MOST_IDLE
+from vitruvius.logic.workers.messages import Open
+from vitruvius.logic.workers.solver import Solver
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "family-4-rooms.json"
 Edit = Callable[[str, str, str], Path]
@@ -265,7 +265,7 @@ def test_hidden_files_of_a_grammar_are_not_read(edited: Edit) -> None:
 
 SCRIPT = """
 import signal
-from logic import generate
+from vitruvius.logic import generate
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background has it ignored
 for house in generate(rooms=16, count=9999):
     print("house", flush=True)
@@ -309,7 +309,7 @@ def test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules(
         opened.append(opening.remarks)
         return Solver(opening)
 
-    monkeypatch.setattr("logic.workers.series.Solver", counted)
+    monkeypatch.setattr("vitruvius.logic.workers.series.Solver", counted)
     folder = edited("rooms.lp", "#program house.", "% mine\n#program house.")
     assert len([*generate(rooms=1, grammar=folder, count=2, workers=2)]) == 2
     assert opened == [True, False]

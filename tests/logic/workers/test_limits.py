@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from logic import GrammarError, LimitReached, count_layouts, generate, lint
-from logic.grammar import SHIPPED, find
-from logic.language import trial
-from logic.workers import solver
+from vitruvius.logic import GrammarError, LimitReached, count_layouts, generate, lint
+from vitruvius.logic.grammar import SHIPPED, find
+from vitruvius.logic.language import trial
+from vitruvius.logic.workers import solver
 
 LATE = 10.0
 """Seconds that an answer may take beyond its limit on a busy machine. Without the limit it takes minutes."""

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from logic import LimitReached, Unsatisfiable, generate, nearest
-from logic.workers import nearest as module
+from vitruvius.logic import LimitReached, Unsatisfiable, generate, nearest
+from vitruvius.logic.workers import nearest as module
 
 
 def brief(*areas: float, **more: Any) -> dict[str, Any]:

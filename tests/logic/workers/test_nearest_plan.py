@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from logic import Unsatisfiable, check, generate, nearest_plan
-from logic.request.given_plan import read_plan
-from logic.request.own_plan import OwnPlan
 from tests.logic.generation.test_shared_walls import copied
 from tests.logic.request.test_given_plan import BOXES, Box, geojson
 from vitruvius.cli import main
+from vitruvius.logic import Unsatisfiable, check, generate, nearest_plan
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.own_plan import OwnPlan
 
 NARROW: dict[str, Box] = BOXES | {"bath": (6, 3, 7.17, 5.2)}
 """Plan with a bath of 1.17 m, which must be at least 1.2 m wide."""

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from logic import House, load, save
-from logic.exports import FORMATS
 from vitruvius.cli import main
+from vitruvius.logic import House, load, save
+from vitruvius.logic.exports import FORMATS
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 PLANS = FIXTURES / "plans.jsonl"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from logic import HouseStream, RequestError, generate
-from logic.workers.stream import MOST_HOUSES
+from vitruvius.logic import HouseStream, RequestError, generate
+from vitruvius.logic.workers.stream import MOST_HOUSES
 
 
 def test_each_house_is_that_of_its_request_seed_and_index() -> None:

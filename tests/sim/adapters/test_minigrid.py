@@ -11,15 +11,15 @@ from gymnasium.utils.env_checker import check_env
 from minigrid.core.constants import DIR_TO_VEC
 from minigrid.wrappers import FlatObsWrapper, FullyObsWrapper, ImgObsWrapper
 
-from logic import Door, House, Piece, Room, Window
-from sim import HouseEnv
-from sim.actions import HEADINGS
-from sim.adapters.minigrid import MiniGridHouseEnv, Tile, tile
-from sim.backends.grid.cells import Cells
 from tests.sim.backends import test_grid
 from tests.sim.backends.test_fit import made_for
 from tests.sim.backends.test_grid import CELL
 from tests.thick import thickened
+from vitruvius.logic import Door, House, Piece, Room, Window
+from vitruvius.sim import HouseEnv
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.adapters.minigrid import MiniGridHouseEnv, Tile, tile
+from vitruvius.sim.backends.grid.cells import Cells
 
 LEFT, RIGHT, FORWARD, PICK_UP, TOGGLE = 0, 1, 2, 3, 5
 """Actions of MiniGrid, with the numbers of its documentation."""
@@ -56,7 +56,9 @@ EACH_HOUSE = pytest.mark.parametrize("number", range(len(HOUSES)))
 
 def made(**arguments: Any) -> MiniGridHouseEnv:
     """Return the environment without the wrappers of ``gymnasium.make``."""
-    env = gymnasium.make("sim:Vitruvius/MiniGrid-v0", houses=HOUSES, targets="all", **arguments).unwrapped
+    env = gymnasium.make(
+        "vitruvius:Vitruvius/MiniGrid-v0", houses=HOUSES, targets="all", **arguments
+    ).unwrapped
     assert isinstance(env, MiniGridHouseEnv)
     return env
 
@@ -218,6 +220,6 @@ def test_gymnasiums_checker_and_minigrids_wrappers_take_it(monkeypatch: pytest.M
 
 def test_houses_off_the_grid_and_targets_in_no_cell_are_refused() -> None:
     with pytest.raises(ValueError, match="no grid of cells as wide as the body"):
-        gymnasium.make("sim:Vitruvius/MiniGrid-v0", houses="paper-house")
+        gymnasium.make("vitruvius:Vitruvius/MiniGrid-v0", houses="paper-house")
     with pytest.raises(ValueError, match=r"house 2: the target at \(0.225, 3.825\) m is in no free cell"):
         made().reset(seed=0, options={"house": 2, "target": cells(0.5, 8.5, 0, 0)[:2]})

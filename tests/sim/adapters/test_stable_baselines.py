@@ -5,14 +5,14 @@ from gymnasium import Wrapper
 from gymnasium.vector import AutoresetMode, VectorWrapper
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
-from sim import HouseVectorEnv
 from tests import sample_houses
+from vitruvius.sim import HouseVectorEnv
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)] * 2
 
 
 def test_options_may_be_one_for_each():
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     theirs = StableBaselinesVecEnv(HouseVectorEnv(HOUSES, 2, autoreset_mode=AutoresetMode.SAME_STEP))
     theirs.set_options([{"house": 1}, {"house": 0}])
@@ -36,7 +36,7 @@ class Unused(VectorWrapper):
 
 
 def test_attributes_and_methods_are_those_of_the_outermost_layer_that_has_them():
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     envs = HouseVectorEnv(HOUSES, 2, autoreset_mode=AutoresetMode.SAME_STEP)
     worth = Worth(envs)
@@ -59,7 +59,7 @@ def test_attributes_and_methods_are_those_of_the_outermost_layer_that_has_them()
 
 
 def test_other_modes_than_same_step_are_refused():
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     with pytest.raises(ValueError, match=r"needs AutoresetMode\.SAME_STEP"):
         StableBaselinesVecEnv(HouseVectorEnv(HOUSES, 2))

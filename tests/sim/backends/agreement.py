@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from logic import House
-from sim import HouseVectorEnv
+from vitruvius.logic import House
+from vitruvius.sim import HouseVectorEnv
 
 
 def require_equal_rays(houses: Sequence[House], count: int, targets: str) -> None:

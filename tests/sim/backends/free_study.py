@@ -13,13 +13,13 @@ from itertools import product
 import numpy as np
 import shapely
 
-from logic import FreeWall, House, Piece, Room
-from sim import DEFAULT, HouseVectorEnv
-from sim.drive import Drive
 from tests import sample_houses
 from tests.plans import PLANS, random_plan
 from tests.reference import walls
 from tests.thick import thickened
+from vitruvius.logic import FreeWall, House, Piece, Room
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.drive import Drive
 
 WAY = 2e-5
 """Difference in metres that float32 can make, for a distance and for a place."""

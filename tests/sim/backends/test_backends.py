@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from logic import House, Star
-from sim import HouseVectorEnv, Oracle
-from sim.backends.backend import METHODS
 from tests import sample_houses
 from tests.sim.conformance.autoreset import check_autoreset_modes
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.logic import House, Star
+from vitruvius.sim import HouseVectorEnv, Oracle
+from vitruvius.sim.backends.backend import METHODS
 
 DOCS = Path(__file__).parents[3] / "docs"
 NAME = "main_room:MainRoom"
@@ -75,7 +75,7 @@ def test_it_equals_the_continuous_backend_in_a_house_of_a_main_room_alone(preset
 
 
 def test_an_environment_with_it_swaps_banks_restores_states_renders_and_has_an_oracle():
-    envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=4, houses=HOUSES[:1], backend=NAME)
+    envs = gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=4, houses=HOUSES[:1], backend=NAME)
     unwrapped = envs.unwrapped
     assert isinstance(unwrapped, HouseVectorEnv)
     envs.reset(seed=0)

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from logic import House
-from logic.house.parts import Door, Room
-from sim import DEFAULT, PAPER, HouseVectorEnv, Oracle
-from sim.backends.doors import doorways
-from sim.config import DOORS
-from sim.geometry import geometry
 from tests import sample_houses
 from tests.plans import PLANS, random_plan
 from tests.reference import Boxes, sights, stopped
+from vitruvius.logic import House
+from vitruvius.logic.house.parts import Door, Room
+from vitruvius.sim import DEFAULT, PAPER, HouseVectorEnv, Oracle
+from vitruvius.sim.backends.doors import doorways
+from vitruvius.sim.config import DOORS
+from vitruvius.sim.geometry import geometry
 
 
 def squares(side: int) -> House:

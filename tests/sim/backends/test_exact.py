@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace as changed
 
-from logic import House, Piece, Rect, StarRoom
-from sim import DEFAULT, HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
 from tests import sample_houses
 from tests.logic.house.handmade import turned_house
 from tests.programs import finished
 from tests.reference import Boxes, sides
+from vitruvius.logic import House, Piece, Rect, StarRoom
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 SEEING = replace(DEFAULT, sees_kind=True)
 EACH, STEPS = 200, 60
@@ -166,11 +166,11 @@ def test_no_body_crosses_a_wall_at_any_speed(fast, seed):
 
 CHECKED = """
 import numpy as np
-from sim.runtime import Array, Launch, ti
+from vitruvius.sim.runtime import Array, Launch, ti
 
 ti.init(arch=ti.cpu, debug=True, fast_math=False, cfg_optimization=False, log_level=ti.ERROR)
 
-from sim import Config, HouseVectorEnv, Oracle
+from vitruvius.sim import Config, HouseVectorEnv, Oracle
 from tests import sample_houses
 
 houses = [sample_houses.drawn(sample_houses.ONE_ROOM, cell=0.8)] * 2

@@ -5,13 +5,13 @@ from dataclasses import replace
 import pytest
 from msgspec import structs
 
-from logic import House
-from logic.house.parts import FreeWall, Provenance
-from sim import DEFAULT
-from sim.backends.continuous import Continuous
-from sim.backends.free import FreeMotion
-from sim.backends.grid import Grid
 from tests import sample_houses
+from vitruvius.logic import House
+from vitruvius.logic.house.parts import FreeWall, Provenance
+from vitruvius.sim import DEFAULT
+from vitruvius.sim.backends.continuous import Continuous
+from vitruvius.sim.backends.free import FreeMotion
+from vitruvius.sim.backends.grid import Grid
 
 ON_GRID = sample_houses.drawn("aaaa\naaAa\naaaa\na+aa\n....\n....\n....", cell=0.45)
 SLANTED = structs.replace(ON_GRID, topology="own", free_walls=(FreeWall(1, 1, 2, 1.5, 0.1),))

@@ -11,16 +11,16 @@ import torch
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
-from logic import House, Room
-from sim import DEFAULT, HouseVectorEnv, Oracle
-from sim.baselines.searcher import Searcher
-from sim.config import DRIVE
-from sim.drive import Drive
-from sim.tasks.tasks import Collect
-from sim.tasks.terms import Terms
 from tests.sim.backends.free_study import Solids, compare, houses, with_slanted_walls
 from tests.sim.conformance.autoreset import check_autoreset_modes
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.logic import House, Room
+from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
+from vitruvius.sim.baselines.searcher import Searcher
+from vitruvius.sim.config import DRIVE
+from vitruvius.sim.drive import Drive
+from vitruvius.sim.tasks.tasks import Collect
+from vitruvius.sim.tasks.terms import Terms
 
 HOUSES = houses(6, seed=50)
 EMPTY = House((Room(0, 0, 9, 9, "R0", "hall"),), hub="R0", topology="own")
@@ -74,7 +74,7 @@ def test_its_autoreset_modes_give_the_same_episodes():
 
 @pytest.mark.filterwarnings("ignore:.*already been instantiated.*", "ignore:.*Box.*")
 def test_gymnasium_finds_nothing_wrong_with_the_single_environment():
-    env = gymnasium.make("sim:Vitruvius/House-v0", backend="free", render_mode="rgb_array")
+    env = gymnasium.make("vitruvius:Vitruvius/House-v0", backend="free", render_mode="rgb_array")
     check_env(env.unwrapped)
     with pytest.raises(ValueError, match=r"an action is two numbers, \(v, w\), not an array of shape \(\)"):
         env.unwrapped.step(2)

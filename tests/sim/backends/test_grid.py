@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from logic import generate
-from sim import DEFAULT, HouseVectorEnv
-from sim.actions import HEADINGS
-from sim.baselines.oracle import Oracle
 from tests import sample_houses
 from tests.sim.backends.agreement import require_equal_rays
+from vitruvius.logic import generate
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.actions import HEADINGS
+from vitruvius.sim.baselines.oracle import Oracle
 
 CELL = 0.45
 ROOMS = "aaaaa.bbb\naAaaa.bbb\naa+aa.bBb\n......+bb\n......bbb\n......bbb"

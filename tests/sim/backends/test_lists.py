@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from sim.backends.blocks import CELL
 from tests import sample_houses
 from tests.maps import random_map
 from tests.plans import PLANS, random_plan
 from tests.reference import Boxes, sights, stopped
+from vitruvius.sim import DEFAULT, PAPER, Config, HouseVectorEnv
+from vitruvius.sim.backends.blocks import CELL
 
 HOUSES = [
     *(sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)),

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from logic import House
-from logic.house.occupancy import FREE
-from sim import HouseVectorEnv
-from sim.actions import HEADINGS
 from tests.maps import random_map
 from tests.sim.backends.agreement import require_equal_rays
+from vitruvius.logic import House
+from vitruvius.logic.house.occupancy import FREE
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import HEADINGS
 
 CELL = 0.3
 HOUSES = [random_map(seed, CELL) for seed in range(3)]
@@ -124,7 +124,7 @@ def test_what_a_map_cannot_be_simulated_with_is_said_in_a_line(case: str) -> Non
 
 
 def test_a_map_is_simulated_by_its_file_and_pictured(tmp_path) -> None:
-    from logic.exports import export
+    from vitruvius.logic.exports import export
 
     (path,) = export([HOUSES[0]], tmp_path, "ros")
     envs = HouseVectorEnv(path, num_envs=2, targets="all", render_mode="rgb_array")

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim import DEFAULT, HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
 from tests import sample_houses
 from tests.plans import PLANS, random_plan
 from tests.reference import Reference
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 ROOM = sample_houses.drawn("a+a\n...\n...", cell=1.0)
 WALKED = [*sample_houses.RANDOM, PLANS["living"], random_plan(1), random_plan(2)]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from logic import House
-from sim import HouseVectorEnv
-from sim.config import PIXEL
 from tests import sample_houses
+from vitruvius.logic import House
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import PIXEL
 
 STATES = {"example1": ((185, 190), 74_882), "2019-2-15": ((198, 268), 98_703)}
 """For each house: the start of the body's north-west corner in pixels, and the number of reachable states."""

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from logic import House, generate, load
-from sim import DEFAULT, HouseVectorEnv
 from tests import sample_houses
 from tests.plans import PLANS, random_plan
 from tests.reference import Boxes, sights
+from vitruvius.logic import House, generate, load
+from vitruvius.sim import DEFAULT, HouseVectorEnv
 
 SEEING = replace(DEFAULT, sees_kind=True)
 WALL, PIECE, TARGET = 1, 2, 3

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim import DEFAULT, HouseVectorEnv
 from tests import sample_houses
+from vitruvius.sim import DEFAULT, HouseVectorEnv
 
 EXACT = replace(DEFAULT, sees_kind=True)
 ROUGH = replace(EXACT, sees_angle=True, noise=0.05, dropout=0.1)

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 import torch
 
-from agent.policies.driving import DrivingExplorer
-from sim import DEFAULT, HouseVectorEnv
-from sim.baselines.true_path import TruePath
-from sim.drive import Drive
 from tests.sim.backends.free_study import houses
 from tests.sim.backends.test_free import EMPTY
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.agent.policies.driving import DrivingExplorer
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.baselines.true_path import TruePath
+from vitruvius.sim.drive import Drive
 
 DRIVE = Drive(reverse=0.3, sideways=0.5, turn_speed=2.0, acceleration=1.5, turn_acceleration=8.0)
 CONFIG = replace(DEFAULT, drive=DRIVE, observe=("rays", "speed", "odometry"))

@@ -5,11 +5,11 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv
-from sim.baselines.coverage import WORD, origins_of
-from sim.baselines.posterior import KNOWN
-from sim.baselines.searcher import Searcher
 from tests import sample_houses
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.baselines.coverage import WORD, origins_of
+from vitruvius.sim.baselines.posterior import KNOWN
+from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSES = [sample_houses.random_house(seed) for seed in range(6)]
 HALL = {"points": [[1.0, 1.0]]}

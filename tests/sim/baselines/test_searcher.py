@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim import DEFAULT, HouseVectorEnv, Oracle
-from sim.baselines.coverage import WORD, Coverage
-from sim.baselines.posterior import DONE, KNOWN
-from sim.baselines.searcher import Searcher
 from tests import sample_houses
+from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
+from vitruvius.sim.baselines.coverage import WORD, Coverage
+from vitruvius.sim.baselines.posterior import DONE, KNOWN
+from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSE = sample_houses.random_house(3)
 GRID = sample_houses.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)

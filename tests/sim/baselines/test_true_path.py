@@ -8,12 +8,12 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from logic import FreeWall, House, Room
-from sim import DEFAULT, HouseVectorEnv
-from sim.baselines.true_path import TruePath
-from sim.config import DRIVE, Config
-from sim.drive import Drive
 from tests.sim.backends.free_study import Solids, houses
+from vitruvius.logic import FreeWall, House, Room
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.baselines.true_path import TruePath
+from vitruvius.sim.config import DRIVE, Config
+from vitruvius.sim.drive import Drive
 
 HALL = Room(0, 0, 9, 9, "R0", "hall")
 RADIUS, SPEED, TIME_STEP = DEFAULT.body[0] / 2, DEFAULT.drive.speed, DEFAULT.drive.time_step

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import torch
 
-from agent.runs.checkpoint import load
-from sim import runtime
-from sim.drive import Drive
-from sim.environment.steps import Commands
-from sim.runtime import Array, has_cuda, impl, start, ti
 from tests.programs import finished
+from vitruvius.agent.runs.checkpoint import load
+from vitruvius.sim import runtime
+from vitruvius.sim.drive import Drive
+from vitruvius.sim.environment.steps import Commands
+from vitruvius.sim.runtime import Array, has_cuda, impl, start, ti
 
 needs_gpu = pytest.mark.skipif(not has_cuda(), reason="no GPU here")
 

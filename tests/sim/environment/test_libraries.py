@@ -14,12 +14,12 @@ import torch
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorWrapper
 from gymnasium.wrappers import vector as wrappers
 
-from logic import generate, save
-from sim import HouseEnv, HouseVectorEnv
-from sim.film import film
 from tests import sample_houses
 from tests.sim.conformance.autoreset import check_autoreset_modes
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.logic import generate, save
+from vitruvius.sim import HouseEnv, HouseVectorEnv
+from vitruvius.sim.film import film
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), sample_houses.RANDOM[0]]
 COUNT, STEPS = 3, 20
@@ -187,7 +187,7 @@ def test_gymnasiums_recorder_films_the_environments_side_by_side(mode, tmp_path)
 
 def test_stable_baselines_trains_by_dqn_and_stores_last_observations():
     stable_baselines3 = pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     envs = stable_baselines3.common.vec_env.VecMonitor(StableBaselinesVecEnv(houses()))
     model = stable_baselines3.DQN("MlpPolicy", envs, learning_starts=100, seed=0, device="cpu")
@@ -204,7 +204,7 @@ def test_stable_baselines_trains_by_dqn_and_stores_last_observations():
 
 def test_stable_baselines_trains_by_ppo_and_evaluates():
     stable_baselines3 = pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     envs = stable_baselines3.common.vec_env.VecMonitor(StableBaselinesVecEnv(houses()))
     model = stable_baselines3.PPO("MlpPolicy", envs, n_steps=32, batch_size=32, seed=0, device="cpu")
@@ -219,7 +219,7 @@ def test_stable_baselines_trains_by_ppo_and_evaluates():
 @pytest.mark.parametrize("every", [True, False])
 def test_the_adapter_says_what_the_environment_says(every):
     pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     raw, options = houses(SAME, "paper"), {"house": np.array([0, 1, 1])}
     first = raw.reset(seed=7, options=options)[0]
@@ -251,7 +251,7 @@ def test_the_adapter_says_what_the_environment_says(every):
 
 def test_the_adapter_shows_all_environments_in_one_picture():
     pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     adapted = StableBaselinesVecEnv(houses(render_mode="rgb_array"))
     adapted.reset()
@@ -264,7 +264,7 @@ def test_the_adapter_shows_all_environments_in_one_picture():
 @pytest.mark.parametrize("mode", [NEXT, DISABLED])
 def test_the_adapter_refuses_other_modes(mode):
     pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     with pytest.raises(ValueError, match=r"needs AutoresetMode\.SAME_STEP"):
         StableBaselinesVecEnv(houses(mode))

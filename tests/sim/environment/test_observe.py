@@ -10,12 +10,12 @@ import pytest
 import torch
 from gymnasium.wrappers.vector import FlattenObservation
 
-from sim import DEFAULT, Config, HouseEnv, HouseVectorEnv
-from sim.actions import ACTIONS, FORWARD, LEFT
-from sim.backends.continuous import Continuous
-from sim.config import EXTRAS, RAYS
 from tests import sample_houses
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.sim import DEFAULT, Config, HouseEnv, HouseVectorEnv
+from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT
+from vitruvius.sim.backends.continuous import Continuous
+from vitruvius.sim.config import EXTRAS, RAYS
 
 HOUSES = sample_houses.RANDOM[:2]
 COUNT = 8
@@ -147,12 +147,12 @@ def test_they_conform(config):
     from gymnasium.utils.env_checker import check_env
 
     arguments = {"houses": HOUSES, "preset": config, "disable_env_checker": True}
-    check_env(gymnasium.make("sim:Vitruvius/House-v0", **arguments).unwrapped, skip_render_check=True)
+    check_env(gymnasium.make("vitruvius:Vitruvius/House-v0", **arguments).unwrapped, skip_render_check=True)
 
 
 def test_stable_baselines_learns_from_both():
     library = pytest.importorskip("stable_baselines3")
-    from sim.adapters.stable_baselines import StableBaselinesVecEnv
+    from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     for config, policy in ((ALL, "MultiInputPolicy"), (FLAT, "MlpPolicy")):
         envs = StableBaselinesVecEnv(made(config, autoreset_mode="SameStep", max_episode_steps=30))
@@ -216,7 +216,7 @@ def test_parts_are_in_the_order_of_observe_everywhere():
     It holds for one environment, for many, and in Gymnasium's vector environments.
     """
     config = replace(DEFAULT, observe=("rays", "goal", "bump"))
-    name, arguments = "sim:Vitruvius/House-v0", {"houses": HOUSES, "preset": config}
+    name, arguments = "vitruvius:Vitruvius/House-v0", {"houses": HOUSES, "preset": config}
     many = gymnasium.make_vec(name, 2, **arguments)
     sync = gymnasium.make_vec(name, 2, vectorization_mode="sync", **arguments)
     observations = [envs.reset(seed=1)[0] for envs in (many, sync, gymnasium.make(name, **arguments))]

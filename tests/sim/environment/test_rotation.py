@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from logic import House, HouseFileError
-from sim import DEFAULT, HouseEnv, HouseRotation, HouseVectorEnv
 from tests import sample_houses
+from vitruvius.logic import House, HouseFileError
+from vitruvius.sim import DEFAULT, HouseEnv, HouseRotation, HouseVectorEnv
 
 HOUSES = [sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2), *sample_houses.RANDOM[:6:2]]
 E, T, LIFE = 6, 50, 20

@@ -19,10 +19,10 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from msgspec.structs import replace
 
-from logic import House, save
-from sim import HouseVectorEnv
 from tests import sample_houses
 from tests.programs import finished
+from vitruvius.logic import House, save
+from vitruvius.sim import HouseVectorEnv
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 COUNT = 5
@@ -37,7 +37,7 @@ def bank(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def made(bank):
-    return gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=COUNT, houses=bank, targets="mixed")
+    return gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=COUNT, houses=bank, targets="mixed")
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def envs(made):
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.filterwarnings("ignore:.*already been instantiated.*")
 def test_gymnasium_finds_nothing_wrong_with_the_single_environment(bank, preset):
-    env = gymnasium.make("sim:Vitruvius/House-v0", houses=bank, preset=preset, render_mode="rgb_array")
+    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=bank, preset=preset, render_mode="rgb_array")
     check_env(env.unwrapped)
     env.close()
 
@@ -119,7 +119,7 @@ def test_options_give_each_environment_its_house_pose_and_target(envs):
 
 
 def test_houses_may_be_a_request_for_the_generator():
-    generate = pytest.importorskip("logic.workers.generate")
+    generate = pytest.importorskip("vitruvius.logic.workers.generate")
     assert generate
     envs = HouseVectorEnv({"rooms": 2, "seed": 0, "count": 2})
     assert len(envs.houses) == 2
@@ -339,7 +339,7 @@ def test_with_autoreset_disabled_an_ended_environment_needs_a_reset():
 
 
 NO_CUDA = """
-from sim import HouseVectorEnv
+from vitruvius.sim import HouseVectorEnv
 from tests import sample_houses
 
 try:
@@ -393,7 +393,7 @@ def test_wrong_arguments_are_refused(message):
 
 
 def test_step_and_render_before_the_first_reset_are_errors(bank):
-    env = gymnasium.make("sim:Vitruvius/House-v0", houses=bank, max_episode_steps=None).unwrapped
+    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=bank, max_episode_steps=None).unwrapped
     with pytest.raises(ResetNeeded):
         env.step(0)
     envs = HouseVectorEnv(HOUSES, max_episode_steps=1, render_mode="rgb_array")
@@ -402,7 +402,7 @@ def test_step_and_render_before_the_first_reset_are_errors(bank):
 
 
 def test_a_single_environment_that_has_ended_asks_for_a_reset(bank):
-    env = gymnasium.make("sim:Vitruvius/House-v0", houses=bank, preset="paper").unwrapped
+    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=bank, preset="paper").unwrapped
     env.reset(seed=0)
     terminated = False
     while not terminated:
@@ -415,9 +415,7 @@ def test_a_single_environment_that_has_ended_asks_for_a_reset(bank):
 
 def test_importing_and_starting_print_nothing_and_ask_nobody_for_a_newer_version(bank):
     watch = "getattr(ti, '_version_check', os).try_check_version = lambda: os.write(1, b'asked')"
-    program = (
-        f"import os, sim; from sim.runtime import ti; {watch}; sim.HouseVectorEnv({bank!r}).reset(seed=0)"
-    )
+    program = f"import os, sim; from vitruvius.sim.runtime import ti; {watch}; sim.HouseVectorEnv({bank!r}).reset(seed=0)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == done.stderr == ""
 
@@ -449,7 +447,7 @@ def test_pickled_environments_go_on_bit_for_bit():
 
 
 def test_after_close_to_step_or_reset_is_an_error():
-    env = gymnasium.make("sim:Vitruvius/House-v0", houses=HOUSES[:1])
+    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=HOUSES[:1])
     env.reset(seed=0)
     env.close()
     for act in (env.reset, lambda: env.step(2)):

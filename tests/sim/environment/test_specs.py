@@ -16,18 +16,18 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import FlattenObservation
 
-from logic import House
-from sim import DEFAULT, Collect, Config, HouseEnv, HouseVectorEnv, Points, Reach
-from sim.config import PRESETS
-from sim.drive import Drive
-from sim.fields import stated
-from sim.tasks.remembering import Battery
-from sim.tasks.tasks import TARGETS, stated_task, task
-from sim.tasks.terms import PLAIN, Terms
 from tests import sample_houses
+from vitruvius.logic import House
+from vitruvius.sim import DEFAULT, Collect, Config, HouseEnv, HouseVectorEnv, Points, Reach
+from vitruvius.sim.config import PRESETS
+from vitruvius.sim.drive import Drive
+from vitruvius.sim.fields import stated
+from vitruvius.sim.tasks.remembering import Battery
+from vitruvius.sim.tasks.tasks import TARGETS, stated_task, task
+from vitruvius.sim.tasks.terms import PLAIN, Terms
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
-NAME = "sim:Vitruvius/House-v0"
+NAME = "vitruvius:Vitruvius/House-v0"
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ IDS = ["House-v0", "House-continuous-v0", "House-free-v0", "House-grid-v0", "Pap
 
 @pytest.mark.parametrize("name", IDS)
 def test_each_id_comes_back_from_its_spec_and_says_how_long_episodes_are(name: str) -> None:
-    env = gymnasium.make(f"sim:Vitruvius/{name}")
+    env = gymnasium.make(f"vitruvius:Vitruvius/{name}")
     assert env.spec
     assert env.spec.max_episode_steps == 1500
     assert gymnasium.make(EnvSpec.from_json(env.spec.to_json())).spec == env.spec

@@ -8,8 +8,8 @@ import torch
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 
-from sim.drive import PARTS, Drive
-from sim.environment.steps import Choices, Commands, orders, require_going_on
+from vitruvius.sim.drive import PARTS, Drive
+from vitruvius.sim.environment.steps import Choices, Commands, orders, require_going_on
 
 THREE, FIFTEEN = (Choices(spaces.Discrete(n)) for n in (3, 15))
 TWO = Commands(Drive())

@@ -4,7 +4,7 @@ import numpy as np
 import pygame
 import pytest
 
-from sim.environment.window import ScreenWindow
+from vitruvius.sim.environment.window import ScreenWindow
 
 
 def surface() -> pygame.Surface:

@@ -11,12 +11,12 @@ from gymnasium import wrappers
 from gymnasium.error import ClosedEnvironmentError
 from gymnasium.wrappers import vector
 
-from sim import HouseVectorEnv
 from tests import sample_houses
 from tests.programs import finished
+from vitruvius.sim import HouseVectorEnv
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
-NAME = "sim:Vitruvius/House-v0"
+NAME = "vitruvius:Vitruvius/House-v0"
 
 SINGLE = {
     "TimeLimit": lambda env: wrappers.TimeLimit(env, 5),
@@ -113,11 +113,11 @@ def test_a_closed_environment_is_closed_when_it_is_read_again() -> None:
 
 PROCESSES = """
 import gymnasium, numpy as np, sys, threading, warnings
-from sim import HouseVectorEnv
+from vitruvius.sim import HouseVectorEnv
 warnings.simplefilter("ignore")
 
 def made(**context):
-    envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=2, vectorization_mode="async", **context)
+    envs = gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=2, vectorization_mode="async", **context)
     observation, _ = envs.reset(seed=3)
     after = envs.step(np.array([2, 1]))[0]
     envs.close(terminate=True)

@@ -13,9 +13,9 @@ import pytest
 import torch
 from gymnasium.error import ClosedEnvironmentError, Error
 
-from logic import load
-from sim import DEFAULT, HouseEnv, HouseVectorEnv
 from tests import sample_houses
+from vitruvius.logic import load
+from vitruvius.sim import DEFAULT, HouseEnv, HouseVectorEnv
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import DEFAULT, HouseVectorEnv
-from sim.drive import COMMANDS, Drive
-from sim.tasks.words import in_words
 from tests import sample_houses
+from vitruvius.sim import DEFAULT, HouseVectorEnv
+from vitruvius.sim.drive import COMMANDS, Drive
+from vitruvius.sim.tasks.words import in_words
 
 HOUSES = [sample_houses.drawn("Aa+aa.bBb\n......+bb\n......bbb", cell=1.2)]
 COUNT, NUMBER = 32, 3

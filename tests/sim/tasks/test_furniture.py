@@ -8,11 +8,11 @@ import pytest
 import shapely
 from shapely import box
 
-from logic import House, Piece
-from sim import DEFAULT, HouseVectorEnv, Oracle
-from sim.baselines.coverage import origins_of
-from sim.tasks.furniture import BESIDE, Habit, Object
 from tests import sample_houses
+from vitruvius.logic import House, Piece
+from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
+from vitruvius.sim.baselines.coverage import origins_of
+from vitruvius.sim.tasks.furniture import BESIDE, Habit, Object
 
 TWO = sample_houses.drawn("aaaaa..\naaAaa..\naaaa+..\nbbbb+..\nbbbbb..\nbBbbb..")
 """Rooms a and b with a table each. The tables are close to each other, with a wall between them."""

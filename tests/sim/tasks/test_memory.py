@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import shapely
 
-from logic import House
-from sim import DEFAULT, HouseVectorEnv, Oracle
-from sim.backends.backend import DOOR, PIECE, WALL
-from sim.runtime import ti
-from sim.tasks.remembering import Battery, Visit
-from sim.tasks.tasks import Collect, task
-from sim.tasks.terms import Terms, counted, terms_of
 from tests import sample_houses
+from vitruvius.logic import House
+from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
+from vitruvius.sim.backends.backend import DOOR, PIECE, WALL
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.tasks.remembering import Battery, Visit
+from vitruvius.sim.tasks.tasks import Collect, task
+from vitruvius.sim.tasks.terms import Terms, counted, terms_of
 
 DRAWN = sample_houses.drawn("Aa+aa.bBb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, *sample_houses.RANDOM[:2]]

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv, Oracle
-from sim.tasks.words import in_words
 from tests import sample_houses
+from vitruvius.sim import HouseVectorEnv, Oracle
+from vitruvius.sim.tasks.words import in_words
 
 DRAWN = sample_houses.drawn("Aa+aa.bBb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, *sample_houses.RANDOM[:2]]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv
-from sim.config import PIXEL
 from tests import sample_houses
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.config import PIXEL
 
 START = (185, 190, 90)
 """Start of the recording's episodes: the body's north-west corner in pixels, and degrees."""

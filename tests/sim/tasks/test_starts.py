@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv
-from sim.tasks.words import in_words
 from tests import sample_houses
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.tasks.words import in_words
 
 DRAWN = sample_houses.drawn("Aa+aa.bBb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, DRAWN]

@@ -6,11 +6,11 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from sim import HouseVectorEnv, Oracle
-from sim.runtime import ti
-from sim.tasks.tasks import task
-from sim.tasks.terms import PLAIN, Terms, counted, terms_of
 from tests import sample_houses
+from vitruvius.sim import HouseVectorEnv, Oracle
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.tasks.tasks import task
+from vitruvius.sim.tasks.terms import PLAIN, Terms, counted, terms_of
 
 HOUSES = sample_houses.RANDOM[:2]
 COUNT = 64
@@ -159,7 +159,7 @@ WRONG = {
     "terms: step must be a number, not '1'": {"step": "1"},
     "terms: targets must be a whole number from 0, not -1": {"targets": -1},
     "terms: discount is 2: from 0 to 1": {"discount": 2},
-    "terms: sim.tasks.tasks:Reach is no class of sim.tasks.terms.Terms": "sim.tasks.tasks:Reach",
+    "terms: sim.tasks.tasks:Reach is no class of sim.tasks.terms.Terms": "vitruvius.sim.tasks.tasks:Reach",
     "No module named 'gone'": "gone:Away",
     'terms: {"step": -0.01} or "module:Class", not 3': 3,
 }

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from sim.tasks.words import in_words
+from vitruvius.sim.tasks.words import in_words
 
 NAMES = {
     "main": "targets in the main room",
@@ -23,7 +23,7 @@ NAMES = {
     '{"task": "habit", "share": 0.8, "seed": 2}': "targets in places of habit, share 0.8, seed 2",
     '{"points": [[2.5, 3.0]]}': "targets at 1 given place",
     '{"task": "main", "terms": "gone:Away"}': "targets in the main room, terms away",
-    '{"task": "sim.tasks.tasks:Reach", "room": "hall"}': "task reach, room hall",
+    '{"task": "vitruvius.sim.tasks.tasks:Reach", "room": "hall"}': "task reach, room hall",
     '{"task": "tests.sim.tasks.test_words:Largest", "share": 2}': "task largest, share 2",
     '{"task": "reach", "room": "wc", "terms": {"targets": 2}}': "reach a wc, targets 2",
     "visit": "visit all rooms",

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from logic import House
-from sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from sim.runtime import impl
 from tests import sample_houses
+from vitruvius.logic import House
+from vitruvius.sim import DEFAULT, PAPER, Config, HouseVectorEnv
+from vitruvius.sim.runtime import impl
 
 DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, *sample_houses.RANDOM[:3]]
@@ -142,7 +142,7 @@ def test_resets_of_other_environments_change_nothing():
 
 THREADS = """
 import sys
-from sim.runtime import start
+from vitruvius.sim.runtime import start
 start(threads=int(sys.argv[1]))
 from tests.sim.world.test_determinism import threaded
 print("\\n".join(threaded()))

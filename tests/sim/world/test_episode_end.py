@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from sim import DEFAULT, HouseEnv, HouseVectorEnv, Oracle
 from tests.sim.tasks.test_furniture import HOUSE
+from vitruvius.sim import DEFAULT, HouseEnv, HouseVectorEnv, Oracle
 
 TASKS = {
     "reach": ({"task": "reach", "room": "bedroom"}, DEFAULT),

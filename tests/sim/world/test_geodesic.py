@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import DEFAULT, PAPER, HouseVectorEnv, Oracle
-from sim.config import DOORS
-from sim.world import geodesic
 from tests import sample_houses
+from vitruvius.sim import DEFAULT, PAPER, HouseVectorEnv, Oracle
+from vitruvius.sim.config import DOORS
+from vitruvius.sim.world import geodesic
 
 HOUSES = sample_houses.RANDOM[:3]
 ONE = sample_houses.drawn(sample_houses.ONE_ROOM)

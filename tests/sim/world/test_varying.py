@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import DEFAULT, Config, HouseVectorEnv
-from sim.drive import COMMANDS, Drive
 from tests import sample_houses
+from vitruvius.sim import DEFAULT, Config, HouseVectorEnv
+from vitruvius.sim.drive import COMMANDS, Drive
 
 HOUSES = sample_houses.RANDOM[:2]
 DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)

@@ -4,12 +4,12 @@
 import numpy as np
 import pytest
 
-from logic import House, Rect, Star
-from sim import HouseVectorEnv
-from sim.runtime import start, ti
-from sim.world.philox import Words, philox
 from tests import sample_houses
 from tests.reference import Reference
+from vitruvius.logic import House, Rect, Star
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.runtime import start, ti
+from vitruvius.sim.world.philox import Words, philox
 
 HOUSES = [sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2), *sample_houses.RANDOM]
 STEPS = 120

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.dqn.config import DQNConfig
-from agent.algorithms.dqn.learner import DQN, double_q_targets, huber_loss, n_step_returns
-from agent.algorithms.table import PRESETS
-from agent.avoidance import PaperRule
-from agent.evaluation.episodes import play
-from agent.learning.environments import shield
-from agent.policies.policies import QPolicy, RandomPolicy
-from logic import House, Rect, Star
-from sim import HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.dqn.config import DQNConfig
+from vitruvius.agent.algorithms.dqn.learner import DQN, double_q_targets, huber_loss, n_step_returns
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.avoidance import PaperRule
+from vitruvius.agent.evaluation.episodes import play
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.policies.policies import QPolicy, RandomPolicy
+from vitruvius.logic import House, Rect, Star
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 E = 8
 PRESET = cast(DQNConfig, PRESETS["dqn"])

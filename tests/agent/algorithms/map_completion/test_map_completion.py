@@ -6,26 +6,26 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import network_of, policy_of
-from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresight
-from agent.algorithms.map_completion.learner import TARGETS, WindowBatch, completion_loss, turned
-from agent.algorithms.map_completion.marks import Marks
-from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.algorithms.map_completion.sight import RANGE, RAYS, cast_rays
-from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
-from agent.algorithms.map_completion.windows import LOOKED, SEEN, Windows
-from agent.learning.environments import make_envs, shield
-from agent.planner.config import CERTAIN
-from agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED
-from agent.planner.state import AT, NONE, SIZE, TARGET
-from agent.planner.viewpoints.belief import BLOCKED, COUNT, PATH, WALL
-from agent.policies.policies import Explorer, Tracker
 from benchmarks.planner.contenders import with_shuffled_predictions
 from benchmarks.planner.truth import truth
-from logic import generate
-from logic.errors import RequestError
-from sim.config import DEFAULT, PAPER
+from vitruvius.agent.algorithms.build import network_of, policy_of
+from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
+from vitruvius.agent.algorithms.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresight
+from vitruvius.agent.algorithms.map_completion.learner import TARGETS, WindowBatch, completion_loss, turned
+from vitruvius.agent.algorithms.map_completion.marks import Marks
+from vitruvius.agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from vitruvius.agent.algorithms.map_completion.sight import RANGE, RAYS, cast_rays
+from vitruvius.agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
+from vitruvius.agent.algorithms.map_completion.windows import LOOKED, SEEN, Windows
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED
+from vitruvius.agent.planner.state import AT, NONE, SIZE, TARGET
+from vitruvius.agent.planner.viewpoints.belief import BLOCKED, COUNT, PATH, WALL
+from vitruvius.agent.policies.policies import Explorer, Tracker
+from vitruvius.logic import generate
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim.config import DEFAULT, PAPER
 
 HOUSES = list(generate(4, seed=31, count=4))
 EVERYONE = np.arange(len(HOUSES))

@@ -7,14 +7,14 @@ import pytest
 import torch
 from torch import nn
 
-from agent.algorithms.build import network_of
-from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.paper.learner import Paper, q_targets, squared_loss
-from agent.algorithms.paper.network import PaperNetwork
-from agent.algorithms.table import PRESETS
-from sim import HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.paper.config import PaperConfig
+from vitruvius.agent.algorithms.paper.learner import Paper, q_targets, squared_loss
+from vitruvius.agent.algorithms.paper.network import PaperNetwork
+from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 E = 8
 PRESET = cast(PaperConfig, PRESETS["paper"])

@@ -5,15 +5,15 @@ from dataclasses import replace
 import pytest
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.learner import PQN, RolloutBatch, lambda_returns, q_loss
-from agent.algorithms.pqn.recurrent import RecurrentQNetwork
-from agent.policies.network import QNetwork
-from logic.errors import RequestError
-from sim import HouseVectorEnv
-from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.learner import PQN, RolloutBatch, lambda_returns, q_loss
+from vitruvius.agent.algorithms.pqn.recurrent import RecurrentQNetwork
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 E = 16
 

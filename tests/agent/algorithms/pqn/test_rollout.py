@@ -3,14 +3,14 @@
 import pytest
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.rollout import Rollout
-from agent.learning.environments import shield
-from agent.learning.stopwatch import Stopwatch
-from agent.policies.network import QNetwork
-from sim import HouseVectorEnv
 from tests.sample_houses import random_house
+from vitruvius.agent.algorithms.build import network_of
+from vitruvius.agent.algorithms.pqn.config import PQNConfig
+from vitruvius.agent.algorithms.pqn.rollout import Rollout
+from vitruvius.agent.learning.environments import shield
+from vitruvius.agent.learning.stopwatch import Stopwatch
+from vitruvius.agent.policies.network import QNetwork
+from vitruvius.sim import HouseVectorEnv
 
 E, STEPS = 16, 40
 

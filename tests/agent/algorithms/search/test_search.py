@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import learner_of, network_of, policy_of
-from agent.algorithms.map_completion.windows import Windows
-from agent.algorithms.search.chooser import ViewChooser, best
-from agent.algorithms.search.config import SearchConfig
-from agent.algorithms.search.crop import box, by_size, cropped
-from agent.algorithms.search.learner import choice_loss, value_loss
-from agent.algorithms.search.maps import MapReader
-from agent.algorithms.search.network import (
+from benchmarks.planner.true_views import true_views
+from vitruvius.agent.algorithms.build import learner_of, network_of, policy_of
+from vitruvius.agent.algorithms.map_completion.windows import Windows
+from vitruvius.agent.algorithms.search.chooser import ViewChooser, best
+from vitruvius.agent.algorithms.search.config import SearchConfig
+from vitruvius.agent.algorithms.search.crop import box, by_size, cropped
+from vitruvius.agent.algorithms.search.learner import choice_loss, value_loss
+from vitruvius.agent.algorithms.search.maps import MapReader
+from vitruvius.agent.algorithms.search.network import (
     NODE,
     SIZES,
     ViewNetwork,
@@ -26,19 +27,27 @@ from agent.algorithms.search.network import (
     in_view,
     stands,
 )
-from agent.algorithms.search.windows import FAR, HEADINGS, LEVELS, PLACES, ViewMaps, empty, turned, views
-from agent.learning.environments import make_envs, shield
-from agent.planner import TUNED
-from agent.planner.frame import AXES
-from agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID
-from agent.planner.viewpoints.choice import Viewpoints
-from agent.policies.policies import Explorer
-from agent.runs import checkpoint
-from benchmarks.planner.true_views import true_views
-from logic import generate
-from logic.errors import RequestError
-from sim.config import DEFAULT, PAPER
-from sim.tasks.survey import survey
+from vitruvius.agent.algorithms.search.windows import (
+    FAR,
+    HEADINGS,
+    LEVELS,
+    PLACES,
+    ViewMaps,
+    empty,
+    turned,
+    views,
+)
+from vitruvius.agent.learning.environments import make_envs, shield
+from vitruvius.agent.planner import TUNED
+from vitruvius.agent.planner.frame import AXES
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID
+from vitruvius.agent.planner.viewpoints.choice import Viewpoints
+from vitruvius.agent.policies.policies import Explorer
+from vitruvius.agent.runs import checkpoint
+from vitruvius.logic import generate
+from vitruvius.logic.errors import RequestError
+from vitruvius.sim.config import DEFAULT, PAPER
+from vitruvius.sim.tasks.survey import survey
 
 HOUSES = list(generate(4, seed=31, count=4))
 EVERYONE = np.arange(len(HOUSES))

@@ -6,12 +6,12 @@ from typing import Any
 
 import gymnasium
 
-from agent.evaluation.protocol import measure
-from agent.learning.environments import make_envs
-from agent.runs import checkpoint
-from agent.runs.released import CheckpointError
-from agent.runs.runs import run
-from logic import (
+from vitruvius.agent.evaluation.protocol import measure
+from vitruvius.agent.learning.environments import make_envs
+from vitruvius.agent.runs import checkpoint
+from vitruvius.agent.runs.released import CheckpointError
+from vitruvius.agent.runs.runs import run
+from vitruvius.logic import (
     GrammarError,
     House,
     HouseFileError,
@@ -24,10 +24,10 @@ from logic import (
     load,
     save,
 )
-from sim import HouseEnv, HouseVectorEnv
+from vitruvius.sim import HouseEnv, HouseVectorEnv
 
 HOUSE = House.of_star(Star(Rect(0, 0, 4, 4)))
-ENVIRONMENT = "sim:Vitruvius/House-v0"
+ENVIRONMENT = "vitruvius:Vitruvius/House-v0"
 
 
 @dataclass(frozen=True)
