@@ -1,9 +1,1 @@
 """Agents that explore houses: planners and trained policies, their evaluation, and games with people."""
-
-from importlib.util import find_spec
-from pathlib import Path
-
-for _name in ("logic", "sim"):
-    _spec = find_spec(_name)
-    if _spec and Path(_spec.origin or "").resolve().parent.parent != Path(__file__).resolve().parent.parent:
-        raise ImportError(f"{_spec.origin}: hides the package {_name} of Vitruvius: give it another name")

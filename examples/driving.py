@@ -56,8 +56,8 @@ class Driving:
     def make_envs(self, houses: Any, number: int) -> gymnasium.vector.VectorEnv:
         """Return environments whose actions are from -1 to 1."""
         envs = gymnasium.make_vec(
-            "vitruvius:Vitruvius/House-v0", num_envs=number, houses=houses, targets=self.targets, backend="free",
-            preset=CONFIG, seed=self.seed, autoreset_mode="SameStep",
+            "vitruvius:Vitruvius/House-v0", num_envs=number, houses=houses, targets=self.targets,
+            backend="free", preset=CONFIG, seed=self.seed, autoreset_mode="SameStep",
         )  # fmt: skip
         return RescaleAction(envs, np.full(2, -1, np.float32), np.full(2, 1, np.float32))
 

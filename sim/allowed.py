@@ -35,7 +35,7 @@ def imported(name: str) -> Any:
     if name not in _ALLOWED:
         raise ValueError(
             f"{name} is code, and no file may name code. If you trust it, add --allow {name}, or in Python "
-            f'call sim.allow("{name}")'
+            f'call vitruvius.sim.allow("{name}")'
         )
     module, _, attribute = name.partition(":")
     return getattr(importlib.import_module(module), attribute)

@@ -183,7 +183,7 @@ def test_a_stack_of_frames_is_that_of_stable_baselines():
 
     task = example("task")
     envs = gymnasium.make_vec(
-        "vitruvius:Vitruvius/House-v0", 3, preset=task.Task(Path()).config, autoreset_mode="SameStep"
+        "Vitruvius/House-v0", 3, preset=task.Task(Path()).config, autoreset_mode="SameStep"
     )
     theirs, ours = frames.VecFrameStack(StableBaselinesVecEnv(envs), 4), task.Frames(4, 80)
     ours.begin(3)

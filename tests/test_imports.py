@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import sim
+from vitruvius import sim
 from vitruvius.sim.tracing import COMPILERS
 
 ROOT = Path(__file__).parents[1]
@@ -94,9 +94,18 @@ def modules() -> dict[str, Path]:
     """Return the files of our packages, by module name."""
     found = {}
     for file in (file for package in PACKAGES for file in (ROOT / package).rglob("*.py")):
-        name = ".".join(file.relative_to(ROOT).with_suffix("").parts)
+        parts = file.relative_to(ROOT).with_suffix("").parts
+        name = ".".join(parts if parts[0] in ("benchmarks", "vitruvius") else ("vitruvius", *parts))
         found[name.removesuffix(".__init__")] = file
     return found
+
+
+def place(name: str) -> tuple[str, str]:
+    """Return the package of a module, and the folder or module at the top of that package."""
+    first, *parts = name.split(".")
+    if first == "vitruvius" and parts and parts[0] in PACKAGES:
+        first, *parts = parts
+    return first, parts[0] if parts else ""
 
 
 def named(file: Path, strings: bool) -> Iterator[str]:
@@ -136,7 +145,7 @@ def test_no_package_imports_one_above_it() -> None:
         (name, other)
         for name, others in graph().items()
         for other in others
-        if PACKAGES.index(other.split(".")[0]) > PACKAGES.index(name.split(".")[0])
+        if PACKAGES.index(place(other)[0]) > PACKAGES.index(place(name)[0])
     ]
     assert not upwards
 
@@ -144,13 +153,14 @@ def test_no_package_imports_one_above_it() -> None:
 @pytest.mark.parametrize("package", FOLDERS)
 def test_no_folder_imports_one_above_it(package: str) -> None:
     order = FOLDERS[package]
-    inside = {name: name.split(".")[1] for name in graph() if name.startswith(f"{package}.")}
+    inside = {name: folder for name in graph() for of, folder in [place(name)] if of == package and folder}
     assert {*inside.values()} == {*order}
     upwards = [
         (name, other)
         for name, folder in inside.items()
         for other in graph()[name]
-        if other == package or (other in inside and order.index(inside[other]) > order.index(folder))
+        if place(other) == (package, "")
+        or (other in inside and order.index(inside[other]) > order.index(folder))
     ]
     assert not upwards
 
@@ -159,15 +169,15 @@ def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:
     taken = {
         (name, node.module, alias.name)
         for name, file in modules().items()
-        if name.split(".")[0] == "sim"
+        if place(name)[0] == "sim"
         for node in ast.walk(ast.parse(file.read_text()))
-        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "logic"
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("vitruvius.logic")
         for alias in node.names
     }
-    assert {what for _, module, what in taken if module == "logic"} <= OF_LOGIC
+    assert {what for _, module, what in taken if module == "vitruvius.logic"} <= OF_LOGIC
     drawing = {f"vitruvius.logic.drawing.{each}" for each in DRAWN}
     others = {
-        "logic",
+        "vitruvius.logic",
         "vitruvius.logic.errors",
         "vitruvius.logic.house.files",
         "vitruvius.logic.house.looks",

@@ -18,7 +18,8 @@ from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.request.request import Request, whole
 
 STEP = """
-import numpy as np, sim
+import numpy as np
+from vitruvius import sim
 envs = sim.HouseVectorEnv(num_envs=2)
 envs.reset(seed=0)
 print(envs.step(np.array([2, 2]))[0].shape, sim.runtime.KEEPS_KERNELS)

@@ -38,7 +38,7 @@ def make_envs(
     try:
         backend_class(backend)
         envs = gymnasium.make_vec(
-            "vitruvius:Vitruvius/House-v0",
+            "Vitruvius/House-v0",
             num_envs=number,
             houses=houses,
             targets=task(targets),

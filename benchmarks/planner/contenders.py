@@ -12,7 +12,6 @@ import numpy as np
 import torch
 from torch import Tensor
 
-import agent
 from benchmarks.planner import prior
 from benchmarks.planner.prior import Informed
 from benchmarks.planner.truth import truth
@@ -142,7 +141,7 @@ def _joined(first: Any, rest: Any) -> Any:
 
 def _key(*parts: str) -> str:
     """Return a hash of the parts, and of ``SOURCES``."""
-    root = Path(inspect.getfile(agent)).parent
+    root = Path(__file__).parents[2] / "agent"
     files = [file for name in SOURCES for file in sorted([root / name, *(root / name).rglob("*.py")])]
     text = [file.read_text() for file in files if file.is_file()]
     return hashlib.sha256(repr([*parts, *text]).encode()).hexdigest()

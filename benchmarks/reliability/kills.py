@@ -125,7 +125,7 @@ def _started(words: str) -> int:
     import vitruvius.agent.evaluation.protocol
     import vitruvius.agent.report.folder
     import vitruvius.agent.runs.runs
-    import vitruvius.logic.drawing.draw  # noqa: F401
+    import vitruvius.logic.drawing.draw
 
     if process := os.fork():
         return process
@@ -134,7 +134,7 @@ def _started(words: str) -> int:
         nothing = os.open(os.devnull, os.O_RDWR)
         for stream in (0, 1, 2):
             os.dup2(nothing, stream)
-        agent.runs.runs.SAVE_EVERY = 0.0
+        vitruvius.agent.runs.runs.SAVE_EVERY = 0.0
         sys.argv = ["vitruvius", *words.split()]
         runpy.run_module("vitruvius.cli", run_name="__main__")
     except SystemExit as end:

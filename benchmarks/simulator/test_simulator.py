@@ -323,7 +323,7 @@ def test_what_is_asked_for(benchmark, what):
 @study
 def test_one_environment_beside_CartPole(benchmark):
     ours, theirs = (
-        gymnasium.make("vitruvius:Vitruvius/House-v0", preset="long"),
+        gymnasium.make("Vitruvius/House-v0", preset="long"),
         gymnasium.make("CartPole-v1"),
     )
 

@@ -194,14 +194,16 @@ def _items(folder: Path) -> Iterator[str]:
 
 MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/schema.md": schema,
-    "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
+    "docs/reference/vitruvius.md": package("vitruvius", "Houses: make, check, explain, read and write them."),
     "docs/reference/sim.md": package(
-        "sim",
+        "vitruvius.sim",
         "Environments, tasks, baselines, backends.",
         "vitruvius.sim.actions",
         "vitruvius.sim.backends.backend",
     ),
-    "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
+    "docs/reference/agent.md": modules(
+        "vitruvius.agent", "What programs of your own take from `agent`.", *AGENT
+    ),
     "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),
 }
 """Pages by path; each function makes a page, and may write pictures into the folder that it gets."""

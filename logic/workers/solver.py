@@ -68,9 +68,9 @@ import sys
 from importlib.util import module_from_spec, spec_from_file_location
 
 sys.path += sys.argv[2:]
-spec = spec_from_file_location("logic", sys.argv[1])
-sys.modules["logic"] = module_from_spec(spec)
-spec.loader.exec_module(sys.modules["logic"])
+spec = spec_from_file_location("vitruvius", sys.argv[1])
+sys.modules["vitruvius"] = module_from_spec(spec)
+spec.loader.exec_module(sys.modules["vitruvius"])
 from vitruvius.logic.workers.worker import main
 
 main()
@@ -103,7 +103,7 @@ class Solver:
         self._step: VitruviusError | None = None
         self._helper: Solver | None = None
         self._easing = False
-        package, path = Path(__file__).parents[1] / "__init__.py", os.environ.get("PYTHONPATH", "")
+        package, path = Path(__file__).parents[2] / "__init__.py", os.environ.get("PYTHONPATH", "")
         try:
             # In a new session: Ctrl-C goes only to the parent, which then ends the worker.
             self._process = subprocess.Popen(

@@ -42,7 +42,7 @@ def check(house: House, promises: Standard | None = None) -> list[str]:
     """
     if not isinstance(house, House):
         raise TypeError(
-            f"check() takes one House, not {type(house).__name__}: logic.load(file) gives a list of them"
+            f"check() takes one House, not {type(house).__name__}: vitruvius.load(file) gives a list of them"
         )
     return violations(house, promises_of(house) if promises is None else standard(promises)(house))
 

@@ -22,8 +22,7 @@ class HouseRotation:
     """
 
     houses: Sequence[House]
-    """Houses, such as a ``vitruvius.HouseSet`` or ``vitruvius.HouseStream``, which read or generate houses on
-    demand."""
+    """A ``vitruvius.HouseSet`` or ``HouseStream`` reads or makes them as they are asked for."""
 
     size: int = 128
     """Number of houses of a period."""

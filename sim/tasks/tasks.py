@@ -259,8 +259,8 @@ def task(targets: Targets) -> AnyTask:
     ``TARGETS`` and ``PAPER_TASKS`` have the names. A dictionary is ``{"task": name, **arguments}``, such as
     ``{"task": "reach", "room": "kitchen"}``. ``{"rooms": ["bedroom", "study"]}`` is short for the task
     ``rooms``, and ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for the task ``points``. A
-    ``module:Class`` in place of a name must be allowed (``vitruvius.sim.allow``), because the text may come from a
-    file.
+    ``module:Class`` in place of a name must be allowed (``vitruvius.sim.allow``), because the text may come
+    from a file.
 
     An environment's ``spec`` keeps names, texts and dictionaries in JSON. Raises ``ValueError`` for an
     unknown task or wrong arguments.

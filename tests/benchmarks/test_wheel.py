@@ -45,7 +45,7 @@ def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, t
 
 
 def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tmp_path: Path) -> None:
-    code = "import sim, sim.environment.arguments as a; print(sim.__file__, len(a.house_list(a.BANK)))"
+    code = "import vitruvius.sim.environment.arguments as a; print(a.__file__, len(a.house_list(a.BANK)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
     path, houses = ended.stdout.splitlines()[-1].split()
     assert Path(path).is_relative_to(installed)
@@ -53,7 +53,8 @@ def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tm
 
 
 def test_a_wheel_has_the_frozen_banks(installed: Path, tmp_path: Path) -> None:
-    code = "from vitruvius.agent.banks import *\nfor name in BANKS: print(benchmark_path(name), len(benchmark(name)))"
+    code = "from vitruvius.agent.banks import *\n"
+    code += "for name in BANKS: print(benchmark_path(name), len(benchmark(name)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
     paths, houses = ended.stdout.split()[::2], ended.stdout.split()[1::2]
     assert len(paths) >= 4

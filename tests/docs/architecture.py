@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 
-from tests.test_imports import FOLDERS, PACKAGES, ROOT, graph
+from tests.test_imports import FOLDERS, PACKAGES, ROOT, graph, place
 
 FILE = ROOT / "docs" / "architecture.svg"
 
@@ -46,9 +46,10 @@ def arrows(package: str) -> dict[str, set[str]]:
     """Return the imports between a package's top-level folders and modules, by importer."""
     found: dict[str, set[str]] = {}
     for module, others in graph().items():
-        if module.startswith(f"{package}."):
-            own = found.setdefault(module.split(".")[1], set())
-            own |= {other.split(".")[1] for other in others if other.startswith(f"{package}.")}
+        of, folder = place(module)
+        if of == package and folder:
+            own = found.setdefault(folder, set())
+            own |= {place(other)[1] for other in others if place(other)[0] == package} - {""}
     return {name: others - {name} for name, others in found.items()}
 
 
@@ -107,12 +108,12 @@ def band(package: str, top: float) -> tuple[list[str], float]:
         word(GIVES[package], MARGIN + 135, top + 20, 13, "#222222"),
     ]
     top += HEAD
-    for place, name in enumerate(folders):
-        x = MARGIN + place % COLUMNS * (BOX[0] + GAP)
-        y = top + place // COLUMNS * (BOX[1] + ROWS)
+    for number, name in enumerate(folders):
+        x = MARGIN + number % COLUMNS * (BOX[0] + GAP)
+        y = top + number // COLUMNS * (BOX[1] + ROWS)
         uses = [each for each in direct(name, imported) if each in folders] if package in FOLDERS else []
         shapes += box(name, sentence(ROOT / package / name), uses, x, y, package)
-        if place % COLUMNS and folders[place - 1] in uses:
+        if number % COLUMNS and folders[number - 1] in uses:
             shapes.append(arrow(x - GAP, y + BOX[1] / 2, COLOURS[package][1]))
     top += -(-len(folders) // COLUMNS) * (BOX[1] + ROWS)
     if single:

@@ -79,7 +79,7 @@ class Reader:
     def __init__(self, folder: Path, patch: pytest.MonkeyPatch) -> None:
         """Begin in an empty folder."""
         self.folder, self.names = folder, {"__name__": "__main__"}
-        for name in ("logic", "examples", "benchmarks"):
+        for name in ("vitruvius", "logic", "agent", "examples", "benchmarks"):
             (folder / name).symlink_to(ROOT / name)
         (folder / "run").write_text(RUN)
         (folder / "run").chmod(0o755)

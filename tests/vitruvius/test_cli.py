@@ -219,7 +219,7 @@ def test_a_device_that_takes_nothing_is_named_and_stays() -> None:
 
 def test_the_installed_command_imports_nothing_from_the_current_folder(tmp_path: Path) -> None:
     """``python -m`` does import from it, before any line of ours runs."""
-    for name in ("agent", "clingo", "json", "logic", "queue", "sim", "token", "types"):
+    for name in ("agent", "clingo", "json", "logic", "queue", "sim", "token", "types", "vitruvius"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('from the current folder')\n")
     command = [Path(sys.executable).with_name("vitruvius"), "generate", "--rooms", "1"]
     done = finished(command, cwd=tmp_path)
@@ -356,8 +356,8 @@ def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("command", "needs"),
     [
-        ("train houses.jsonl", "vitruvius train needs gymnasium: pip install vitruvius[agent]"),
-        ("evaluate pqn", "vitruvius evaluate needs gymnasium: pip install vitruvius[agent]"),
+        ("train houses.jsonl", "vitruvius train needs taichi: pip install vitruvius[agent]"),
+        ("evaluate pqn", "vitruvius evaluate needs taichi: pip install vitruvius[agent]"),
         (
             "generate --rooms 1 --shard 0/1 --out SET",
             "vitruvius generate needs pyarrow: pip install vitruvius[data]",

@@ -112,7 +112,7 @@ def test_other_libraries_wrap_it_and_learn_from_it():
     from vitruvius.sim.adapters.stable_baselines import StableBaselinesVecEnv
 
     made = gymnasium.make_vec(
-        "vitruvius:Vitruvius/House-v0", num_envs=4, autoreset_mode="SameStep", max_episode_steps=20
+        "Vitruvius/House-v0", num_envs=4, autoreset_mode="SameStep", max_episode_steps=20
     )
     envs = MapWindow(made, 48)
     counted = RecordEpisodeStatistics(envs)

@@ -102,7 +102,8 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "benchmarks/reliability/__init__.py": "",
         "tests/second_part.py": "def of_second_part(test):\n    return False\n",
         "tests/test_lengths.py": (
-            "from vitruvius.logic.lengths import less, twice\n\n\ndef test_twice():\n    assert twice(3) == 6\n\n\n"
+            "from vitruvius.logic.lengths import less, twice\n\n\n"
+            "def test_twice():\n    assert twice(3) == 6\n\n\n"
             "def test_less():\n    less(3)\n"
         ),
     }

@@ -464,7 +464,8 @@ def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothin
     lookup.chmod(0o755)
     parent = (
         "import os, pathlib, time\n"
-        "from vitruvius.logic.workers.messages import Prepare\nfrom vitruvius.logic.workers.solver import Solver\n"
+        "from vitruvius.logic.workers.messages import Prepare\n"
+        "from vitruvius.logic.workers.solver import Solver\n"
         "solver = Solver(Prepare(grammar=''))\n"
         f"while not [*pathlib.Path({str(tmp_path)!r}).glob('started.*')]: time.sleep(0.01)\n"
         "os._exit(0)\n"

@@ -11,7 +11,7 @@ import msgspec
 import pytest
 from scipy.cluster.hierarchy import DisjointSet
 
-import logic
+import vitruvius
 from benchmarks.briefs.bank import frozen
 from benchmarks.generator.verdicts import brief_systems, until_refuted, verdicts
 from tests.logic.workers import in_process
@@ -180,7 +180,7 @@ def side_of(one: Room, other: Room) -> str:
 
 def test_a_house_by_a_brief_is_made_again_whatever_was_made_before() -> None:
     houses = list(generate(brief=FLAT, grammar="home", seed=3, count=3))
-    again = next(logic.generate(brief=FLAT, grammar="home", seed=3, start=2))
+    again = next(vitruvius.generate(brief=FLAT, grammar="home", seed=3, start=2))
     assert (again.rooms, again.doors, again.windows) == (houses[2].rooms, houses[2].doors, houses[2].windows)
 
 
@@ -285,7 +285,7 @@ def test_the_program_of_a_house_by_a_brief_is_freed_with_the_next_one() -> None:
 
 def test_a_brief_on_a_grid_is_refused() -> None:
     with pytest.raises(RequestError, match="cell: rooms of a brief lie on no grid yet"):
-        next(logic.generate(brief=brief(2), cell=0.5))
+        next(vitruvius.generate(brief=brief(2), cell=0.5))
 
 
 def test_rooms_may_be_named_in_any_script() -> None:

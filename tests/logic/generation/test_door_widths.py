@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-import logic
+import vitruvius
 from tests.logic.workers.in_process import generate
 from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
 from vitruvius.logic.grammar import SHIPPED
@@ -96,4 +96,4 @@ def test_stars_units_and_own_plans_refuse_it(tmp_path: Path) -> None:
         list(generate(rooms=15, grammar=grammar(tmp_path / "units", clause, "apartments")))
     [house] = generate(rooms=5, grammar="home")
     with pytest.raises(RequestError, match="no plan of your own has them yet: leave these clauses out"):
-        list(logic.generate(plan=house, grammar=grammar(tmp_path / "own", clause)))
+        list(vitruvius.generate(plan=house, grammar=grammar(tmp_path / "own", clause)))

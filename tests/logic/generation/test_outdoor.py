@@ -218,7 +218,7 @@ def test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door(tmp_pa
 
 def test_a_body_finds_targets_on_a_patio_and_its_boards_are_drawn(tmp_path: Path) -> None:
     house = Builder(find(grammar(tmp_path / "mine"))).house(Request(3), 0, 0, INFERENCES)
-    env = gym.make("vitruvius:Vitruvius/House-v0", houses=[house], targets={"rooms": ["patio"]})
+    env = gym.make("Vitruvius/House-v0", houses=[house], targets={"rooms": ["patio"]})
     west, north, east, south = of_type(house, "patio").box
     for seed in range(3):
         _, info = env.reset(seed=seed)

@@ -274,7 +274,8 @@ def test_a_kill_on_the_way_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "houses.jsonl"
     write_whole(path, b"old")
     script = (
-        "import os, signal, sys; from vitruvius.logic.house.files import HOUSE_FILES, require_ending, write_whole\n"
+        "import os, signal, sys\n"
+        "from vitruvius.logic.house.files import HOUSE_FILES, require_ending, write_whole\n"
         "os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)\n"
         "write_whole(sys.argv[1], b'new')"
     )

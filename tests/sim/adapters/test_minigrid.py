@@ -56,9 +56,7 @@ EACH_HOUSE = pytest.mark.parametrize("number", range(len(HOUSES)))
 
 def made(**arguments: Any) -> MiniGridHouseEnv:
     """Return the environment without the wrappers of ``gymnasium.make``."""
-    env = gymnasium.make(
-        "vitruvius:Vitruvius/MiniGrid-v0", houses=HOUSES, targets="all", **arguments
-    ).unwrapped
+    env = gymnasium.make("Vitruvius/MiniGrid-v0", houses=HOUSES, targets="all", **arguments).unwrapped
     assert isinstance(env, MiniGridHouseEnv)
     return env
 
@@ -220,6 +218,6 @@ def test_gymnasiums_checker_and_minigrids_wrappers_take_it(monkeypatch: pytest.M
 
 def test_houses_off_the_grid_and_targets_in_no_cell_are_refused() -> None:
     with pytest.raises(ValueError, match="no grid of cells as wide as the body"):
-        gymnasium.make("vitruvius:Vitruvius/MiniGrid-v0", houses="paper-house")
+        gymnasium.make("Vitruvius/MiniGrid-v0", houses="paper-house")
     with pytest.raises(ValueError, match=r"house 2: the target at \(0.225, 3.825\) m is in no free cell"):
         made().reset(seed=0, options={"house": 2, "target": cells(0.5, 8.5, 0, 0)[:2]})

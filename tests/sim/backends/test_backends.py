@@ -75,7 +75,7 @@ def test_it_equals_the_continuous_backend_in_a_house_of_a_main_room_alone(preset
 
 
 def test_an_environment_with_it_swaps_banks_restores_states_renders_and_has_an_oracle():
-    envs = gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=4, houses=HOUSES[:1], backend=NAME)
+    envs = gymnasium.make_vec("Vitruvius/House-v0", num_envs=4, houses=HOUSES[:1], backend=NAME)
     unwrapped = envs.unwrapped
     assert isinstance(unwrapped, HouseVectorEnv)
     envs.reset(seed=0)

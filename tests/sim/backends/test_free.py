@@ -74,7 +74,7 @@ def test_its_autoreset_modes_give_the_same_episodes():
 
 @pytest.mark.filterwarnings("ignore:.*already been instantiated.*", "ignore:.*Box.*")
 def test_gymnasium_finds_nothing_wrong_with_the_single_environment():
-    env = gymnasium.make("vitruvius:Vitruvius/House-v0", backend="free", render_mode="rgb_array")
+    env = gymnasium.make("Vitruvius/House-v0", backend="free", render_mode="rgb_array")
     check_env(env.unwrapped)
     with pytest.raises(ValueError, match=r"an action is two numbers, \(v, w\), not an array of shape \(\)"):
         env.unwrapped.step(2)

@@ -147,7 +147,7 @@ def test_they_conform(config):
     from gymnasium.utils.env_checker import check_env
 
     arguments = {"houses": HOUSES, "preset": config, "disable_env_checker": True}
-    check_env(gymnasium.make("vitruvius:Vitruvius/House-v0", **arguments).unwrapped, skip_render_check=True)
+    check_env(gymnasium.make("Vitruvius/House-v0", **arguments).unwrapped, skip_render_check=True)
 
 
 def test_stable_baselines_learns_from_both():
@@ -216,7 +216,7 @@ def test_parts_are_in_the_order_of_observe_everywhere():
     It holds for one environment, for many, and in Gymnasium's vector environments.
     """
     config = replace(DEFAULT, observe=("rays", "goal", "bump"))
-    name, arguments = "vitruvius:Vitruvius/House-v0", {"houses": HOUSES, "preset": config}
+    name, arguments = "Vitruvius/House-v0", {"houses": HOUSES, "preset": config}
     many = gymnasium.make_vec(name, 2, **arguments)
     sync = gymnasium.make_vec(name, 2, vectorization_mode="sync", **arguments)
     observations = [envs.reset(seed=1)[0] for envs in (many, sync, gymnasium.make(name, **arguments))]

@@ -37,7 +37,7 @@ def bank(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def made(bank):
-    return gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=COUNT, houses=bank, targets="mixed")
+    return gymnasium.make_vec("Vitruvius/House-v0", num_envs=COUNT, houses=bank, targets="mixed")
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def envs(made):
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.filterwarnings("ignore:.*already been instantiated.*")
 def test_gymnasium_finds_nothing_wrong_with_the_single_environment(bank, preset):
-    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=bank, preset=preset, render_mode="rgb_array")
+    env = gymnasium.make("Vitruvius/House-v0", houses=bank, preset=preset, render_mode="rgb_array")
     check_env(env.unwrapped)
     env.close()
 
@@ -393,7 +393,7 @@ def test_wrong_arguments_are_refused(message):
 
 
 def test_step_and_render_before_the_first_reset_are_errors(bank):
-    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=bank, max_episode_steps=None).unwrapped
+    env = gymnasium.make("Vitruvius/House-v0", houses=bank, max_episode_steps=None).unwrapped
     with pytest.raises(ResetNeeded):
         env.step(0)
     envs = HouseVectorEnv(HOUSES, max_episode_steps=1, render_mode="rgb_array")
@@ -402,7 +402,7 @@ def test_step_and_render_before_the_first_reset_are_errors(bank):
 
 
 def test_a_single_environment_that_has_ended_asks_for_a_reset(bank):
-    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=bank, preset="paper").unwrapped
+    env = gymnasium.make("Vitruvius/House-v0", houses=bank, preset="paper").unwrapped
     env.reset(seed=0)
     terminated = False
     while not terminated:
@@ -415,7 +415,10 @@ def test_a_single_environment_that_has_ended_asks_for_a_reset(bank):
 
 def test_importing_and_starting_print_nothing_and_ask_nobody_for_a_newer_version(bank):
     watch = "getattr(ti, '_version_check', os).try_check_version = lambda: os.write(1, b'asked')"
-    program = f"import os, sim; from vitruvius.sim.runtime import ti; {watch}; sim.HouseVectorEnv({bank!r}).reset(seed=0)"
+    program = (
+        "import os; from vitruvius.sim import HouseVectorEnv; from vitruvius.sim.runtime import ti; "
+        f"{watch}; HouseVectorEnv({bank!r}).reset(seed=0)"
+    )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == done.stderr == ""
 
@@ -447,7 +450,7 @@ def test_pickled_environments_go_on_bit_for_bit():
 
 
 def test_after_close_to_step_or_reset_is_an_error():
-    env = gymnasium.make("vitruvius:Vitruvius/House-v0", houses=HOUSES[:1])
+    env = gymnasium.make("Vitruvius/House-v0", houses=HOUSES[:1])
     env.reset(seed=0)
     env.close()
     for act in (env.reset, lambda: env.step(2)):
@@ -456,7 +459,8 @@ def test_after_close_to_step_or_reset_is_an_error():
 
 
 FORKED = """
-import os, numpy, sim
+import os, numpy
+from vitruvius import sim
 from tests.sim.environment.test_single import HOUSES
 envs = sim.HouseVectorEnv(HOUSES[:1])
 envs.reset(seed=0)

@@ -27,7 +27,7 @@ from vitruvius.sim.tasks.tasks import TARGETS, stated_task, task
 from vitruvius.sim.tasks.terms import PLAIN, Terms
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
-NAME = "vitruvius:Vitruvius/House-v0"
+NAME = "Vitruvius/House-v0"
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ IDS = ["House-v0", "House-continuous-v0", "House-free-v0", "House-grid-v0", "Pap
 
 @pytest.mark.parametrize("name", IDS)
 def test_each_id_comes_back_from_its_spec_and_says_how_long_episodes_are(name: str) -> None:
-    env = gymnasium.make(f"vitruvius:Vitruvius/{name}")
+    env = gymnasium.make(f"Vitruvius/{name}")
     assert env.spec
     assert env.spec.max_episode_steps == 1500
     assert gymnasium.make(EnvSpec.from_json(env.spec.to_json())).spec == env.spec

@@ -16,7 +16,7 @@ from tests.programs import finished
 from vitruvius.sim import HouseVectorEnv
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
-NAME = "vitruvius:Vitruvius/House-v0"
+NAME = "Vitruvius/House-v0"
 
 SINGLE = {
     "TimeLimit": lambda env: wrappers.TimeLimit(env, 5),
@@ -117,7 +117,7 @@ from vitruvius.sim import HouseVectorEnv
 warnings.simplefilter("ignore")
 
 def made(**context):
-    envs = gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=2, vectorization_mode="async", **context)
+    envs = gymnasium.make_vec("Vitruvius/House-v0", num_envs=2, vectorization_mode="async", **context)
     observation, _ = envs.reset(seed=3)
     after = envs.step(np.array([2, 1]))[0]
     envs.close(terminate=True)

@@ -24,7 +24,7 @@ little on the choice among shortest paths: 55.8 to 57.3, 20.9 to 21.0, 32.2 to 3
 
 @pytest.fixture(scope="module")
 def envs():
-    return gymnasium.make_vec("vitruvius:Vitruvius/Paper-v0", num_envs=EPISODES).unwrapped
+    return gymnasium.make_vec("Vitruvius/Paper-v0", num_envs=EPISODES).unwrapped
 
 
 @pytest.mark.parametrize("task", TASKS)

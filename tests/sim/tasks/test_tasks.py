@@ -131,7 +131,7 @@ def test_targets_at_given_points_are_met_from_the_given_start(backend):
 def test_a_task_as_text_goes_through_the_spec_and_is_filmed(tmp_path):
     save([ONE], tmp_path / "house.jsonl")
     made: Any = gymnasium.make_vec(
-        "vitruvius:Vitruvius/House-v0",
+        "Vitruvius/House-v0",
         houses=str(tmp_path / "house.jsonl"),
         targets=json.dumps(POINTS),
         render_mode="rgb_array",
@@ -155,7 +155,7 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
     given = {"task": "tests.sim.tasks.test_tasks:Largest", "first": 1}
     save([ONE], tmp_path / "house.jsonl")
     houses = str(tmp_path / "house.jsonl")
-    made: Any = gymnasium.make_vec("vitruvius:Vitruvius/House-v0", num_envs=3, houses=houses, targets=given)
+    made: Any = gymnasium.make_vec("Vitruvius/House-v0", num_envs=3, houses=houses, targets=given)
     assert made.unwrapped.world.task == Largest(1)
     assert json.loads(made.spec.to_json())["kwargs"]["targets"] == given
 

@@ -27,7 +27,7 @@ from vitruvius.logic import (
 from vitruvius.sim import HouseEnv, HouseVectorEnv
 
 HOUSE = House.of_star(Star(Rect(0, 0, 4, 4)))
-ENVIRONMENT = "vitruvius:Vitruvius/House-v0"
+ENVIRONMENT = "Vitruvius/House-v0"
 
 
 @dataclass(frozen=True)
