@@ -48,8 +48,8 @@ class Speed:
     """Steps per second of the simulator, of planners, of agents that play and of training."""
 
     part: tuple[Part, ...] = ("step", "play", "train")
-    """What is measured: the kernel of a step, step_torch, a planner with the body that follows it, an agent
-    that plays, training."""
+    """Parts to measure: the kernel of a step, step_torch, a planner with the robot that follows it, an agent
+    that plays, and training."""
 
     backend: tuple[str, ...] = ("continuous",)
     """Backends of the parts kernel and step."""

@@ -52,7 +52,7 @@ PARTS = {
     "parapet": [("wall", 0.0, PARAPET_HEIGHT)],
     "gate": [("entrance", 0.0, PARAPET_HEIGHT)],
 }
-"""What stands in each part of a wall: from one height to another, metres above the floor."""
+"""Heights between which each part of a wall is solid, metres above the floor."""
 
 
 class Solid(NamedTuple):

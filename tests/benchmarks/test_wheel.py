@@ -33,15 +33,27 @@ def in_wheel(installed: Path, folder: Path, *command: str) -> subprocess.Complet
     return finished([sys.executable, *command], cwd=folder, env=environment)
 
 
-def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "benchmarks" / "generator" / "plain", tmp_path / "mine")
-    options = ["--grammar", "mine", "--rooms", "1", "2", "--rounds", "1", "--out", "found"]
-    ended = in_wheel(installed, tmp_path, "-m", "vitruvius.cli", "bench", "generator", *options)
-    assert ended.returncode == 0, ended.stdout + ended.stderr
-    page = (tmp_path / "found" / "generator.md").read_text()
-    assert "--grammar mine" in page
-    assert "| 2 |" in page
-    assert (tmp_path / "found" / "generator.png").stat().st_size
+def test_a_wheel_has_one_package_and_says_where_the_studies_are(installed: Path, tmp_path: Path) -> None:
+    [package] = [each.name for each in installed.iterdir() if not each.name.endswith(".dist-info")]
+    assert package == "vitruvius"
+    ended = in_wheel(installed, tmp_path, "-m", "vitruvius.cli", "bench", "generator")
+    assert (ended.returncode, len(ended.stderr.splitlines())) == (69, 1)
+    assert "a checkout" in ended.stderr
+
+
+def test_a_wheel_of_an_archive_of_the_sources_is_the_same(installed: Path, tmp_path: Path) -> None:
+    build = [sys.executable, "-m", "hatchling", "build", "-d", str(tmp_path), "-t"]
+    subprocess.run([*build, "sdist"], cwd=ROOT, check=True, capture_output=True)
+    [archive] = tmp_path.glob("*.tar.gz")
+    shutil.unpack_archive(archive, tmp_path, filter="data")
+    unpacked = tmp_path / archive.name.removesuffix(".tar.gz")
+    subprocess.run([*build, "wheel"], cwd=unpacked, check=True, capture_output=True)
+    [wheel] = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as made:
+        names = {name for name in made.namelist() if not name.endswith("/")}
+    assert names == {
+        path.relative_to(installed).as_posix() for path in installed.rglob("*") if path.is_file()
+    }
 
 
 def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tmp_path: Path) -> None:

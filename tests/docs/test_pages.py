@@ -78,9 +78,9 @@ scale."""
 
 def test_the_first_page_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     reader = Reader(tmp_path, monkeypatch)
-    sh, python = blocks((ROOT / "README.md").read_text())
+    sh, python, _ = blocks((ROOT / "README.md").read_text())
     assert {line.split()[1] for line in commands(sh.text)} <= ELSEWHERE
-    assert not reader.python(python.text)[0]
+    assert reader.matches(python.shown or "", reader.do(python)[1])
 
 
 def test_the_first_page_is_short_and_its_results_are_those_of_the_page_of_results() -> None:

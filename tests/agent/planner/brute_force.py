@@ -89,8 +89,10 @@ def turns(one: int, other: int) -> int:
 
 
 def hides(memory: Any, x: int, y: int) -> bool:
-    """Whether a target may lie about a node: of the 4 by 4 cells that it covers the inner ones were not seen
-    since ``SINCE``, and of the others eight.
+    """Return True if a target may lie around a node.
+
+    Of the 4 by 4 cells that a target covers there, the inner ones and eight others were not seen since
+    ``SINCE``.
     """
     unseen = [
         memory.seen_at[j, i] < SINCE and not memory.occupied[j, i]
@@ -114,8 +116,9 @@ def levels(memory: Any) -> dict[Place, int]:
 
 
 def candidates(memory: Any, level: dict[Place, int]) -> dict[Place, int]:
-    """What the places count where a target may lie: 100 each, or what a prior says; after nine pick-ups in
-    the start room 1, as none is there.
+    """Return the weights of the places where a target may lie: 100 each, or those of a prior.
+
+    After nine pick-ups in the start room a place of that room has weight 1, since no target is there.
     """
     places = {(x, y) for x, y in level if hides(memory, 2 * x, 2 * y)}
     if memory.prior is not None:
@@ -145,8 +148,9 @@ def looks(memory: Any, x: int, y: int, octant: int) -> Iterator[tuple[Place, int
 
 
 def views(memory: Any, level: dict[Place, int]) -> dict[tuple[Place, int], float]:
-    """What the views are worth from all nodes that are viewpoints, and from the body's own, by heading: their
-    information gain over their cost, in steps and turns. What is in sight already counts no more.
+    """Return the values of the views from all viewpoints and from the robot's own node, by heading.
+
+    A value is the information gain over the cost in steps and turns. Places already in sight gain nothing.
     """
     px, py, heading = memory.x // 2, memory.y // 2, memory.heading
     counts = candidates(memory, level)

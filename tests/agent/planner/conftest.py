@@ -88,9 +88,10 @@ def ask(
     keep: bool = False,
     **numbers: Any,
 ) -> list[Any]:
-    """What planners make of these memories, one for each environment, from a pose each, in half cells: after
-    a step forward to it in which they look at nothing, without a goal unless ``numbers`` give one. They have
-    no gains and have tried nothing unless they ``keep`` what they have.
+    """Return planners with these memories, one for each environment, at a pose each, in half cells.
+
+    The planners have taken a step forward to the pose without a look. They have no goal unless ``numbers``
+    give one, and no gains and no tried viewpoints unless they ``keep`` theirs.
     """
     quiet = {"time": 301, "since": 280, "new": 0, "straight": 0, "known": 0, "kind": "none", "aligned": 1}
     for e, (memory, (x, y, heading)) in enumerate(zip(memories, poses, strict=True)):

@@ -1,4 +1,4 @@
-"""What a planner makes of its rays and moves, against the rays themselves and the true houses."""
+"""The occupancy map of a planner, against the rays themselves and the true houses."""
 
 from dataclasses import replace
 from typing import Any
@@ -44,7 +44,7 @@ def test_a_planner_knows_its_pose_from_its_own_moves(walk: Walk) -> None:
 
 
 def ends(walk: Walk, step: Step) -> np.ndarray:
-    """Where rays end (R, 2), in cells of the planner's frame."""
+    """Return the ends of rays (R, 2), in cells of the planner's frame."""
     world, after = walk.envs.config, step.after
     angles = world.ray_angles + after.heading * np.pi / 4
     far = step.observation[:, 0].astype(float)[:, None] * world.range / walk.cell

@@ -1,4 +1,4 @@
-"""What a planner remembers of targets and believes of them, against the true houses and by hand."""
+"""The planner's memory of targets and its beliefs about them, against the true houses and by hand."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -43,7 +43,7 @@ def test_a_known_target_lies_where_it_truly_does(walk: Walk) -> None:
 
 
 def believed(planner: Planner, memory: SimpleNamespace, **numbers: Any) -> np.ndarray:
-    """What blocks count as candidates by a memory, from 20 nodes west and north of the start on."""
+    """Return the weights of candidate blocks by a memory, from 20 nodes west and north of the start on."""
     memory.near, memory.solid = np.ones((SIDE, SIDE), bool), np.zeros((SIDE, SIDE), bool)
     ask(planner, [memory] * E, [(120, 120, 0)] * E, **numbers)  # it looks away from the start
     return BeliefMap(planner.tested).read()[54:74, 54:74].astype(int)
@@ -51,7 +51,7 @@ def believed(planner: Planner, memory: SimpleNamespace, **numbers: Any) -> np.nd
 
 @pytest.mark.parametrize(("wall", "count"), [(False, max(TUNED.floor_odds)), (True, 0)])
 def test_what_floor_surrounds_may_be_floor_and_what_walls_surround_is_none(planner, wall, count) -> None:
-    """Of a place that was never seen, inside a ring that was."""
+    """Return the memory of a place that was never seen, inside a ring that was."""
     memory = SimpleNamespace(seen_at=np.zeros((SIDE, SIDE), int))
     memory.seen_at[4:13, 4:13], memory.seen_at[6:11, 6:11] = 290, 0
     memory.occupied = (memory.seen_at > 0) & wall

@@ -1,4 +1,4 @@
-"""Which viewpoint a planner chooses, against an exhaustive search of small maps."""
+"""The planner's choice of a viewpoint, against an exhaustive search of small maps."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ def hiding(random: np.random.Generator, places: int) -> tuple[list[Any], list[tu
 
 
 def searched(planner: Planner, places: int, random: np.random.Generator, **numbers: Any) -> list[Any]:
-    """What planners make of such maps: their memories where they have found a goal."""
+    """Return the memories of planners that have found a goal on such maps."""
     memories, poses = hiding(random, places)
     found = ask(planner, memories, poses, **numbers)
     for memory, after in zip(memories, found, strict=True):
@@ -56,8 +56,9 @@ def test_where_no_view_shows_enough_the_goal_is_a_nearest_candidate(planner: Pla
 
 
 def worths(memories: list[Any]) -> np.ndarray:
-    """What the chosen viewpoints are worth, as shares of the best of all; 1 too where none is worth anything
-    and none was chosen.
+    """Return the values of the chosen viewpoints, as shares of the best value.
+
+    The share is 1, too, if no viewpoint has a value and none was chosen.
     """
     found = []
     for memory in memories:
@@ -77,7 +78,7 @@ def test_a_viewpoint_has_the_most_information_gain_for_its_cost(planner: Planner
 
 
 def test_by_a_prior_a_viewpoint_shows_most_of_what_is_likely_to_be_seen() -> None:
-    """What places count is the prior's, and sight may end at each block that was never seen."""
+    """Places have the prior's weights, and sight may end at each block that was never seen."""
     random, planner, found = np.random.default_rng(2), Planner(DEFAULT, E, prior=True), []
     for _ in range(5):
         memories, poses = hiding(random, 8)
