@@ -26,14 +26,14 @@ BY_HAND = b"<!-- What follows is written by hand. -->\n"
 """A published page keeps this line, and everything after it."""
 
 
-def write(files: Mapping[str, bytes], out: Path, publish: bool = False, docs: Path = DOCS) -> None:
-    """Write a study's page and pictures into its folder, and with ``publish`` into docs."""
+def write(files: Mapping[str, bytes], out: Path, publish: bool = False, folder: str = "") -> None:
+    """Write a study's page and pictures into its folder, and with ``publish`` into a folder of docs."""
     if publish and not DOCS.is_dir():
         raise RequestError(f"--publish: there is no {DOCS}: pages are published in a checkout of the project")
     for name, content in files.items():
         write_whole(out / name, content)
         if publish:
-            page = docs / name
+            page = DOCS / folder / name
             _, mark, by_hand = page.read_bytes().partition(BY_HAND) if page.exists() else (b"", b"", b"")
             write_whole(page, content + b"\n" + mark + by_hand if mark else content)
 

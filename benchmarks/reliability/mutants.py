@@ -15,7 +15,7 @@ from pathlib import Path
 from msgspec.structs import replace
 from scipy.stats import binomtest
 
-from benchmarks.common.pages import DOCS, ROOT, table_rows, write
+from benchmarks.common.pages import ROOT, table_rows, write
 from benchmarks.common.processes import say
 from benchmarks.common.rows import read_rows, write_rows
 from benchmarks.reliability.changes import Mutant, mutants
@@ -103,7 +103,7 @@ class Mutants:
                     tests.close()
         explained = json.loads(EXPLAINED.read_bytes())
         page = report(list(rows.values()), explained)
-        write({"mutants.md": page.encode()}, self.out, self.publish, DOCS / "development")
+        write({"mutants.md": page.encode()}, self.out, self.publish, "development")
         print(page)
         kinds = Counter(row.kind for row in rows.values())
         known = Counter(row.kind for row in rows.values() if row.by or row.mutant.name in explained)

@@ -39,7 +39,7 @@ def test_a_part_of_the_study_makes_a_page_of_its_sections_alone() -> None:
     assert [line for line in page.splitlines() if line.startswith("## ")] == [
         "## A furnished house",
         "## Fitted laws",
-        "## On your grammar",
+        "## Your own grammar",
     ]
 
 
