@@ -143,7 +143,7 @@ def run(
 ) -> tuple[Checkpoint, list[Progress]]:
     """Train an agent in the houses to the end of its run, with the run's files in the folder ``path``.
 
-    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``sim.HouseRotation``. With ``resume``, a
+    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``vitruvius.sim.HouseRotation``. With ``resume``, a
     run in the folder continues from its last saved state, bit for bit on the CPU; in an empty folder a new
     run begins. ``every`` is the time between two lines of progress in a pipe, in seconds; None: no lines.
     ``watching`` has the options for evaluation, checkpoints and the hook.

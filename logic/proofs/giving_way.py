@@ -14,7 +14,8 @@ from vitruvius.logic.generation.question import Question
 from vitruvius.logic.layout.conflicts import minimal
 from vitruvius.logic.layout.relaxed import Statement, TooMany
 from vitruvius.logic.placement.lengths import DOOR_WIDTH, metres, typical_lengths
-from vitruvius.logic.proofs.proof import Prover, asked
+from vitruvius.logic.proofs.least import least
+from vitruvius.logic.proofs.proof import asked
 from vitruvius.logic.request.brief import bounds, tolerance_of
 from vitruvius.logic.request.request import Request
 
@@ -107,9 +108,10 @@ def _of_units(found: NoUnits) -> list[Reason]:
         return [each for each in rules if each.typical]
     barred = {no_unit(unit): unit for unit in found.barred.values()}
     ways: list[list[Reason]] = []
-    for reason in Prover(found.feasibility).unsatisfiable(found).reasons:
-        if reason in barred:
-            ways.append(_of_unit(found, barred[reason]))
+    question, statements, _ = asked(found)
+    for each in least(question, statements):
+        if each.reason in barred:
+            ways.append(_of_unit(found, barred[each.reason]))
             if len(ways[-1]) == 1:
                 return ways[-1]
     return min(filter(None, ways), key=len, default=[])
