@@ -15,14 +15,14 @@ WORDS = {
     "goal": "the way to the target",
     "geodesic": "the distance to the target",
 }
-"""Words for the names of ``vitruvius.sim.Config.observe``; ``heading`` is for rays with compass directions."""
+"""Words for the names of ``sim.Config.observe``; ``heading`` is for rays with compass directions."""
 
 PLANS = "in training, plans of other houses"
 """Further knowledge of agents that are trained on maps of houses."""
 
 
 def in_words(knows: Iterable[str]) -> str:
-    """Return names of ``vitruvius.sim.Config.observe`` as a list of words."""
+    """Return names of ``sim.Config.observe`` as a list of words."""
     return ", ".join(WORDS[name] for name in knows) or "nothing"
 
 

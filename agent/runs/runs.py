@@ -16,6 +16,7 @@ import gzip
 import io
 import json
 import platform
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
@@ -143,7 +144,7 @@ def run(
 ) -> tuple[Checkpoint, list[Progress]]:
     """Train an agent in the houses to the end of its run, with the run's files in the folder ``path``.
 
-    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``vitruvius.sim.HouseRotation``. With ``resume``, a
+    The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``sim.HouseRotation``. With ``resume``, a
     run in the folder continues from its last saved state, bit for bit on the CPU; in an empty folder a new
     run begins. ``every`` is the time between two lines of progress in a pipe, in seconds; None: no lines.
     ``watching`` has the options for evaluation, checkpoints and the hook.
@@ -261,7 +262,8 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
         states = torch.load(io.BytesIO(content), weights_only=True)
         if len(states) != ranks.size():
             raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
-        learner.restore(states[ranks.rank()])
+        with warnings.catch_warnings(action="ignore"):  # torch's, of what is no state
+            learner.restore(states[ranks.rank()])
     except VitruviusError:
         raise
     except Exception as error:  # damaged files raise many kinds of errors

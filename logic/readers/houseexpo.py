@@ -17,12 +17,15 @@ from vitruvius.logic.house.parts import MOST_ROOMS
 from vitruvius.logic.readers.sketch import Passage, Sketch, Space, numbers, require_none, require_plain
 from vitruvius.logic.readers.types import OUTSIDE, meant
 from vitruvius.logic.shapes.corners import parts_of
-from vitruvius.logic.shapes.doorways import SMALLEST, Doorway, cut
+from vitruvius.logic.shapes.doorways import SMALLEST, Doorway, cut, doorways_of
 
 FORMAT = "a plan of HouseExpo"
 
 MAX_BOXES = 2 * MOST_ROOMS
 """Number of boxes of rooms: a room may be listed under several types."""
+
+MAX_WORK = 1 << 24
+"""Number of corners times doorways times boxes: each doorway compares the rooms beside it with all boxes."""
 
 SAME = 0.05
 """Metres within which boxes of two types are one room."""
@@ -69,7 +72,10 @@ def read_houseexpo(_: bytes, record: Any, storey: str | None) -> Sketch:
     require_none(storey)
     floor = shapely.make_valid(outline(record))
     boxes = _boxes(record["room_category"], floor)
-    rooms, doorways = cut(floor, lambda one, other, doorway: _is_one(one, other, doorway, boxes))
+    doorways = doorways_of(floor)
+    if (len(doorways) + 1) * (len(boxes.words) + 1) * shapely.get_num_coordinates(floor) > MAX_WORK:
+        raise RequestError(f"plan: {FORMAT}: too many corners, doorways and boxes of rooms: keep one house")
+    rooms, doorways = cut(floor, doorways, lambda one, other, doorway: _is_one(one, other, doorway, boxes))
     passages = [Passage(each.gap, is_open=each.width > DOOR) for each in doorways]
     fits = np.array([boxes.fits(room) for room in rooms])
     spaces = list[Space]()

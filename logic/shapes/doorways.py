@@ -1,6 +1,6 @@
 """Doorways of a floor that is drawn as one outline: gaps between the end of a wall and the next wall."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,12 +48,11 @@ IsOne = Callable[[Polygon, Polygon, Doorway], bool]
 """Predicate that is True if the two rooms beside a doorway are one room."""
 
 
-def cut(floor: Geometry, is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
-    """Return the rooms of a floor and the doorways between them.
+def cut(floor: Geometry, doorways: Sequence[Doorway], is_one: IsOne) -> tuple[list[Polygon], list[Doorway]]:
+    """Return the rooms of a floor and those of its ``doorways_of`` that lie between them.
 
     A gap that leads from a room to itself, or to a floor smaller than a room, is not a doorway.
     """
-    doorways = _doorways(floor)
     rooms = parts_of(shapely.difference(floor, shapely.union_all([each.shape for each in doorways])))
     tree, whole = shapely.STRtree(rooms), list(range(len(rooms)))
 
@@ -89,7 +88,7 @@ def _divides(doorway: Doorway, one: Polygon, other: Polygon) -> bool:
     return any(one.contains(a) and other.contains(b) for a, b in ((left, right), (right, left)))
 
 
-def _doorways(floor: Geometry) -> list[Doorway]:
+def doorways_of(floor: Geometry) -> list[Doorway]:
     """Return the gaps at the ends of all walls.
 
     Of gaps that overlap, only the narrowest is returned: a gap between two ends is found from both.

@@ -137,7 +137,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     ``sim.tasks.tasks``.
     The paper's tasks are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("vitruvius:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``vitruvius.sim.Config``, or a dictionary of
+    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``sim.Config``, or a dictionary of
     its fields, ``{"rays": 20, "observe": ["rays", "goal"]}``.
     ``max_episode_steps``: replaces the preset's length of episodes; the ``spec`` states it.
     ``seed``: seed of the first reset, unless ``reset`` gets one.

@@ -259,6 +259,7 @@ def test_a_state_of_another_content_is_refused_in_one_line(tmp_path):
         [{}],
         [good | {"network": {}}],
         [good | {"envs": {}}],
+        [torch.full((3,), torch.nan)],  # of which torch warns
         [good | {"clock": {"a": 1}}],
     ]
     for value in [*strange, [good | {"generator": torch.zeros(3)}], [good | {"config": []}]]:

@@ -436,6 +436,22 @@ def test_the_outlines_of_all_shapes_of_a_file_are_bounded_together(
         read(path)
 
 
+def test_a_plan_of_houseexpo_of_too_many_doorways_is_refused_before_rooms_are_joined(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two thousand doorways took minutes: each joins the rooms beside it, and compares them with boxes."""
+    monkeypatch.setattr(
+        "vitruvius.logic.readers.houseexpo.cut", lambda *_: pytest.fail("joined before the check")
+    )
+    walls = [(3 * k + x, y) for k in range(1500) for x, y in ((2.9, 0), (2.9, 2), (3, 2), (3, 0))]
+    record = {
+        "verts": [(0, 0), *walls, (4501, 0), (4501, 3), (0, 3)],
+        "room_category": {"Bath": [[0, 0, 3, 3]]},
+    }
+    with pytest.raises(RequestError, match="too many corners, doorways and boxes"):
+        read_plan(record)
+
+
 def test_formats_are_not_taken_for_each_other(homes: list[House]) -> None:
     for format, write in WRITERS.items():
         content = write(homes[0], np.random.default_rng(0), 0.0)
