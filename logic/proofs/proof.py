@@ -94,9 +94,16 @@ class Prover:
         return Unsatisfiable(self._of.grammar.name, str(request), unique, advice, types)
 
     def conflict(self, request: Request) -> list[Reason]:
-        """Return the reasons why there are no such rooms, among them choices of the request."""
+        """Return the reasons why there are no such rooms, among them choices of the request.
+
+        Typical rules are among them only if the others permit such rooms.
+        """
         relaxed, statements = self._of.house(request)
-        return [each.reason for each in least(self._of.of_rooms(relaxed, request), statements)]
+        question = self._of.of_rooms(relaxed, request)
+        must = [each for each in statements if not each.reason.typical]
+        if not question.possible(must):
+            statements = must
+        return [each.reason for each in least(question, statements)]
 
     def _number_of_rooms(
         self, request: Request, unfurnishable: Iterable[str], conflict: Collection[Reason]
