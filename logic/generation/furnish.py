@@ -39,6 +39,9 @@ WALLS = {
 STEP, BITS = 0.016, 9
 """Unit of a wall's shortness in ``rules/room/doors.lp``, metres, and the number of its bits."""
 
+LARGEST = Function("largest", [])
+"""Atom of ``rules/room/doors.lp`` of a room that is the largest of its type."""
+
 Span = tuple[float, float]
 """Start and end along a wall, metres, from the left or from the front."""
 
@@ -58,6 +61,8 @@ class GivenRoom:
     """Furniture of a room that is already furnished."""
     drawn_windows: bool = False
     """True if a user drew the windows, which may be nearer to corners than the grammar's margin."""
+    largest: bool = False
+    """True if no other room of its type in the house, or in its unit, has a larger floor."""
 
     def __str__(self) -> str:
         """Return the room's type, size and number of doors."""
@@ -98,7 +103,7 @@ class Frame:
         self.depth = room.rect.height if across else room.rect.width
         self.doors = self._by_wall(room.doors, room.type)
         self.windows = self._by_wall(room.windows, room.type)
-        self._drawn_windows = room.drawn_windows
+        self._drawn_windows, self._largest = room.drawn_windows, room.largest
 
     def _by_wall(self, segments: Sequence[Rect], type_: str) -> dict[str, list[Span]]:
         found: dict[str, list[Span]] = {wall: [] for wall in WALLS}
@@ -188,6 +193,7 @@ class Frame:
         Without ``windows`` the windows may be anywhere, and no atom mentions them.
         """
         holds: dict[bool, list[Symbol]] = {True: [], False: []}
+        holds[self._largest].append(LARGEST)
         for what, length in self.lengths():
             short = max(0, int(2**BITS - 1 - length / STEP))
             for bit, atom in enumerate(_bits(what)):
@@ -254,14 +260,22 @@ def furnished(
     waiting = [
         place for place, room in enumerate(rooms) if room.pieces is None and programs.has_furniture(room.type)
     ]
+    required = {
+        place: programs.required_in(rooms[place].type, request) if request else () for place in waiting
+    }
+    if programs.first:
+        waiting.sort(key=lambda place: rooms[place].type not in programs.first and not required[place])
+    kinds = [{piece.type for piece in own} for own in pieces]
     while waiting:
         terms = []
         for number, place in enumerate(waiting):
             room, frame = rooms[place], frames[place]
             holds, fails = frame.given()
-            required = programs.required_in(room.type, request) if request else ()
-            program = programs.given(room.type, frame.facts(), required, rng)
-            holds += [granted(each) for each in required]
+            program = programs.given(room.type, frame.facts(), required[place], rng)
+            holds += [granted(each) for each in required[place]]
+            elsewhere = {kind for other, own in enumerate(kinds) if other != place for kind in own}
+            for group, some in programs.groups.items():
+                (fails if some.isdisjoint(elsewhere) else holds).append(Function("taken", [group]))
             placer.account.at(FURNITURE, f"the furniture of {room} (clingo)")
             try:
                 furniture = program.sample(rng, holds, fails, nogoods[place])
@@ -269,6 +283,7 @@ def furnished(
                 raise Unfurnishable(place, room, decided=False) from None
             if furniture is None:
                 raise Unfurnishable(place, room)
+            kinds[place] = {each.arguments[0].name for each in furniture if each.name == "on"}
             seed = int(rng.integers(2**63))
             terms.append(frame.term(number, room.type, furniture, seed))
             if how is not None:

@@ -212,7 +212,9 @@ def given_room(plan: Plan, place: int) -> GivenRoom:
     room, half = plan.rooms[place], plan.half_wall
     doors = [at_face(door, room, half) for door in plan.doors_of(place)]
     windows = [at_face(window, room, half) for window in plan.windows_of(place)]
-    return GivenRoom(room.type, room, doors, windows, room.pieces, plan.drawn_windows)
+    alike = [each for each in plan.rooms if each.type == room.type]
+    largest = room is max(alike, key=lambda each: each.width * each.height)
+    return GivenRoom(room.type, room, doors, windows, room.pieces, plan.drawn_windows, largest)
 
 
 def at_face(segment: R, room: Rect, half: float) -> R:

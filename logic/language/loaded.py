@@ -20,22 +20,15 @@ from vitruvius.logic.language.asp.vocabulary import (
     misspelt_names,
     unknown_choices,
 )
-from vitruvius.logic.language.metres import impossible, unlikely
-from vitruvius.logic.language.prolog_problems import problem, unknown
-from vitruvius.logic.layout.conditional import Source
-from vitruvius.logic.layout.ground import Endless
-from vitruvius.logic.layout.program import HOUSE, Part, Program
-from vitruvius.logic.layout.programs import Programs, crowded
-from vitruvius.logic.layout.relaxed import Relaxed
-from vitruvius.logic.layout.terms import (
-    Lengths,
-    area_facts,
-    berth_fact,
-    depth_steps,
-    length_facts,
-    wall_facts,
-)
-from vitruvius.logic.placement.lengths import (
+from logic.language.metres import impossible, unlikely
+from logic.language.prolog_problems import problem, unknown
+from logic.layout.conditional import Source
+from logic.layout.ground import Endless
+from logic.layout.program import HOUSE, Part, Program
+from logic.layout.programs import Programs, crowded, grouped
+from logic.layout.relaxed import Relaxed
+from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
+from logic.placement.lengths import (
     area_bounds,
     disagreements,
     size_clauses,
@@ -78,6 +71,8 @@ class LoadedGrammar:
         self.types: list[Symbol] = []
         self.furniture: dict[str, list[str]] = {}
         self.crowded: set[str] = set()
+        self.groups: dict[Symbol, set[str]] = {}
+        self.first: set[str] = set()
         self.extremes: dict[str, Any] = {}
         """Extreme sizes of rooms and pieces: see ``logic.placement.lengths.stated_lengths``."""
         self.most_rooms = MOST_ROOMS
@@ -104,7 +99,8 @@ class LoadedGrammar:
     def programs_of(self, grammar: Grammar, walls: Iterable[Symbol]) -> Programs:
         """Return the programs of stage 1, with its facts about walls."""
         account = self.placer.account
-        return Programs(grammar, self.furniture, self.lengths, account, walls, self.crowded)
+        groups = self.groups, self.first
+        return Programs(grammar, self.furniture, self.lengths, account, walls, self.crowded, *groups)
 
     def _readable(self) -> Iterator[Mistake]:
         """Yield the mistakes of single statements."""
@@ -143,6 +139,7 @@ class LoadedGrammar:
         if strange or gone or values or wrong:
             return
         self.furniture, self.crowded = furniture_of(probe), crowded(probe.atoms("may", 4))
+        self.groups, self.first = grouped(probe.atoms("one_room", 2), probe.atoms("may", 4))
         yield from self._mismeasured(probe, sized)
 
     def _unstated(self, stated: set[str]) -> Iterator[Mistake]:

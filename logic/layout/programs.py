@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from functools import cache
 
 import numpy as np
@@ -44,6 +44,20 @@ def crowded(may: Iterable[Symbol]) -> set[str]:
     return {type_ for type_ in most if max(needed[type_], most[type_]) >= CROWD}
 
 
+def grouped(one_room: Iterable[Symbol], may: Iterable[Symbol]) -> tuple[dict[Symbol, set[str]], set[str]]:
+    """Return the pieces of each group of ``one_room/2``, and the room types that need some of these."""
+    groups: dict[Symbol, set[str]] = {}
+    for group, piece in (fact.arguments for fact in one_room):
+        groups.setdefault(group, set()).add(str(piece))
+    every = set().union(*groups.values())
+    needing = {
+        str(type_)
+        for type_, piece, least, _ in (fact.arguments for fact in may)
+        if least.number and str(piece) in every
+    }
+    return groups, needing
+
+
 class Programs:
     """Ground programs of a grammar, each ground once and kept."""
 
@@ -55,12 +69,16 @@ class Programs:
         account: Account,
         walls: Iterable[Symbol] = (),
         crowded: Collection[str] = (),
+        groups: Mapping[Symbol, Set[str]] | None = None,
+        first: Collection[str] = (),
     ) -> None:
         """Keep a grammar, the pieces of each room type, the facts of their lengths, and the facts of walls.
 
         ``account`` records the program that is being ground. ``crowded`` are room types; see ``CROWD``.
+        ``groups`` are the pieces of each group of ``one_room/2``, ``first`` the room types that need some.
         """
         self._account, self._crowded = account, crowded
+        self.groups, self.first = groups or {}, first
         self._of_all: dict[tuple[object, ...], Program] = {}
         self._of_house: dict[tuple[object, ...], Program] = {}
         self._grammar, self._furniture, self._lengths, self._walls = grammar, furniture, lengths, tuple(walls)

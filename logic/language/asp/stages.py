@@ -112,8 +112,8 @@ def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
 
 def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
     """Return the programs in which deriving a predicate has an effect: all if the core does not use it."""
-    readers = _programs(core.used.get(signature, ())) & EVERY
-    if not readers:
+    readers = _programs(core.used.get(signature, ()))
+    if "pick" in readers or not readers & EVERY:  # Every program includes the picks.
         return EVERY
     # The program house reads the grammar's statements and finds mistakes in them.
     return frozenset({"base"} if readers & {"room", UNITS} else {"base", "house"})

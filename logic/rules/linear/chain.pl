@@ -4,12 +4,13 @@
 /** <module> Things in a row, at least a gap apart: pieces along a wall, rooms along the main room's
 
 A chain is a list of block(Start,Length,Bounds,Apart): Bounds are at_least(E)-Reasons, at_most(E)-Reasons and
-at(E)-Reasons on its Start, and Apart are the reasons why it keeps the gap to the block before it. To be sampled, a chain may
+at(E)-Reasons on its Start, or wish(E)-[], where it starts if the others let it, and Apart are the reasons why it keeps the gap to the block before it. To be sampled, a chain may
 be even(Blocks): as far from each Start to the next.
 */
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
+:- use_module(grid).
 :- use_module(sample).
 
 %!  chain_constraints(+Blocks, +Gap)// describes the constraints of a chain, see linear.pl.
@@ -39,6 +40,7 @@ even_constraints(_) --> [].
 start_reasons(block(S,_,[_-Why|_],_), S, Why).
 
 bounded([], _) --> [].
+bounded([wish(_)-_|Bounds], S) --> !, bounded(Bounds, S).
 bounded([Bound-Why|Bounds], S) --> [Constraint-Why], { bound(Bound, S, Constraint) }, bounded(Bounds, S).
 
 bound(at(E),       S, S = E).
@@ -70,7 +72,7 @@ evenly_packed([block(_,_,Bounds,_)|Blocks], S, Pitch) -->
 
 upper([], _) --> [].
 upper([Bound-Why|Bounds], S) -->
-    ( { Bound = at_least(_) } -> [] ; { arg(1, Bound, E) }, [(S =< E)-Why] ),
+    ( { Bound = at_least(_) ; Bound = wish(_) } -> [] ; { arg(1, Bound, E) }, [(S =< E)-Why] ),
     upper(Bounds, S).
 
 %!  chain_sample(?Blocks, +Gap)// is semidet.
@@ -126,10 +128,17 @@ highest([block(_,_,Bounds,_)|Blocks], I, Pitch, High0, High) :-
 evenly_placed([], _, _).
 evenly_placed([block(S,_,_,_)|Blocks], S, Pitch) :- S1 is S + Pitch, evenly_placed(Blocks, S1, Pitch).
 
-%!  all_chains_sample(?Chains, +Gap)// is semidet: several chains, one by one.
+%!  all_chains_sample(?Chains, +Gap)// is semidet: several chains, one by one, those with a wish last.
 
-all_chains_sample([], _)               --> [].
-all_chains_sample([Chain|Chains], Gap) --> chain_sample(Chain, Gap), all_chains_sample(Chains, Gap).
+all_chains_sample(Chains, Gap) -->
+    { partition(wishing, Chains, Last, First) },
+    chains_sample(First, Gap),
+    chains_sample(Last, Gap).
+
+chains_sample([], _)               --> [].
+chains_sample([Chain|Chains], Gap) --> chain_sample(Chain, Gap), chains_sample(Chains, Gap).
+
+wishing(Blocks) :- is_list(Blocks), member(block(_,_,Bounds,_), Blocks), memberchk(wish(_)-_, Bounds), !.
 
 %!  before_all(-After) is det.
 %
@@ -150,12 +159,12 @@ latest([block(_,L,Bounds,_)|Blocks], Gap, [Late|Lates], Free, Before) :-
 
 high([], High, High).
 high([Bound-_|Bounds], High0, High) :-
-    ( Bound = at_least(_) -> High1 = High0 ; arg(1, Bound, E), High1 is min(High0, E) ),
+    ( ( Bound = at_least(_) ; Bound = wish(_) ) -> High1 = High0 ; arg(1, Bound, E), High1 is min(High0, E) ),
     high(Bounds, High1, High).
 
 low([], Low, Low).
 low([Bound-_|Bounds], Low0, Low) :-
-    ( Bound = at_most(_) -> Low1 = Low0 ; arg(1, Bound, E), Low1 is max(Low0, E) ),
+    ( ( Bound = at_most(_) ; Bound = wish(_) ) -> Low1 = Low0 ; arg(1, Bound, E), Low1 is max(Low0, E) ),
     low(Bounds, Low1, Low).
 
 starts_sample([], [], _, _, _) --> [].
@@ -163,6 +172,8 @@ starts_sample([block(S,L,Bounds,_)|Blocks], [Late|Lates], After, Gap, Free) -->
     { low(Bounds, After, Low), Low - Late < 1.0e-6 },
     (   { memberchk(at(_)-_, Bounds) }
     ->  { S = Low, Free1 = Free }
+    ;   { memberchk(wish(E)-_, Bounds), lattice(real) }
+    ->  { S is max(Low, min(Late, E)), Free1 is Free - 1 }
     ;   interval_sample(Low, Late, Free, S), { Free1 is Free - 1 } ),
     { After1 is S + L + Gap },
     starts_sample(Blocks, Lates, After1, Gap, Free1).

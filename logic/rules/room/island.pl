@@ -15,6 +15,7 @@ many islands each, in line from row to row, and equal distances both ways.
 :- use_module(reasons).
 :- use_module(record_access).
 :- use_module(records).
+:- use_module(shape).
 
 %!  island(+Layout, +Room, +On, -Island) is det.
 %
@@ -62,8 +63,8 @@ seat_of(Walls, with(_,_,G,Hand), seat(Hand,item(G,_,_,Walls))).
 %   with_seats(+Size, +Low, +High, +Seats, -Full): Full is a size of the island with the seats at these two hands.
 
 with_seats(Size, Low, High, Seats, Full) :-
-    ( memberchk(seat(Low,item(_,_,A,_)), Seats)  -> Full1 = A+Size ; Full1 = Size ),
-    ( memberchk(seat(High,item(_,_,B,_)), Seats) -> Full = Full1+B ; Full = Full1 ).
+    ( space_at(Low, Seats, A)  -> Full1 = A+Size ; Full1 = Size ),
+    ( space_at(High, Seats, B) -> Full = Full1+B ; Full = Full1 ).
 
 %!  strips(+Rows, +Way, -Strips) is det.
 %
@@ -179,7 +180,7 @@ all_seats_constraints([Island|Islands]) -->
 
 seats_constraints([], _, _) --> [].
 seats_constraints([seat(Hand,item(_,Length,_,_))|Seats], Island, Why) -->
-    { ( memberchk(Hand, [left,right]) -> island_inwards(Island, Side) ; island_across(Island, Side) ) },
+    { hand(Hand, At, _), ( memberchk(At, [left,right]) -> island_inwards(Island, Side) ; island_across(Island, Side) ) },
     [(Length =< Side)-Why],
     seats_constraints(Seats, Island, Why).
 

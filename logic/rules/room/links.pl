@@ -51,8 +51,9 @@ piece_link(On, Walls, Layout, Gap, Link) :-
     seat(F-K, Walls, Layout, Seat).
 
 seat(F-K, Walls, Layout, Seat) :-
-    With = with(F,K,G,front),
-    ( memberchk(With, Layout) -> Seat = With-item(G,_,_,Walls) ; Seat = none ).
+    (   member(Hand, [front,away(front)]), With = with(F,K,G,Hand), memberchk(With, Layout)
+    ->  Seat = With-item(G,_,_,Walls)
+    ;   Seat = none ).
 
 %   facing(+On, +Layout, ?Sizes, -Taken, -Front)//: a turned piece takes its depth of the wall.
 

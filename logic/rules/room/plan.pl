@@ -76,9 +76,12 @@ link_plans([Link|Links], Starts, At, Stands, [Role-Plan|Plans]) :-
     front(Name, Front, Way),
     orientation(Frame, Way, Orientation),
     Plan = Outline.put(_{type:F, orientation:Orientation, children:[]}),
-    ( Seat = with(_,K,_,_)-Item -> seat_plan(Frame, Box, seat(Way,Item), Child), Plans = [with(F-K)-Child|Plans1] ; Plans = Plans1 ),
+    ( Seat = with(_,K,_,Hand)-Item -> seated(Hand, Way, There), seat_plan(Frame, Box, seat(There,Item), Child), Plans = [with(F-K)-Child|Plans1] ; Plans = Plans1 ),
     End is Start + Along,
     link_plans(Links, Later, End, Stands, Plans1).
+
+seated(front, Way, Way).
+seated(away(front), Way, away(Way)).
 
 nested(Plans, Piece) :-
     member(piece(K)-Plan, Plans),
@@ -121,20 +124,25 @@ island_plan(Frame, Island, Plan) :-
     island_item(Island, item(F,_,_,_)), island_across(Island, Across), island_inwards(Island, Inwards),
     island_xblock(Island, block(X0,_,_,_)), island_yblock(Island, block(Y0,_,_,_)),
     island_seats(Island, Seats), island_front(Island, Front),
-    ( memberchk(seat(left,item(_,_,Left,_)), Seats)         -> X is X0 + Left ; X = X0 ),
-    ( memberchk(seat(outwards,item(_,_,Outer,_)), Seats)    -> Y is Y0 + Outer ; Y = Y0 ),
+    ( space_at(left, Seats, Left)      -> X is X0 + Left ; X = X0 ),
+    ( space_at(outwards, Seats, Outer) -> Y is Y0 + Outer ; Y = Y0 ),
     rectangle(Frame, box(X,Y,Across,Inwards), Outline),
     orientation(Frame, Front, Orientation),
     maplist(seat_plan(Frame, box(X,Y,Across,Inwards)), Seats, Children),
     Plan = Outline.put(_{type:F, orientation:Orientation, children:Children}).
 
 seat_plan(Frame, Box, seat(Hand,item(G,L,D,_)), Plan) :-
-    seat_box(Hand, Box, L-D, Seat, Front),
+    hand(Hand, Side, Gap),
+    widened(Gap, Box, Wide),
+    seat_box(Side, Wide, L-D, Seat, Front),
     rectangle(Frame, Seat, Outline),
     orientation(Frame, Front, Orientation),
     Plan = Outline.put(_{type:G, orientation:Orientation, children:[]}).
 
-%   seat_box(+Hand, +Box, +Sizes, -Seat, -Front): at the middle of a side, facing it.
+widened(0, Box, Box) :- !.
+widened(Gap, box(X,Y,W,H), box(X1,Y1,W1,H1)) :- X1 is X-Gap, Y1 is Y-Gap, W1 is W+2*Gap, H1 is H+2*Gap.
+
+%   seat_box(+Side, +Box, +Sizes, -Seat, -Front): at the middle of a side, facing it.
 
 seat_box(left,     box(X,Y,_,H), L-D, box(SX,SY,D,L), right)    :- SX is X - D, middle(Y, H, L, SY).
 seat_box(right,    box(X,Y,W,H), L-D, box(SX,SY,D,L), left)     :- SX is X + W, middle(Y, H, L, SY).

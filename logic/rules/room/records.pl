@@ -14,7 +14,7 @@ Lengths are unbound until they are solved for. Beside the records:
     stretch(Name,Links,Blocks)      a stretch of wall: Blocks are a chain (chain.pl) of the Links that are joined
     item(Type,Length,Depth,Walls)   what has a size by piece_size/4, in a room of these Walls (lengths.pl)
     strip(Block,Islands,Depths)     one of several rows of islands, which start at its edge: a Depth-Why of each
-    seat(Hand,Item)                 at an island: left, right, outwards or inwards of it
+    seat(Hand,Item)                 at an island: left, right, outwards or inwards of it, or away(left) and so on
     Value-Why                       a value and its reasons, see reasons.pl
 */
 
@@ -28,7 +28,7 @@ Lengths are unbound until they are solved for. Beside the records:
 
 % A piece along a wall, or its companion. `gap` is joined-Why or apart-Why, to what is before it; `role` is piece(K) or
 % with(Type-K). It takes `along` of the wall, stands `out` from it, and its front faces out, near or far. In front of it is a
-% `seat`: with(Type,K,Companion,front)-Item, or none.
+% `seat`: with(Type,K,Companion,Hand)-Item, its Hand front or away(front), or none.
 :- record link(gap, role, item, along, out, front, seat, why).
 
 % A piece in the middle of the room, as large as `across` and `inwards`; with its seats it is a block each way.

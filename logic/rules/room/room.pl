@@ -17,6 +17,7 @@ stretch.pl) and in its middle (island.pl).
 :- use_module('../language/lengths').
 :- use_module('../linear/grid').
 :- use_module(links).
+:- use_module(opposite).
 :- use_module(reasons).
 :- use_module(record_access).
 :- use_module(records).
@@ -49,12 +50,13 @@ layout_room_(Type, Layout, Doors, Room) :-
     busy_walls(Chains, Busy),
     Busy = busy(Front,Left,Back,Right),
     free_wall(Front, Y1, 0.0), free_wall(Left, X1, 0.0), free_wall(Back, Y2, D), free_wall(Right, X2, W),
-    maplist(stretch(Chains, Layout, Room), Chains, Stretches),
+    maplist(stretch(Chains, Layout, Room), Chains, OnWalls),
     ( memberchk(row(R), Layout) -> Row = R ; Row = across ),
     findall(Ons, ( member(Place-Ons, Placed), middle_place(Place) ), InRows),
     maplist(maplist(island(Layout, Room)), InRows, Rows),
     append(Rows, Islands),
     strips(Rows, Row, Strips),
+    wishes(Layout, Room, OnWalls, Stretches),
     ( memberchk(even_row, Layout) -> Even = yes, in_line(Strips, Row) ; Even = no ).
 
 middle_place(middle).

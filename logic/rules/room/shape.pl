@@ -1,5 +1,5 @@
 :- module(shape, [one_door/2, door_entrance/2, stretch_names/2, stretch_wall/2, counted/2, walls_with_doors/2, wall_doors/3,
-                  wall_size/3, wall_span/4, meeting/6, neighbour/4, corner_atom/3]).
+                  wall_size/3, wall_span/4, meeting/6, neighbour/4, corner_atom/3, hand/3, space_at/3]).
 
 /** <module> The stretches of wall that a room's doors leave
 
@@ -9,6 +9,7 @@ into front_left, between(front,I) and front_right, and the others alike. Each is
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
+:- use_module('../language/lengths').
 :- use_module(reasons).
 :- use_module(record_access).
 :- use_module(records).
@@ -150,3 +151,19 @@ next_wall(front, left).
 next_wall(left,  back).
 next_wall(back,  right).
 next_wall(right, front).
+
+%!  hand(+Hand, -Side, -Gap) is det.
+%
+%   A companion at this Hand of a piece stands at this Side of it, a Gap away.
+
+hand(away(Side), Side, Gap) :- !, length_of(passage, Gap).
+hand(Side, Side, 0).
+
+%!  space_at(+Side, +Seats, -Space) is semidet.
+%
+%   A seat of an island takes Space, an expression, at this Side.
+
+space_at(Side, Seats, Space) :-
+    (   memberchk(seat(Side,item(_,_,Space,_)), Seats)
+    ->  true
+    ;   memberchk(seat(away(Side),item(_,_,Depth,_)), Seats), length_of(passage, P), Space = Depth+P ).

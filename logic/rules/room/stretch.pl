@@ -172,9 +172,11 @@ stand_within([], _) --> [].
 stand_within([Link|Links], Depth) -->
     { link_out(Link, Out), link_seat(Link, Seat), link_why(Link, Why) },
     (   { Seat = With-item(_,_,Own,_) }
-    ->  [(Out+Own =< Depth)-[With|Why]]
+    ->  ( { With = with(_,_,_,front) } -> [(Out+Own =< Depth)-[With|Why]] ; away(Out+Own, Depth, [With|Why]) )
     ;   [(Out =< Depth)-Why] ),
     stand_within(Links, Depth).
+
+away(Out, Depth, Why) --> { length_of(passage, P) }, [(Out+P =< Depth)-[length(passage)|Why]].
 
 %!  fronts_constraints(+Stretches)// describes: what is in front of a piece is no longer than the piece.
 
@@ -222,4 +224,4 @@ deepest(Links, Out) :- foldl(deeper, Links, 0, Out).
 
 deeper(Link, Out0, Out) :-
     link_out(Link, Own), link_seat(Link, Seat),
-    ( Seat = _-item(_,_,Depth,_) -> Out is max(Out0, Own+Depth) ; Out is max(Out0, Own) ).
+    ( Seat = with(_,_,_,Hand)-item(_,_,Depth,_) -> hand(Hand, _, Gap), Out is max(Out0, Own+Gap+Depth) ; Out is max(Out0, Own) ).

@@ -18,6 +18,7 @@ the atom of stage 1 that puts a piece or a companion where it is: on(F,K,P,N), w
 :- use_module('../room/record_access').
 :- use_module('../room/records').
 :- use_module('../room/room').
+:- use_module('../room/shape').
 :- use_module('../room/solution').
 :- use_module('../shared_walls/totals').
 
@@ -87,8 +88,8 @@ island_parts(Island, [part(On,Item,[across-X,inwards-Y])|Companions]) :-
     island_item(Island, Item), island_seats(Island, Seats),
     island_xblock(Island, block(X0,_,[_-Why|_],_)), island_yblock(Island, block(Y0,_,_,_)),
     Why = [On|_], On = on(F,K,_,_),
-    ( memberchk(seat(left,item(_,_,Left,_)), Seats)      -> X = X0+Left ; X = X0 ),
-    ( memberchk(seat(outwards,item(_,_,Outer,_)), Seats) -> Y = Y0+Outer ; Y = Y0 ),
+    ( space_at(left, Seats, Left)      -> X = X0+Left ; X = X0 ),
+    ( space_at(outwards, Seats, Outer) -> Y = Y0+Outer ; Y = Y0 ),
     maplist(seat_part(F-K), Seats, Companions).
 
 seat_part(F-K, seat(Hand,Item), part(with(F,K,G,Hand),Item,[])) :- Item = item(G,_,_,_).

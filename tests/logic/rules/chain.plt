@@ -19,6 +19,11 @@ test(a_sample_satisfies_the_constraints) :-
     forall(( between(1, 100, Seed), starts(Seed, Starts) ),
            ( three(Blocks, Starts), phrase(chain_constraints(Blocks, 0.5), Constraints), posted(Constraints) )).
 test(every_sample_succeeds, Count == 100) :- findall(x, ( between(1, 100, Seed), starts(Seed, _) ), Xs), length(Xs, Count).
+test(where_the_others_let_it_a_block_starts_as_it_wishes, Starts == [3.0,5.0]) :-
+    findall(S, ( member(Wish, [3.0,20.0]), call(all_chains_sample([[block(S,1.0,[at_least(0.0)-[],wish(Wish)-[]],[]),
+                                                                    block(T,2.0,[],[]), block(_,1.0,[at_most(9.0)-[]],[])]], 0.5), 1, _),
+                 number(T) ), Starts).
+test(a_wish_is_no_constraint, Constraints == []) :- phrase(chain_constraints([block(_,1.0,[wish(3.0)-[]],[])], 0.5), Constraints).
 test(samples_reach_both_ends, true(( Least < 0.5, Most > 8.5 ))) :-
     findall(A-C, ( between(1, 200, Seed), starts(Seed, [A,_,C]) ), Pairs),
     findall(A, member(A-_, Pairs), As), min_list(As, Least),

@@ -73,6 +73,14 @@ test(so_does_one_in_front_of_a_piece_at_a_wall, Boxes == [[1.8,-0.9,0.4,0.4]-"S"
               room([stretch(Name,[Link],[block(0.5,1.0,[],[])])], [], Room), planned(north, Room, Plan), [Piece] = Plan.children,
               [Seat] = Piece.children, box(Seat, Box), maplist(hundredths, Box, Rounded), O = Seat.orientation ),
             Boxes).
+test(one_that_is_apart_stands_a_passage_away, Boxes == [[1.8,-1.3,0.4,0.4]-"S",[2.5,-1.45,0.4,0.4]-"E"]) :-
+    link(apart, piece(1), crate, out, with(crate,1,stool,away(front))-item(stool,0.4,0.4,_), Link),
+    island(none, [seat(away(left),item(stool,0.4,0.4,_))], Island),
+    findall(Rounded-O,
+            ( member(Room0-Islands, [[stretch(front_left,[Link],[block(0.5,1.0,[],[])])]-[], []-[Island]]),
+              room(Room0, Islands, Room), planned(north, Room, Plan), [Piece] = Plan.children, [Seat] = Piece.children,
+              box(Seat, Box), maplist(hundredths, Box, Rounded), O = Seat.orientation ),
+            Boxes).
 test(on_a_grid_the_plan_is_in_metres_all_the_same, [setup(set_cell(0.5)), cleanup(set_cell(0)), true(Box == [0.0,0.0,6.0,5.0])]) :-
     house_plan(main(12,10), [], [], Plan), box(Plan.floor, Box).
 
