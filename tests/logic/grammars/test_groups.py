@@ -1,0 +1,43 @@
+"""Furniture of homes stands in groups, as people place it: counted by plain geometry."""
+
+from collections import Counter
+
+import pytest
+
+from benchmarks.realism.groups import counted
+from logic.generation.builder import Builder
+from logic.grammar import find
+from logic.request.request import Request
+
+HOMES, INFERENCES = 6, 10**8
+
+
+@pytest.fixture(scope="module")
+def counts() -> Counter[str]:
+    """The numbers of what is counted in homes of nine rooms."""
+    made = Builder(find("home"))
+    found = Counter[str]()
+    for index in range(HOMES):
+        for name, counts in counted(made.house(Request(9), 0, index, INFERENCES)):
+            found[name] += counts
+    return found
+
+
+def test_two_sleep_in_the_largest_bedroom_in_a_bed_that_is_free_on_both_sides(counts: Counter[str]) -> None:
+    assert counts["homes without a double bed"] == 0
+    assert counts["homes whose largest bedroom has no double bed that is free on both sides"] == 0
+
+
+def test_a_home_has_dining_tables_in_one_room(counts: Counter[str]) -> None:
+    assert counts["homes with dining tables in several rooms"] == 0
+    assert counts["homes without a dining table"] <= 1
+
+
+def test_coffee_tables_and_televisions_stand_with_a_sofa(counts: Counter[str]) -> None:
+    assert counts["living rooms with a coffee table"] > 0
+    assert counts["coffee tables over 0.8 m from any sofa"] == 0
+    assert counts["televisions over 1 m off the axis of any sofa that faces it"] <= HOMES // 3
+
+
+def test_most_windows_are_of_an_eighth_of_the_floor(counts: Counter[str]) -> None:
+    assert counts["rooms with windows of less than an eighth of the floor"] <= HOMES
