@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from shapely import Point, box, unary_union
 from shapely.geometry.base import BaseGeometry
 
-from logic import House, Room, load
-from logic.drawing.door_leaves import Leaf, door_leaves
-from logic.exports.solids import HEAD, SILL
-from logic.house.boxes import distance
-from logic.house.parts import Piece
+from vitruvius.logic import House, Room, load
+from vitruvius.logic.drawing.door_leaves import Leaf, door_leaves
+from vitruvius.logic.exports.solids import HEAD, SILL
+from vitruvius.logic.house.boxes import distance
+from vitruvius.logic.house.parts import Piece
 
 DOUBLE_M = 1.4
 """Least width of a double bed, metres."""

@@ -20,15 +20,22 @@ from vitruvius.logic.language.asp.vocabulary import (
     misspelt_names,
     unknown_choices,
 )
-from logic.language.metres import impossible, unlikely
-from logic.language.prolog_problems import problem, unknown
-from logic.layout.conditional import Source
-from logic.layout.ground import Endless
-from logic.layout.program import HOUSE, Part, Program
-from logic.layout.programs import Programs, crowded, grouped
-from logic.layout.relaxed import Relaxed
-from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
-from logic.placement.lengths import (
+from vitruvius.logic.language.metres import impossible, unlikely
+from vitruvius.logic.language.prolog_problems import problem, unknown
+from vitruvius.logic.layout.conditional import Source
+from vitruvius.logic.layout.ground import Endless
+from vitruvius.logic.layout.program import HOUSE, Part, Program
+from vitruvius.logic.layout.programs import Programs, crowded, grouped
+from vitruvius.logic.layout.relaxed import Relaxed
+from vitruvius.logic.layout.terms import (
+    Lengths,
+    area_facts,
+    berth_fact,
+    depth_steps,
+    length_facts,
+    wall_facts,
+)
+from vitruvius.logic.placement.lengths import (
     area_bounds,
     disagreements,
     size_clauses,

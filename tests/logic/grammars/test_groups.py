@@ -5,9 +5,9 @@ from collections import Counter
 import pytest
 
 from benchmarks.realism.groups import counted
-from logic.generation.builder import Builder
-from logic.grammar import find
-from logic.request.request import Request
+from vitruvius.logic.generation.builder import Builder
+from vitruvius.logic.grammar import find
+from vitruvius.logic.request.request import Request
 
 HOMES, INFERENCES = 6, 10**8
 
