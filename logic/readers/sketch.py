@@ -23,6 +23,9 @@ MAX_CORNERS, MAX_MEETINGS, MAX_CROSSINGS = 1 << 16, 20, 1 << 14
 Each crossing counts for both sides.
 """
 
+MAX_NEAR = 1 << 23
+"""Number of pairs of sides whose bounding boxes overlap, which are compared."""
+
 SIDES_PER_QUERY = 256
 """Number of sides in one query of the spatial index."""
 
@@ -104,7 +107,11 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
         raise RequestError(f"plan: it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
     sides: Any = shapely.linestrings(np.stack([corners[:-1], corners[1:]], 1)[shape[:-1] == shape[1:]])
     tree = shapely.STRtree(sides)
-    bounds: Any = {"intersects": MAX_MEETINGS * (len(sides) + SIDES_PER_QUERY), "crosses": MAX_CROSSINGS}
+    bounds: Any = {
+        None: MAX_NEAR,
+        "intersects": MAX_MEETINGS * (len(sides) + SIDES_PER_QUERY),
+        "crosses": MAX_CROSSINGS,
+    }
     for predicate, most in bounds.items():
         found = 0
         for first in range(0, len(sides), SIDES_PER_QUERY):

@@ -6,6 +6,7 @@ import warnings
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from vitruvius.logic.layout.terms import own_requirements
 from vitruvius.logic.readers import READERS
 from vitruvius.logic.readers.ifc import _sketch as sketch_of
 from vitruvius.logic.readers.ifc_solids import Solids
+from vitruvius.logic.readers.sketch import require_plain
 from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.own_plan import OwnPlan
 
@@ -434,6 +436,16 @@ def test_the_outlines_of_all_shapes_of_a_file_are_bounded_together(
     read = {"world": load, "ifc": of_ifc}.get(format, read_plan)
     with pytest.raises((RequestError, HouseFileError), match="its outlines cross each other too often"):
         read(path)
+
+
+def test_sides_whose_bounding_boxes_overlap_too_often_are_refused_before_they_are_compared() -> None:
+    """A star of 20,000 points, whose sides do not cross, took 26 s, and one of 65,000 minutes."""
+    turns, far = 2 * np.pi * np.arange(20000) / 20000, np.where(np.arange(20000) % 2, 50, 20)
+    star = shapely.Polygon(np.stack([far * np.cos(turns), far * np.sin(turns)], 1))
+    start = process_time()
+    with pytest.raises(RequestError, match="cross each other too often"):
+        require_plain([star])
+    assert process_time() - start < 2
 
 
 def test_a_plan_of_houseexpo_of_too_many_doorways_is_refused_before_rooms_are_joined(
