@@ -227,9 +227,11 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
 
     Large blocks of cells are tested first; blocks that an outline crosses are split into smaller ones.
     """
-    edges = shapely.boundary(inside)
-    is_inside = _middles_inside(edges, left, top)
-    shapely.prepare(edges)
+    corners, ring = shapely.get_coordinates(shapely.get_parts(shapely.boundary(inside)), return_index=True)
+    sides = np.stack([corners[:-1], corners[1:]], 1)[ring[:-1] == ring[1:]]
+    is_inside = _middles_inside(sides, left, top)
+    lines: Any = shapely.linestrings(sides)
+    tree = shapely.STRtree(lines)
     free = np.zeros((len(top), len(left)), bool)
     starts = np.mgrid[: len(top) : BLOCK_CELLS, : len(left) : BLOCK_CELLS]
     waiting = [(BLOCK_CELLS, *(each.ravel() for each in starts))]
@@ -243,7 +245,8 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
             raise ValueError(TOO_LONG)
         south, east = np.minimum(row + size, len(top)), np.minimum(column + size, len(left))
         boxes = shapely.box(left[column], top[row], left[east - 1] + CELL, top[south - 1] + CELL)
-        is_crossed = shapely.intersects(edges, boxes)
+        is_crossed = np.zeros(len(boxes), bool)
+        is_crossed[tree.query(boxes, "intersects")[0]] = True
         is_free = np.where(is_crossed, size == 1, is_inside[row, column])
         for block in zip(row[is_free], south[is_free], column[is_free], east[is_free], strict=True):
             free[block[0] : block[1], block[2] : block[3]] = True
@@ -256,13 +259,13 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
     return free
 
 
-def _middles_inside(edges: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
-    """Return if the middle of each cell (H, W) bool is inside the outlines: they cross its row to the west an
-    odd number of times. A middle within rounding of an outline may be on either side.
+def _middles_inside(sides: np.ndarray, left: np.ndarray, top: np.ndarray) -> np.ndarray:
+    """Return if the middle of each cell (H, W) bool is inside outlines with these sides (S, 2, 2), metres.
+
+    Sides cross the row of such a cell to the west an odd number of times. A middle within rounding of a side
+    may be on either side of it.
     """
-    corners, ring = shapely.get_coordinates(shapely.get_parts(edges), return_index=True)
-    is_side = ring[:-1] == ring[1:]
-    start, end = corners[:-1][is_side], corners[1:][is_side]
+    start, end = sides[:, 0], sides[:, 1]
     if np.abs(end - start).sum() > MAX_CROSSED * CELL:
         raise ValueError(TOO_LONG)
     (x, y), (to_x, to_y) = start.T, end.T
