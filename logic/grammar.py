@@ -18,8 +18,8 @@ from vitruvius.logic.includes import Reading, name_in
 from vitruvius.logic.opener import content_of
 from vitruvius.logic.spelling import printable, unknown
 
-SHIPPED = Path(__file__).parent / "grammars"
-RULES = Path(__file__).parent / "rules"
+SHIPPED = Path(__file__).resolve().parent / "grammars"
+RULES = Path(__file__).resolve().parent / "rules"
 
 TOPOLOGIES, SHARED_WALLS = RULES / "topologies", RULES / "shared_walls"
 STAR = TOPOLOGIES / "star.lp"
