@@ -186,9 +186,10 @@ def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
     """
     core = own.core or core_words()
     known = {*core.used, *core.derived, *core.opened}
-    # Values of a choice may only be picked.
+    # Values of a choice may only be picked, and a group of pieces need not be asked about.
     values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
-    values += [str(use.node.arguments[0]) for use in own.derived.get(("topology", 1), ())]
+    for signature in (("topology", 1), ("one_room", 2)):
+        values += [str(use.node.arguments[0]) for use in own.derived.get(signature, ())]
     elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
     spoken = {each for each in elsewhere if len(each) > 1}  # Letters are parameters of the core's programs.
     others = {*elsewhere, *own.stated, *own.defined}

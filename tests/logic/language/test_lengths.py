@@ -22,7 +22,7 @@ from vitruvius.logic.request.request import Request
 
 KITCHEN = "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }."
 AREA = "room_area(kitchen,   6.0, 16.0)."
-WINDOW = "window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }."
+WINDOW = "window_size(_, L, Wall) :- { L >= 0.6, L >= 0.7*Wall - 1.0, L =< 0.8*Wall }."
 
 TWO_ROOMS = """
 topology(dissection).  type(hall;bath).  empty(hall;bath).  central(hall).

@@ -41,7 +41,7 @@ def kitchen(title: str, new: str, says: str, at: str = "") -> Mistake:
 def window(title: str, bounds: str, says: str, at: str = "") -> Mistake:
     """Return other bounds of its windows."""
     clause = "window_size(_, L, Wall) :- {{ {} }}."
-    old, new = (clause.format(each) for each in ("L >= 0.6, L =< 0.6*Wall, L =< 2.4", bounds))
+    old, new = (clause.format(each) for each in ("L >= 0.6, L >= 0.7*Wall - 1.0, L =< 0.8*Wall", bounds))
     return plan(title, old, new, says, at, file="lengths.pl")
 
 
