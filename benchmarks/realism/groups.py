@@ -4,10 +4,12 @@ Run ``python -m benchmarks.realism.groups homes.jsonl`` on a file of ``vitruvius
 """
 
 import math
-import sys
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
 
+import tyro
 from shapely import Point, box, unary_union
 from shapely.geometry.base import BaseGeometry
 
@@ -111,11 +113,20 @@ def counted(house: House) -> Iterator[tuple[str, bool]]:
                 yield "living rooms with less", glass < room.area / 8
 
 
-if __name__ == "__main__":
+def main(houses: Annotated[Path, tyro.conf.Positional]) -> None:
+    """Print how often the furniture of some homes stands as people would not place it.
+
+    Args:
+        houses: File or set of houses.
+    """
     found, total = Counter[str](), Counter[str]()
-    for each in load(sys.argv[1]):
+    for each in load(houses):
         for name, counts in counted(each):
             found[name] += counts
             total[name] += 1
     for name, number in total.items():
         print(f"{found[name]:4} of {number:4}  {name}")
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

@@ -35,7 +35,7 @@ MEMORY_MIB = 2048
 MOST_FAILURES = 40
 """Largest number of kinds of failures that the study keeps for a reader."""
 
-PACKAGES = ["agent", "logic", "sim", "vitruvius", "yaml", "tomllib", "zipfile"]
+PACKAGES = ["vitruvius", "yaml", "tomllib", "zipfile"]
 """Packages whose branches guide atheris."""
 
 EVERY_S = 2.0

@@ -25,7 +25,7 @@ import pytest
 LATE, ENDED = "the tests do not end", "the process of the tests ends"
 """Outcomes that notice a mutant without a test that fails."""
 
-OURS = ("logic", "sim", "agent", "vitruvius", "tests")
+OURS = ("vitruvius", "tests")
 
 
 class MutantTrial:
@@ -203,7 +203,8 @@ def _patched(file: Path, first: int) -> bool:
         each
         for each in gc.get_objects()
         if isinstance(each, FunctionType)
-        and each.__code__.co_filename == path
+        and each.__code__.co_filename.endswith(file.name)
+        and os.path.realpath(each.__code__.co_filename) == path  # it is imported through a link
         and each.__code__.co_firstlineno == first
     ]
     for function in found:

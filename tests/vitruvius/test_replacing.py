@@ -159,7 +159,7 @@ def test_houses_that_another_process_writes_meanwhile_stay(
         if interrupted:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("vitruvius.generate", writing)
+    monkeypatch.setattr("vitruvius.logic.generate", writing)
     command = f"generate --rooms 1 --out {tmp_path / 'mine.jsonl'}{' --replace' if replace else ''}"
     assert run(command) == ((130 if interrupted else 0) if replace else 2)
     assert (load(tmp_path / "mine.jsonl") == load(PLANS)) is not replace

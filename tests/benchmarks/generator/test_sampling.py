@@ -169,7 +169,7 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
         time.sleep(0.2)  # the count is shown ten times per second
         yield "hall", 5678, True
 
-    monkeypatch.setattr("vitruvius.count_layouts", counted)
+    monkeypatch.setattr("vitruvius.logic.count_layouts", counted)
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     with pytest.raises(SystemExit, match="0"):
         main(["generate", "--rooms", "2", "--count-layouts"])

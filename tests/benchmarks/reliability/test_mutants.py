@@ -95,6 +95,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     files = {
         "pyproject.toml": "[tool.pytest.ini_options]\naddopts = '--import-mode=importlib'\n",
         "logic/__init__.py": "",
+        "vitruvius/__init__.py": "",
         "logic/lengths.py": (
             "ONE = 1\n\n\ndef twice(x):\n    return x * 2\n\n\ndef less(x):\n    return x - ONE\n"
         ),
@@ -110,6 +111,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, content in files.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(content)
+    (root / "vitruvius" / "logic").symlink_to("../logic")
     shutil.copy(Path(trial.__file__), root / "benchmarks" / "reliability")
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     monkeypatch.setattr(study, "ROOT", root)
