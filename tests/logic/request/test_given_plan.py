@@ -133,7 +133,7 @@ def test_a_room_that_cannot_be_furnished_is_proved_by_the_room_the_pieces_and_th
         "plan: bath is of type bathroom",
         "--piece bathtub=1",
         "--piece shower=1",
-        "furniture.lp:9:1: may(bathroom,sink,1,1).",
+        "furniture.lp:10:1: may(bathroom,sink,1,1).",
         "passage(0.42).",
         "piece_size(bathtub,",
     ):
