@@ -94,7 +94,7 @@ export class Grammar {
 
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
-    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["outdoor", 1], ["opening", 2], ["part", 2], ["most_rooms", 1]];
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["may_be_lit", 1], ["outdoor", 1], ["opening", 2], ["part", 2], ["most_rooms", 1], ["one_room", 2]];
     // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
     const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
     const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house", "typical"]).atoms(...signatures).map(parseTerm);
@@ -107,6 +107,12 @@ export class Grammar {
     this.mostRooms = Math.min(this.bundle.mostRooms, ...of("most_rooms").map(([most]) => most));
     this.furniture = Object.fromEntries(this.types.map((type) => [type, []]));
     for (const [type, piece] of of("may")) this.furniture[type.name].push(piece.name);
+    /** Pieces of each group of one_room/2, and the types of room that need some of these. */
+    this.groups = new Map();
+    for (const [group, piece] of of("one_room"))
+      this.groups.set(termText(group), (this.groups.get(termText(group)) ?? new Set()).add(piece.name));
+    const grouped = new Set([...this.groups.values()].flatMap((pieces) => [...pieces]));
+    this.first = new Set(of("may").filter(([, piece, least]) => least && grouped.has(piece.name)).map(([type]) => type.name));
     for (const [piece, companion] of [...of("beside"), ...of("around")])
       for (const pieces of Object.values(this.furniture))
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);

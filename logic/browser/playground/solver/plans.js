@@ -82,15 +82,22 @@ function furnished(grammar, unfurnished, request, rng, inferences) {
   const frames = unfurnished.rooms.map((room, number) => new Frame(unfurnished, number, grammar.bundle));
   const pieces = unfurnished.rooms.map(() => []), nogoods = unfurnished.rooms.map(() => []);
   let waiting = [...unfurnished.rooms.keys()].filter((number) => grammar.hasFurniture(unfurnished.rooms[number].type));
+  const required = unfurnished.rooms.map(({ type }) => grammar.requiredIn(type, request).map(granted));
+  const isLate = (number) => !grammar.first.has(unfurnished.rooms[number].type) && !required[number].length;
+  if (grammar.first.size) waiting.sort((one, other) => isLate(one) - isLate(other));
+  const kinds = unfurnished.rooms.map(() => []);
   while (waiting.length) {
     const asked = [];
     for (const [place, number] of waiting.entries()) {
       const { type } = unfurnished.rooms[number], frame = frames[number];
       const { holds, fails } = frame.given();
-      const required = grammar.requiredIn(type, request).map(granted);
+      const elsewhere = kinds.flatMap((own, other) => (other === number ? [] : own));
+      for (const [group, some] of grammar.groups)
+        (elsewhere.some((kind) => some.has(kind)) ? holds : fails).push(`taken(${group})`);
       const program = grammar.givenRoom(type, frame.doorways(), request);
-      const furniture = program.sample(rng, [...holds, ...required], fails, nogoods[number]);
+      const furniture = program.sample(rng, [...holds, ...required[number]], fails, nogoods[number]);
       if (!furniture) return { failed: number };
+      kinds[number] = furniture.map(parseTerm).filter(({ name }) => name === "on").map(({ args: [piece] }) => piece.name);
       asked.push(frame.term(place, type, furniture, rng.seed()));
     }
     const again = waiting.some((number) => nogoods[number].length);
@@ -110,7 +117,9 @@ function furnished(grammar, unfurnished, request, rng, inferences) {
 class Frame {
   constructor(unfurnished, number, { walls, short }) {
     Object.assign(this, { walls, short });
-    const room = unfurnished.rooms[number];
+    const room = unfurnished.rooms[number], area = ({ width, height }) => width * height;
+    this.isLargest = unfurnished.rooms.find(({ type, ...each }, other) => other !== number && type === room.type
+      && (area(each) > area(room) || (area(each) === area(room) && other < number))) === undefined;
     const doors = unfurnished.doors.filter(({ between }) => between.includes(number))
       .sort((a, b) => (a.between[0] !== number) - (b.between[0] !== number));
     const windows = unfurnished.windows.filter((window) => window.room === number);
@@ -178,6 +187,7 @@ class Frame {
   /** What rules/room/doors.lp is to assume of the room. */
   given() {
     const holds = [], fails = [], { step, bits } = this.short;
+    (this.isLargest ? holds : fails).push("largest");
     for (const [what, length] of this.lengths()) {
       const short = Math.max(0, Math.trunc(2 ** bits - 1 - length / step));
       for (let bit = 0; bit < bits; bit++) ((short >> bit) & 1 ? holds : fails).push(`short(${what},${bit})`);
