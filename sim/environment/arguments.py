@@ -153,7 +153,8 @@ def backend_class(name: str) -> type[Backend]:
     lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
     if lacking:
         raise ValueError(
-            f"backend {name!r} cannot be used: it has no {lacking}(), see sim.backends.backend.Backend"
+            f"backend {name!r} cannot be used: it has no {lacking}(), "
+            "see vitruvius.sim.backends.backend.Backend"
         )
     return make
 

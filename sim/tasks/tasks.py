@@ -311,7 +311,7 @@ def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
         raise ValueError(f"terms: {unknown('class', name, TERMS)}, and module:Class")
     make = usual if name is None else TERMS[name] if name in TERMS else imported(name)
     if not (isinstance(make, type) and issubclass(make, Terms)):
-        raise ValueError(f"terms: {name} is no class of sim.tasks.terms.Terms")
+        raise ValueError(f"terms: {name} is no class of vitruvius.sim.tasks.terms.Terms")
     known = [each.name for each in fields(make)]
     if strange := next((key for key in arguments if key not in known), None):
         raise ValueError(f"terms: {unknown('term', strange, known)}")

@@ -96,7 +96,9 @@ class World:
         self.backend: Backend = self.kernels.backend
         knows = self.kernels.episodes.knows_distance
         if knows and self.config.closed_doors:
-            raise ValueError("the distance to the target needs open doors: for closed doors use sim.Oracle")
+            raise ValueError(
+                "the distance to the target needs open doors: for closed doors use vitruvius.sim.Oracle"
+            )
         if knows and self.config.varies("width"):
             raise ValueError("the distance to the target needs a body whose width does not vary")
         if self.at_once > 1 and (knows or self.config.latency):

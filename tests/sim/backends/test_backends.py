@@ -119,7 +119,8 @@ def test_a_class_that_lacks_a_method_is_refused_by_its_name(method, monkeypatch)
     methods = {name: vars(whole.MainRoom)[name] for name in METHODS if name != method}
     monkeypatch.setattr(whole, "Lacking", type("Lacking", (), methods), raising=False)
     message = (
-        f"backend 'main_room:Lacking' cannot be used: it has no {method}(), see sim.backends.backend.Backend"
+        f"backend 'main_room:Lacking' cannot be used: it has no {method}(), "
+        "see vitruvius.sim.backends.backend.Backend"
     )
     with pytest.raises(ValueError, match=re.escape(message)):
         make(backend="main_room:Lacking")

@@ -159,7 +159,7 @@ WRONG = {
     "terms: step must be a number, not '1'": {"step": "1"},
     "terms: targets must be a whole number from 0, not -1": {"targets": -1},
     "terms: discount is 2: from 0 to 1": {"discount": 2},
-    "terms: sim.tasks.tasks:Reach is no class of sim.tasks.terms.Terms": "vitruvius.sim.tasks.tasks:Reach",
+    ":Reach is no class of vitruvius.sim.tasks.terms.Terms": "vitruvius.sim.tasks.tasks:Reach",
     "No module named 'gone'": "gone:Away",
     'terms: {"step": -0.01} or "module:Class", not 3': 3,
 }
