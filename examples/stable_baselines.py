@@ -67,10 +67,7 @@ class Example(Task):
         model.learn(self.steps)
 
         def act(observation: Tensor) -> Tensor:
-            """Return sampled actions, one-hot, as both algorithms explore a little.
-
-            Without a memory, a body with the best actions alone would turn back and forth.
-            """
+            """Return sampled actions, one-hot: a robot without a memory would turn back and forth."""
             actions, _ = model.predict(frames(observation).numpy(), deterministic=False)
             return one_hot(torch.from_numpy(actions), 3).float()
 

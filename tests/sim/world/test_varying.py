@@ -99,11 +99,11 @@ def test_a_body_of_a_share_of_its_width_moves_as_one_that_is_so_wide(backend):
     [
         ([("nose", 0, 1)], "did you mean noise"),
         ([("noise", 0.2, 0.1)], "noise from 0.2 to 0.1"),
-        ([("slip", 0.0, 1.5)], "at most 1"),
+        ([("slip", 0.0, 1.5)], "between 0 and 1"),
         ([("noise", 0.0)], "must have 3 values"),
         ([("noise", 0, 1), ("noise", 0, 2)], "each field once"),
         ([("noise", 0, float("nan"))], "noise from 0 to nan"),
-        ([("width", 0.5, 1.5)], "at most 1"),
+        ([("width", 0.5, 1.5)], "between 0 and 1"),
     ],
 )
 def test_wrong_ranges_are_refused(varied, message):

@@ -25,11 +25,11 @@ MISTAKES = (
     Command("generate rooms=3", ("rooms=3: did you mean --rooms=3?",)),
     Command("generate -rooms 3", ("-rooms: did you mean --rooms?",)),
     Command("draw houses.jsonl format svg", ("format: did you mean --format?",)),
-    Command("explain houses.jsonl --why", ("--why: give a value, as in --why TEXT: The part: a room (R3)",)),
+    Command("explain houses.jsonl --why", ("--why: give a value, as in --why TEXT: Part to explain: a",)),
     Command(
         "generate --rooms 3 --snap 0.1", ("--plan-unit and --snap need a plan: give the plan with --plan",)
     ),
-    Command("explain --rooms 3 --plan-unit cm", ("--plan-unit and --snap are of a plan",)),
+    Command("explain --rooms 3 --plan-unit cm", ("--plan-unit and --snap need a plan",)),
     Command("generate --rooom 3", ("generate: there is no option --rooom", "did you mean --rooms?")),
     Command("generate --rooms 3 --tpye hall=1", ("no option --tpye", "did you mean --type?")),
     Command("generate --rooms 3 --zoo 2", ("no option --zoo", "see vitruvius generate --help")),
@@ -38,7 +38,7 @@ MISTAKES = (
     Command("bench generator --round 5", ("no option --round", "did you mean --rounds?")),
     Command("check", ("vitruvius check: give FILE: House file, or - for the standard input.",)),
     Command("check houses.jsonl b", ("b is one word too many", "see vitruvius check --help")),
-    Command("convert houses.jsonl", ("give --out PATH: The new house file",)),
+    Command("convert houses.jsonl", ("give --out PATH: New house file",)),
     Command("generate --rooms", ("--rooms: give a value, as in --rooms N",)),
     Command("generate --rooms --count 3", ("--rooms: give a value",)),
     Command("check houses.jsonl --json=yes", ("--json takes no value",)),
