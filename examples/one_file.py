@@ -20,7 +20,7 @@ class Network(nn.Module):
         self.cell, self.value = nn.GRUCell(HIDDEN, HIDDEN), nn.Linear(2 * HIDDEN, 3)
 
     def forward(self, s: Tensor, h: Tensor, over: Tensor) -> tuple[Tensor, Tensor]:
-        """Return Q-values (T, E, 3) of observations (T, E, n), and hidden states (E, H); ``over`` ends them."""
+        """Return Q-values (T, E, 3) of observations (T, E, n), and states (E, H), which ``over`` resets."""
         seen, hidden = self.see(s), []
         for x, end in zip(seen, over, strict=True):
             hidden.append(self.cell(x, h))

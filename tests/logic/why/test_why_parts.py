@@ -94,8 +94,8 @@ def options() -> Iterator[Reason]:
         parse([file], found.append)
         for statement in found:
             if statement.ast_type == ast.ASTType.Rule and str(statement.head).startswith("option("):
-                begin: Any = statement.location.begin
-                yield Reason(str(statement), str(file), begin.line, begin.column)
+                place: Any = statement.location
+                yield Reason(str(statement), str(file), place.begin.line, place.begin.column)
 
 
 def test_a_comment_that_is_quoted_is_whole_sentences() -> None:
