@@ -271,12 +271,12 @@ def test_rooms_of_a_star_cannot_be_kept_in_a_plan(home: Builder) -> None:
 
 
 def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:
-    request = Request.read({"rooms": 6, "furniture": {"bedroom.bed": 2}})
+    request = Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 2}})
     house = home.house(request, 0, 0, INFERENCES)
     beds = [
-        [piece.type for piece in room.pieces].count("bed") for room in house.rooms if room.type == "bedroom"
+        [piece.type for piece in room.pieces].count("singleBed") for room in house.rooms if room.type == "bedroom"
     ]
     assert set(beds) == {2}
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(home, Request.read({"rooms": 6, "furniture": {"bedroom.bed": 9}}), 0, 0, INFERENCES)
-    assert "may(bedroom,bed,0,2)." in str(error.value)
+        house_or_proof(home, Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 9}}), 0, 0, INFERENCES)
+    assert "may(bedroom,singleBed,0,2)." in str(error.value)
