@@ -274,9 +274,13 @@ def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible
     request = Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 2}})
     house = home.house(request, 0, 0, INFERENCES)
     beds = [
-        [piece.type for piece in room.pieces].count("singleBed") for room in house.rooms if room.type == "bedroom"
+        [piece.type for piece in room.pieces].count("singleBed")
+        for room in house.rooms
+        if room.type == "bedroom"
     ]
     assert set(beds) == {2}
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(home, Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 9}}), 0, 0, INFERENCES)
+        house_or_proof(
+            home, Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 9}}), 0, 0, INFERENCES
+        )
     assert "may(bedroom,singleBed,0,2)." in str(error.value)
