@@ -40,4 +40,5 @@ def test_coffee_tables_and_televisions_stand_with_a_sofa(counts: Counter[str]) -
 
 
 def test_most_windows_are_of_an_eighth_of_the_floor(counts: Counter[str]) -> None:
-    assert counts["rooms with windows of less than an eighth of the floor"] <= HOMES
+    # Of five rooms a home: with narrower windows there were 2.6 in each.
+    assert counts["rooms with windows of less than an eighth of the floor"] <= 1.5 * HOMES
