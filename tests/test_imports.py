@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
@@ -9,7 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from vitruvius import sim
+import vitruvius
+import vitruvius.logic
+from tests.programs import finished
+from vitruvius import environments, sim
+from vitruvius.sim.environment.arguments import BACKENDS
 from vitruvius.sim.tracing import COMPILERS
 
 ROOT = Path(__file__).parents[1]
@@ -205,6 +210,20 @@ def test_a_compiler_is_imported_in_one_place(name: str) -> None:
         if re.search(rf"^ *(import|from) {name}\b", path.read_text(), re.M)
     ]
     assert users == [Path("sim/compiler", f"{name}.py")]
+
+
+def test_the_public_names_of_the_package_are_those_of_logic_and_its_environments_the_simulators() -> None:
+    assert vitruvius.__all__ == vitruvius.logic.__all__
+    assert all(getattr(vitruvius, name) is getattr(vitruvius.logic, name) for name in vitruvius.__all__)
+    assert list(environments.BACKENDS) == list(BACKENDS)
+
+
+def test_environments_are_registered_also_after_a_search_for_gymnasium_alone() -> None:
+    code = (
+        "import vitruvius; from importlib.util import find_spec; find_spec('gymnasium'); import gymnasium; "
+    )
+    code += "import sys; print('Vitruvius/House-v0' in gymnasium.registry, 'taichi' in sys.modules)"
+    assert finished([sys.executable, "-P", "-c", code]).stdout == "True False\n"
 
 
 def test_the_public_names_of_the_simulator_are_these() -> None:

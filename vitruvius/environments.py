@@ -8,10 +8,11 @@ from types import ModuleType
 from typing import Any
 
 BACKENDS = ("continuous", "free", "grid")
+"""Names of the backends of ``sim.environment.arguments``, which imports the simulator."""
 
 
 def register_soon() -> None:
-    """Register the environments now or, as importing Gymnasium takes 0.15 s, as soon as somebody does."""
+    """Register the environments when Gymnasium is imported, which takes 0.15 s, or now if it was."""
     if "gymnasium" in sys.modules:
         register()
     else:
@@ -42,12 +43,16 @@ class _Registering(MetaPathFinder):
         if fullname != "gymnasium":
             return None
         sys.meta_path.remove(self)
-        spec = find_spec(fullname)
+        try:
+            spec = find_spec(fullname)
+        finally:
+            sys.meta_path.insert(0, self)  # A search for the module alone does not import it.
         loader: Any = spec and spec.loader
         if loader:
             execute = loader.exec_module
 
             def execute_and_register(module: ModuleType) -> None:
+                sys.meta_path.remove(self)
                 execute(module)
                 register()
 

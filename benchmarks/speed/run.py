@@ -82,7 +82,7 @@ class Speed:
     """Folder for speed.json and speed.md."""
 
     replace: bool = False
-    """Write into the folder whatever else it holds."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> None:
         """Measure all rows and print the table."""
