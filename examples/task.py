@@ -28,7 +28,7 @@ from vitruvius.agent.evaluation.result import Result
 from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
 from vitruvius.agent.learning.config import TargetMode
 from vitruvius.agent.learning.environments import make_envs, shield
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.sim import DEFAULT, Config
 from vitruvius.sim.actions import ACTIONS
 from vitruvius.sim.baselines.coverage import Coverage

@@ -13,8 +13,8 @@ from vitruvius.logic.errors import (
     Unsatisfiable,
     VitruviusError,
 )
-from vitruvius.logic.house.files import save
-from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.files.gallery import Houses
+from vitruvius.logic.files.house_files import save
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Door, FreeWall, Piece, Rect, Room, Window
 from vitruvius.logic.house.star import Star, StarRoom

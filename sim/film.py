@@ -18,7 +18,7 @@ from vitruvius.logic.drawing.canvas import DENSITY, Drawing, png
 from vitruvius.logic.drawing.frame import Frame, drawn_extent
 from vitruvius.logic.drawing.labels import background
 from vitruvius.logic.drawing.palettes import Inks
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.spelling import numbered
 from vitruvius.sim.config import Config
 

@@ -40,6 +40,8 @@ FOLDERS = {
         ),
         *(
             "house",
+            "looks",
+            "files",
             "checking",
             "shapes",
             "readers",
@@ -184,8 +186,8 @@ def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:
     others = {
         "vitruvius.logic",
         "vitruvius.logic.errors",
-        "vitruvius.logic.house.files",
-        "vitruvius.logic.house.looks",
+        "vitruvius.logic.files.writing",
+        "vitruvius.logic.looks.looks",
         "vitruvius.logic.spelling",
     }
     assert {module for _, module, _ in taken} == drawing | others

@@ -27,7 +27,8 @@ def test_the_page_is_short_and_names_no_host():
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
     from vitruvius.agent.runs import released
     from vitruvius.logic import grammar, opener
-    from vitruvius.logic.house import files, occupancy, parts
+    from vitruvius.logic.files import house_files
+    from vitruvius.logic.house import occupancy, parts
     from vitruvius.logic.readers.regular import MAX_CORNERS as of_rooms
     from vitruvius.logic.readers.sketch import MAX_CORNERS, MAX_CROSSINGS
     from vitruvius.logic.request import brief, given_plan
@@ -36,7 +37,7 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
     mebi = 1 << 20
     for words in (
         f"{grammar.MOST_BYTES // mebi} MiB in all its rule files",
-        f"{files.MOST_BYTES >> 30} GiB unpacked, {files.MOST_LINE // mebi} MiB a house",
+        f"{house_files.MOST_BYTES >> 30} GiB unpacked, {house_files.MOST_LINE // mebi} MiB a house",
         f"{parts.MOST_ROOMS:,} rooms, {parts.MOST_PIECES} pieces a room, {parts.FARTHEST:,.0f} m",
         f"{geometry.FARTHEST:.0f} m to be simulated",
         f"{opener.MAX_BYTES // mebi} MiB, {opener.MAX_DEPTH} levels",

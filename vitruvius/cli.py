@@ -218,7 +218,7 @@ def _run(arguments: list[str]) -> int:
         command = parse(arguments)
         if arguments[0] != "bench" or not hasattr(command, "out"):
             return command.run() or 0
-        from vitruvius.logic.house.replacing import study_folder
+        from vitruvius.logic.files.replacing import study_folder
 
         with study_folder(command.out, command.replace):
             return command.run() or 0

@@ -32,8 +32,8 @@ from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.agent.runs.runs import run
 from vitruvius.logic import House, RequestError, VitruviusError, check, generate, save
 from vitruvius.logic.drawing.draw import contact_sheet
-from vitruvius.logic.house.files import write_whole
-from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.files.writing import write_whole
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.sim.tasks.furniture import pieces_in
 from vitruvius.sim.tasks.words import in_words
 

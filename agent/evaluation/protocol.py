@@ -25,7 +25,7 @@ from vitruvius.agent.progress import Report
 from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.logic import House, RequestError
 from vitruvius.logic.cluster import Cluster
-from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.logic.spelling import keywords
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.allowed import allow, allowed

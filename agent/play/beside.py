@@ -17,7 +17,7 @@ from vitruvius.agent.play.game import replayed
 from vitruvius.agent.play.results import PlayedGame, ResultsError, load
 from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.logic import House
-from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.logic.spelling import numbered
 from vitruvius.sim.config import DEFAULT
 from vitruvius.sim.tasks.tasks import task

@@ -11,7 +11,7 @@ from msgspec import Meta
 from vitruvius.agent.banks import geometry_hash
 from vitruvius.logic import House
 from vitruvius.logic.errors import RequestError, VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.opener import content_of, from_json
 from vitruvius.logic.spelling import quoted
 

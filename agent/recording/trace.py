@@ -19,7 +19,7 @@ from msgspec import Meta
 
 from vitruvius.logic import House
 from vitruvius.logic.errors import VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.opener import content_of, from_json
 
 FORMAT = "vitruvius-trace-1"

@@ -11,7 +11,7 @@ from vitruvius.logic import House
 from vitruvius.logic.drawing.canvas import Drawing, svg
 from vitruvius.logic.drawing.frame import Frame, extent
 from vitruvius.logic.drawing.labels import background
-from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.logic.spelling import markup, numbered
 from vitruvius.sim.tasks.words import in_words
 

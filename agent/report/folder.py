@@ -12,7 +12,7 @@ import msgspec
 
 from vitruvius.agent.report.page import ReportError, Section, inline, page
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.opener import content_of, from_json
 
 NAME = "report.html"

@@ -17,7 +17,7 @@ from vitruvius.agent.evaluation.tables import DRIVE_NOTE, LABELS, SCORE_NOTE, ca
 from vitruvius.agent.report.page import Cell, Section, details, inline, table
 from vitruvius.agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
 from vitruvius.logic import load
-from vitruvius.logic.house.looks import looks_of, spaced
+from vitruvius.logic.looks.looks import looks_of, spaced
 from vitruvius.logic.spelling import markup, numbered
 from vitruvius.sim.tasks.words import in_words
 

@@ -14,8 +14,8 @@ from vitruvius.agent.evaluation.tables import LABELS
 from vitruvius.agent.report.page import Section, data
 from vitruvius.logic import House, load
 from vitruvius.logic.drawing.draw import plan_svg
-from vitruvius.logic.house.files import MOST_BYTES, MOST_LINE
-from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.files.house_files import MOST_BYTES, MOST_LINE
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.logic.opener import DAMAGED, from_json, opened
 from vitruvius.logic.spelling import numbered
 from vitruvius.sim.tasks.words import in_words

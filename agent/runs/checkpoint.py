@@ -15,7 +15,7 @@ from vitruvius.agent.algorithms.table import ALGORITHMS
 from vitruvius.agent.learning.config import TrainConfig
 from vitruvius.agent.runs.released import FORMAT, LEARNT_IN, CheckpointError, located, require_sizes
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.spelling import printable
 
 MAX_LEARNT_HOUSES = 1 << 20

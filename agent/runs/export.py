@@ -26,7 +26,7 @@ import torch
 from torch import Tensor, nn
 
 from vitruvius.logic.errors import RequestError, VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 
 INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
 

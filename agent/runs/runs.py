@@ -44,7 +44,7 @@ from vitruvius.agent.runs.released import CheckpointError
 from vitruvius.agent.runs.watching import RunWatcher, Watching
 from vitruvius.logic import House, HouseSet, HouseStream
 from vitruvius.logic.errors import RequestError, VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.opener import archive_of, content_of, opened, reason
 from vitruvius.logic.spelling import keywords
 from vitruvius.logic.stopping import Terminated, at_signals

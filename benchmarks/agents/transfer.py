@@ -26,7 +26,7 @@ from vitruvius.agent.runs import checkpoint
 from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.logic import House, load
 from vitruvius.logic.dataset.splits import VALIDATION
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.sim.config import DEFAULT
 
 ORIGINAL = ROOT / "tests/fixtures/example1.json"

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import msgspec
 
 from vitruvius.logic.errors import HouseFileError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.request.brief import Brief, read_brief
 
 FILE = Path(__file__).with_name("briefs-v1.jsonl.gz")

@@ -17,9 +17,9 @@ from benchmarks.briefs.score import Answer, judged_all, read_answers, score
 from benchmarks.common.pages import write
 from benchmarks.common.processes import say
 from vitruvius.logic.errors import RequestError
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
-from vitruvius.logic.house.files import write_whole
 from vitruvius.logic.request.brief import Brief, alone
 
 KINDS: tuple[Kind, ...] = ("house", "dissection", "changed", "impossible")

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.judge import JudgedLine, faults, lines, plan_of
 from vitruvius.logic.errors import HouseFileError
-from vitruvius.logic.house.files import MOST_BYTES
+from vitruvius.logic.files.house_files import MOST_BYTES
 from vitruvius.logic.house.house import House
 from vitruvius.logic.opener import opened
 from vitruvius.logic.spelling import unknown

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 
 if TYPE_CHECKING:
     from vitruvius.agent.evaluation.tables import Table

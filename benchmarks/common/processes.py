@@ -19,7 +19,7 @@ from time import sleep
 from benchmarks.common.pages import ROOT
 from vitruvius.logic.cluster import Cluster
 from vitruvius.logic.errors import MissingProgram, VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
 """Environment of a process whose libraries use one thread each."""

@@ -20,7 +20,7 @@ import pytest
 from benchmarks.common.pages import milliseconds
 from benchmarks.common.processes import say
 from benchmarks.common.series import axis_of, name_of
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 
 COLUMNS = ("measurement", "axis", "size", "rounds", "mean", "median", "q1", "q3", "p95", "min", "max")
 """Columns of the CSV file; the last seven are in seconds."""

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import msgspec
 
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 
 Row = TypeVar("Row", bound=msgspec.Struct)
 

@@ -22,10 +22,11 @@ from vitruvius.agent.report.folder import write_report
 from vitruvius.logic import check
 from vitruvius.logic.drawing.draw import contact_sheet
 from vitruvius.logic.errors import RequestError
+from vitruvius.logic.files.house_files import save
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.shared_walls import SharedWallsMaker
 from vitruvius.logic.grammar import find
-from vitruvius.logic.house.files import save, write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.layout.program import Nogood
 from vitruvius.logic.placement.plan import Plan

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from benchmarks.generator.killing import Plain, victims
 from vitruvius.logic.dataset.sets import files_of_shards, read_manifest
 from vitruvius.logic.errors import RequestError, VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.terminal import say
 
 

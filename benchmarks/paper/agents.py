@@ -16,7 +16,7 @@ from vitruvius.agent.evaluation.result import HUMAN
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.policies.policies import Policy, QPolicy
 from vitruvius.agent.runs import checkpoint
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import DEFAULT, PAPER
 from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list

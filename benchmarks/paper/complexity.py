@@ -21,9 +21,9 @@ from benchmarks.common.pages import DOCS, machine, png, table_rows
 from benchmarks.common.processes import say
 from vitruvius.logic.cluster import engine
 from vitruvius.logic.errors import LimitReached, RequestError, VitruviusError
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
-from vitruvius.logic.house.files import write_whole
 from vitruvius.logic.placement import prolog
 from vitruvius.logic.request.request import Request
 

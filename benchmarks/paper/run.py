@@ -14,7 +14,7 @@ import tyro
 from benchmarks.common.pages import DOCS, write
 from benchmarks.paper.page import PARTS, paper_page
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.house.files import require_folder, write_whole
+from vitruvius.logic.files.writing import require_folder, write_whole
 from vitruvius.logic.spelling import unknown
 
 

@@ -22,7 +22,7 @@ from vitruvius.agent.evaluation.result import HUMAN
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.progress import progress
 from vitruvius.logic import generate
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
 
 PRESET = cast(PaperConfig, PRESETS["paper"])

@@ -15,8 +15,8 @@ from benchmarks.realism.fit import fitted, off, shares, with_weights, written
 from benchmarks.realism.plans import made, plans_of
 from benchmarks.realism.statistics import Distance, distance, told_apart
 from vitruvius.logic.errors import RequestError
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.grammar import Grammar, find
-from vitruvius.logic.house.files import write_whole
 
 FEWEST = 20
 """Smallest number of rooms of a type in each set for a comparison, and of plans in a set."""

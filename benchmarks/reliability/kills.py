@@ -23,7 +23,7 @@ from PIL import Image
 from vitruvius.logic import load
 from vitruvius.logic.dataset.sets import BESIDE
 from vitruvius.logic.errors import RequestError, VitruviusError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.terminal import say
 
 COMMANDS = {

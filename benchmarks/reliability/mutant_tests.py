@@ -20,7 +20,7 @@ import msgspec
 from benchmarks.common.pages import ROOT
 from benchmarks.common.processes import ONE_THREAD, StudyFailed, say
 from benchmarks.reliability.changes import Mutant
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 
 BELONGING: dict[str, tuple[str, ...]] = {
     "logic/checking/*": ("logic/checking",),

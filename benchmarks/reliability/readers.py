@@ -126,7 +126,7 @@ def _statements(path: Path) -> None:
 
 
 def _looks(path: Path) -> None:
-    from vitruvius.logic.house.looks import folder_looks
+    from vitruvius.logic.looks.looks import folder_looks
 
     folder_looks(path.parent)
 

@@ -15,8 +15,8 @@ from vitruvius.logic.dataset.rows import Row, house_of, house_sha256
 from vitruvius.logic.dataset.sets import MANIFEST, SET, Held, Set, inside, read_manifest, read_set
 from vitruvius.logic.dataset.splits import SPLITS
 from vitruvius.logic.errors import HouseFileError, RequestError
-from vitruvius.logic.house.files import load as load_file
-from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.files.gallery import Houses
+from vitruvius.logic.files.house_files import load as load_file
 from vitruvius.logic.house.house import House
 from vitruvius.logic.opener import content_of, opened
 from vitruvius.logic.readers.world import MOST_BYTES, read_world
@@ -203,7 +203,7 @@ def load(path: str | Path, file: BinaryIO | None = None, **options: Any) -> Sequ
     """Return the houses of a set's folder, which are read on access, or of a house file.
 
     A plan of HouseExpo (``.json``) or GeoJSON, with walls at any angle, is one house to simulate. See
-    ``HouseSet``, ``logic.house.files.load`` and ``logic.readers.world``.
+    ``HouseSet``, ``logic.files.house_files.load`` and ``logic.readers.world``.
     """
     path = Path(path)
     if file is None and (path / SET).is_file():

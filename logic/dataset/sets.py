@@ -22,8 +22,8 @@ from vitruvius.logic.dataset.formats import Files
 from vitruvius.logic.dataset.rows import Row, source
 from vitruvius.logic.dataset.splits import SPLITS
 from vitruvius.logic.errors import GrammarError, HouseFileError, RequestError
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.grammar import Grammar, find, shipped
-from vitruvius.logic.house.files import write_whole
 from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.opener import content_of, from_json
 from vitruvius.logic.request.request import MOST, request_at, require_series, whole

@@ -28,9 +28,9 @@ from vitruvius.logic.drawing.labels import (
 from vitruvius.logic.drawing.measures import DIMENSION, NORTH, dimensions, north_arrow
 from vitruvius.logic.drawing.palettes import Style, style
 from vitruvius.logic.drawing.plan import house_shapes
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.replacing import DRAWN_BY
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.replacing import DRAWN_BY
 
 TITLE, FOOT, MARGIN = 30, 22, 12
 """Space above a plan, below it and around it, CSS pixels."""

@@ -16,8 +16,8 @@ from vitruvius.logic.drawing.furniture import has_mark
 from vitruvius.logic.drawing.palettes import Fill, Style, style
 from vitruvius.logic.drawing.plan import floor, house_shapes
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.looks import spaced
 from vitruvius.logic.house.parts import ORIGINAL, Room
+from vitruvius.logic.looks.looks import spaced
 from vitruvius.logic.spelling import numbered
 
 LEAST = 6.5

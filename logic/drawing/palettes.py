@@ -15,7 +15,7 @@ import msgspec
 
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.looks import INK, Looks, looks_of
+from vitruvius.logic.looks.looks import INK, Looks, looks_of
 from vitruvius.logic.spelling import unknown
 
 Name = Literal["colour", "distinct", "grey"]

@@ -28,7 +28,7 @@ from vitruvius.logic.drawing.canvas import (
     Strokes,
     flat,
 )
-from vitruvius.logic.house.replacing import DRAWN_BY
+from vitruvius.logic.files.replacing import DRAWN_BY
 from vitruvius.logic.spelling import printable
 
 POINT = 72 / 96

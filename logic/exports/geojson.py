@@ -13,7 +13,7 @@ import shapely
 from shapely.geometry import mapping
 
 from vitruvius.logic.exports.floor import floor
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import FreeWall, Rect
 

@@ -14,7 +14,7 @@ import shapely
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.exports.floor import floor, outline
 from vitruvius.logic.exports.solids import Solid, solids
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import BODY
 

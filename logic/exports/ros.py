@@ -12,8 +12,8 @@ from PIL import Image
 
 from vitruvius.logic.drawing.frame import drawn_extent, extent
 from vitruvius.logic.exports.floor import outline
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.boxes import TOLERANCE, Box
-from vitruvius.logic.house.files import write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
 from vitruvius.logic.house.occupancy import OccupancyGrid

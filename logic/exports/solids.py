@@ -17,9 +17,9 @@ import numpy as np
 from vitruvius.logic.drawing.palettes import Inks, style
 from vitruvius.logic.house.boxes import TOLERANCE, Box
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.looks import looks_of
 from vitruvius.logic.house.wall_parts import wall_parts
 from vitruvius.logic.house.walls import Interval, Line, crossing, near, remaining
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.logic.spelling import printable
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0

@@ -14,7 +14,7 @@ from pathlib import Path
 from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
 
 from vitruvius.logic.exports.solids import solids
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
 
 

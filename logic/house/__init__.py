@@ -1,1 +1,1 @@
-"""Houses and their parts, house files, and the looks and names of types."""
+"""Model of a house: rooms, walls, doors, pieces, their records and names, and promises about them."""

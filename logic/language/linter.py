@@ -9,7 +9,6 @@ from typing import Any
 
 from vitruvius.logic.errors import Finding, GrammarError, Reason
 from vitruvius.logic.grammar import SHIPPED, Grammar
-from vitruvius.logic.house.looks import DEFAULT, NAME, read_looks, unused
 from vitruvius.logic.language.absent import absent
 from vitruvius.logic.language.asp.audit import UNITS
 from vitruvius.logic.language.loaded import LoadedGrammar
@@ -19,6 +18,7 @@ from vitruvius.logic.layout.conditional import Source
 from vitruvius.logic.layout.program import HOUSE, Part
 from vitruvius.logic.layout.programs import GIVEN
 from vitruvius.logic.layout.relaxed import Relaxed
+from vitruvius.logic.looks.looks import DEFAULT, NAME, read_looks, unused
 from vitruvius.logic.placement.lengths import typical_lengths
 
 SIZES = (6, 8, 4, 3, 2, 1)

@@ -19,8 +19,8 @@ import shapely
 from vitruvius.logic.checking.figures import figure
 from vitruvius.logic.checking.shared_walls import gaps
 from vitruvius.logic.errors import HouseFileError, PlanWarning, RequestError
+from vitruvius.logic.files.house_files import load
 from vitruvius.logic.house.boxes import TOLERANCE, Box, overlap
-from vitruvius.logic.house.files import load
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
 from vitruvius.logic.opener import STANDARD, content_of

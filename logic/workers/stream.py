@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, SupportsIndex, overload
 
 from vitruvius.logic.errors import RequestError
+from vitruvius.logic.files.gallery import Houses
 from vitruvius.logic.grammar import find
-from vitruvius.logic.house.gallery import Houses
 from vitruvius.logic.house.house import House
 from vitruvius.logic.request.request import MOST_ROOMS, whole
 from vitruvius.logic.workers.generate import series_of

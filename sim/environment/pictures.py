@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vitruvius.logic.house.looks import looks_of
+from vitruvius.logic.looks.looks import looks_of
 from vitruvius.sim.environment.outputs import Outputs
 from vitruvius.sim.environment.window import ScreenWindow
 from vitruvius.sim.tasks.words import in_words

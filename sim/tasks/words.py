@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 
-from vitruvius.logic.house.looks import spaced
+from vitruvius.logic.looks.looks import spaced
 from vitruvius.logic.spelling import article, numbered
 from vitruvius.sim.allowed import class_names
 from vitruvius.sim.tasks.furniture import Habit, Object

@@ -31,7 +31,7 @@ from vitruvius.cli import parse
 from vitruvius.logic import House, save
 from vitruvius.logic.drawing.draw import plan_svg
 from vitruvius.logic.errors import RequestError, VitruviusError
-from vitruvius.logic.house.gallery import Houses
+from vitruvius.logic.files.gallery import Houses
 from vitruvius.sim import allowed
 
 TASKS = (

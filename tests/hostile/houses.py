@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from tests.hostile.case import ACCEPTED, HARMLESS, REFUSED, Case, Yard, titled
 from tests.hostile.subjects import Answer, command
 from tests.logic.house.handmade import built, sketches
-from vitruvius.logic.house.replacing import DRAWN_BY
+from vitruvius.logic.files.replacing import DRAWN_BY
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 LINE = json.dumps(replace(HOUSE, format="vitruvius-1").to_dict())

@@ -11,8 +11,8 @@ from PIL import Image, ImageColor, ImageSequence
 from tests import sample_houses
 from vitruvius.logic.drawing.frame import drawn_extent
 from vitruvius.logic.drawing.palettes import Inks
-from vitruvius.logic.house.looks import DEFAULT as LOOKS
 from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.looks.looks import DEFAULT as LOOKS
 from vitruvius.sim import DEFAULT, HouseVectorEnv
 from vitruvius.sim.film import BODY, PAPER, SHARP, TARGET, Camera, View, film, framed, largest, mosaic
 

@@ -12,7 +12,7 @@ from benchmarks import STUDIES
 from tests.logic.workers import in_process
 from vitruvius.cli import COMMANDS, main
 from vitruvius.logic import House, RequestError, load
-from vitruvius.logic.house.replacing import MARK, alone_in, study_folder, unless_other
+from vitruvius.logic.files.replacing import MARK, alone_in, study_folder, unless_other
 from vitruvius.options import options_of
 
 ROOT = Path(__file__).parents[2]

@@ -19,7 +19,7 @@ class Demo:
     def run(self) -> int:
         """Run the demo; return 1 unless the agent clearly beats the random walk and the human's ratio."""
         from vitruvius.demo import demo
-        from vitruvius.logic.house.files import require_folder
+        from vitruvius.logic.files.writing import require_folder
 
         whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses use twice the seed, and one more
         require_folder(self.out)

@@ -132,7 +132,7 @@ class Evaluate:
         from vitruvius.agent.progress import progress
         from vitruvius.agent.report.folder import require_report, write_report
         from vitruvius.agent.runs import checkpoint
-        from vitruvius.logic.house.files import require_folder, write_whole
+        from vitruvius.logic.files.writing import require_folder, write_whole
 
         require_folder(self.out)
         if self.beside:
@@ -204,7 +204,7 @@ class Evaluate:
     def _require_same(self, file: Path, bank: "ScoredBank", modes: Sequence[str]) -> None:
         """Raise ``RequestError`` if a file holds another evaluation; the same one may be repeated."""
         from vitruvius.agent.evaluation.scores import ScoreError, load
-        from vitruvius.logic.house.replacing import require_free
+        from vitruvius.logic.files.replacing import require_free
 
         if not file.exists():
             for ending in (".md", ".png"):

@@ -306,7 +306,7 @@ class Generate:
 
         Raises ``RequestError`` if the file holds other houses and may not be replaced.
         """
-        from vitruvius.logic.house.replacing import require_same_series
+        from vitruvius.logic.files.replacing import require_same_series
 
         return 0 if self.replace else require_same_series(out, first, self.start + self.count - 1)
 
@@ -370,7 +370,8 @@ class Generate:
 
 def _require_writable(out: Path | None, count: int) -> None:
     """Raise ``RequestError`` before the work if the output cannot be written."""
-    from vitruvius.logic.house.files import HOUSE_FILES, require_file
+    from vitruvius.logic.files.house_files import HOUSE_FILES
+    from vitruvius.logic.files.writing import require_file
 
     if out is None:
         return

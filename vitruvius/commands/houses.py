@@ -139,8 +139,8 @@ class Draw:
     def run(self) -> int:
         """Write a picture of each house, numbered from 0 as in the file, and a picture of all."""
         from vitruvius.logic import load
-        from vitruvius.logic.house.files import require_folder
-        from vitruvius.logic.house.replacing import alone_in, require_drawn
+        from vitruvius.logic.files.replacing import alone_in, require_drawn
+        from vitruvius.logic.files.writing import require_folder
 
         say_warnings()
         self._require()
@@ -209,8 +209,8 @@ class Draw:
         from vitruvius.logic.drawing.difference import diff_drawing
         from vitruvius.logic.drawing.draw import encoded
         from vitruvius.logic.errors import RequestError
+        from vitruvius.logic.files.writing import write_whole
         from vitruvius.logic.house.diff import changes
-        from vitruvius.logic.house.files import write_whole
 
         if len(pairs[0]) != len(pairs[1]):
             counts = f"{self.file} has {numbered(len(pairs[0]), 'house')}, {self.diff} {len(pairs[1])}"
@@ -259,8 +259,9 @@ class Convert:
         from vitruvius.answers.houses import Written
         from vitruvius.logic import load, save
         from vitruvius.logic.exports import export
-        from vitruvius.logic.house.files import HOUSE_FILES, require_ending, require_folder
-        from vitruvius.logic.house.replacing import require_same_houses, unless_other
+        from vitruvius.logic.files.house_files import HOUSE_FILES
+        from vitruvius.logic.files.replacing import require_same_houses, unless_other
+        from vitruvius.logic.files.writing import require_ending, require_folder
         from vitruvius.logic.opener import STANDARD
 
         say_warnings()
@@ -306,7 +307,7 @@ class Convert:
 
 def _remove_others(folder: Path, written: "Sequence[Path]") -> None:
     """Remove the pictures or files of an earlier run with more houses, and print their number."""
-    from vitruvius.logic.house.replacing import remove_others
+    from vitruvius.logic.files.replacing import remove_others
 
     if number := remove_others(folder, written):
         say(f"{folder}: {number} of an earlier run removed")

@@ -70,7 +70,7 @@ class Play:
         """Play the houses, or replay games."""
         from vitruvius.agent.learning.simulator import allow_named, require_asked_task
         from vitruvius.agent.play.results import ENDINGS, load, require_games
-        from vitruvius.logic.house.files import require_file
+        from vitruvius.logic.files.writing import require_file
 
         if not 1 <= self.seconds <= 3600:
             raise RequestError(f"--seconds {self.seconds:g}: a game lasts from 1 to 3600 seconds")

@@ -86,8 +86,8 @@ class Record:
         from vitruvius.agent.recording.recorder import Recorder
         from vitruvius.agent.runs import checkpoint
         from vitruvius.answers.houses import Written
-        from vitruvius.logic.house.files import require_file
-        from vitruvius.logic.house.replacing import require_free
+        from vitruvius.logic.files.replacing import require_free
+        from vitruvius.logic.files.writing import require_file
         from vitruvius.sim.film import require_film
 
         shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)

@@ -27,8 +27,8 @@ class Report:
     def run(self) -> int:
         """Write the file."""
         from vitruvius.agent.report.folder import NAME, require_report, write_report
-        from vitruvius.logic.house.files import require_file
-        from vitruvius.logic.house.replacing import unless_other
+        from vitruvius.logic.files.replacing import unless_other
+        from vitruvius.logic.files.writing import require_file
         from vitruvius.studies import study_sections
 
         if self.out:

@@ -12,7 +12,7 @@ from vitruvius.logic.dataset.sets import MAX_SHARDS, Set, Shard, begin
 from vitruvius.logic.dataset.shards import Mapper, complete, make, make_on_node, missing
 from vitruvius.logic.dataset.splits import SPLITS
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.house.files import require_folder
+from vitruvius.logic.files.writing import require_folder
 from vitruvius.logic.request.request import whole
 from vitruvius.logic.spelling import numbered
 from vitruvius.logic.terminal import counting, say

@@ -145,7 +145,7 @@ class Train(Generic[Kind]):
         require_task(self.learning.targets)
         from vitruvius.agent.algorithms.build import network_of
         from vitruvius.agent.report.folder import require_report
-        from vitruvius.logic.house.files import require_folder
+        from vitruvius.logic.files.writing import require_folder
 
         network_of(self.learning)  # reports a module that cannot be used before the run starts
         require_folder(self.out)
@@ -206,7 +206,7 @@ class Train(Generic[Kind]):
         from vitruvius.agent.report.folder import write_report
         from vitruvius.agent.runs.runs import run
         from vitruvius.answers.agents import Trained
-        from vitruvius.logic.house.files import write_whole
+        from vitruvius.logic.files.writing import write_whole
 
         curve = out / "learning-curve.png"
         if curve.exists() and not self.resume:
@@ -262,8 +262,8 @@ class Export:
         from vitruvius.agent.runs import checkpoint
         from vitruvius.agent.runs.export import export
         from vitruvius.answers.houses import Written
-        from vitruvius.logic.house.files import require_file
-        from vitruvius.logic.house.replacing import unless_other
+        from vitruvius.logic.files.replacing import unless_other
+        from vitruvius.logic.files.writing import require_file
 
         require_file(self.out, [".onnx"])
         with unless_other(self.out, self.replace) as file:

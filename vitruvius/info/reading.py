@@ -32,9 +32,9 @@ from vitruvius.info.kinds import (
 from vitruvius.logic import House, HouseFileError, HouseSet, RequestError, load
 from vitruvius.logic.dataset.sets import files_of_shards, read_manifest, read_set
 from vitruvius.logic.errors import VitruviusError
+from vitruvius.logic.files.house_files import HOUSE_FILES
+from vitruvius.logic.files.house_files import MOST_BYTES as MOST_HOUSES
 from vitruvius.logic.grammar import find, shipped
-from vitruvius.logic.house.files import HOUSE_FILES
-from vitruvius.logic.house.files import MOST_BYTES as MOST_HOUSES
 from vitruvius.logic.opener import PACKED, content_of, from_json, opened
 from vitruvius.logic.readers import sketch
 from vitruvius.logic.readers.combined import divided

@@ -15,7 +15,7 @@ from typing import Any
 from benchmarks.common.pages import ROOT, machine
 from benchmarks.common.processes import say
 from vitruvius.logic.errors import MissingProgram, RequestError
-from vitruvius.logic.house.files import write_whole
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.spelling import unknown
 
 HERE = Path(__file__).resolve().parent

@@ -28,7 +28,6 @@ from vitruvius.logic.grammar import (
     find,
     shipped,
 )
-from vitruvius.logic.house.looks import folder_looks
 from vitruvius.logic.house.promises import PASSAGE
 from vitruvius.logic.includes import EXAMPLES, LINES, SAYS
 from vitruvius.logic.language.asp.audit import CHOICE, DIRECTIVES, STAGES
@@ -49,6 +48,7 @@ from vitruvius.logic.language.asp.vocabulary import Signature, Words, core_words
 from vitruvius.logic.layout.conditional import ABSENT, FAR, left_out_facts
 from vitruvius.logic.layout.messages import SYNTAX
 from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.looks.looks import folder_looks
 from vitruvius.logic.proofs.least import MOST_LAYOUTS
 from vitruvius.logic.proofs.proof import NEAR, NEXT
 from vitruvius.logic.request.request import MOST_ROOMS

@@ -24,8 +24,8 @@ from vitruvius.logic.errors import (
     to_record,
 )
 from vitruvius.logic.grammar import MOST_BYTES, reading_of
-from vitruvius.logic.house import looks
 from vitruvius.logic.house.house import House
+from vitruvius.logic.looks import looks
 from vitruvius.logic.request.request import MOST_ROOMS, Request
 from vitruvius.logic.why.answer import file_name
 from vitruvius.logic.workers.explain import INFERENCES, MAKING

@@ -24,7 +24,7 @@ from vitruvius.logic.drawing.canvas import svg
 from vitruvius.logic.drawing.draw import plan
 from vitruvius.logic.drawing.palettes import PALETTES, style
 from vitruvius.logic.grammar import SHIPPED
-from vitruvius.logic.house.looks import folder_looks
+from vitruvius.logic.looks.looks import folder_looks
 
 DRAW = """
 import { readFileSync } from "node:fs";

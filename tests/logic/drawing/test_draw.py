@@ -45,10 +45,10 @@ from vitruvius.logic.drawing.labels import LEAST, abbreviations
 from vitruvius.logic.drawing.palettes import Inks, style
 from vitruvius.logic.drawing.plan import boxes_of, house_shapes, opening, wall_boxes
 from vitruvius.logic.house.boxes import distance, excess, overlap
-from vitruvius.logic.house.looks import DEFAULT as LOOKS
 from vitruvius.logic.house.part_names import doors_by_name, target_in, windows_by_name
 from vitruvius.logic.house.parts import ORIGINAL, OUTSIDE, Door, Provenance, Room
 from vitruvius.logic.house.promises import Thickness
+from vitruvius.logic.looks.looks import DEFAULT as LOOKS
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 INKS = Inks()

@@ -14,7 +14,7 @@ from vitruvius.agent.banks import benchmark
 from vitruvius.logic import FreeWall, House, Room
 from vitruvius.logic.exports.mjcf import EYE, to_mjcf
 from vitruvius.logic.grammar import SHIPPED, shipped
-from vitruvius.logic.house.looks import folder_looks
+from vitruvius.logic.looks.looks import folder_looks
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import DEFAULT
 

@@ -12,7 +12,7 @@ const SIDE = 300, TITLE = 30, FOOT = 22, MARGIN = 12, NORTH = 16;
 /** Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii. */
 const QUARTER = 0.5523;
 
-/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/house/looks.py has them; `inks`: the colours
+/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/looks/looks.py has them; `inks`: the colours
  * of the parts, and as `new` those of types that have none in `looks`; `widths`: of letters, in font sizes.
  */
 export function planSvg(house, looks, inks, widths) {
@@ -197,7 +197,7 @@ class Plan {
     return shapes;
   }
 
-  /** A form of a symbol (logic/house/looks.py). */
+  /** A form of a symbol (logic/looks/looks.py). */
   form(form, numbers, box, front) {
     const { inks, scale } = this, width = thin(scale);
     const points = Array.from({ length: numbers.length >> 1 }, (_, k) => inFrame(box, front, numbers[2 * k], numbers[2 * k + 1]));

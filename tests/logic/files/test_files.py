@@ -16,7 +16,8 @@ from msgspec.structs import replace
 from tests.logic.house.handmade import built, houses, sketches
 from tests.sample_houses import changed_record
 from vitruvius.logic import House, HouseFileError, Piece, load, save
-from vitruvius.logic.house.files import HOUSE_FILES, require_ending, write_whole
+from vitruvius.logic.files.house_files import HOUSE_FILES
+from vitruvius.logic.files.writing import require_ending, write_whole
 from vitruvius.logic.house.parts import ORIGINAL, PIXEL, Provenance
 
 EXAMPLE = Path(__file__).parents[2] / "fixtures" / "example1.json"
@@ -221,15 +222,15 @@ def test_a_small_file_that_unpacks_to_more_than_is_read_is_refused(
 ) -> None:
     path = tmp_path / "houses.jsonl.gz"
     path.write_bytes(gzip.compress(bytes(4 << 20)))
-    monkeypatch.setattr("vitruvius.logic.house.files.MOST_LINE", 1 << 20)
+    monkeypatch.setattr("vitruvius.logic.files.house_files.MOST_LINE", 1 << 20)
     with pytest.raises(HouseFileError, match=":1: a house of more than 1 MiB"):
         load(path)
     path.write_bytes(gzip.compress((bytes([32]) * 999 + b"\n") * 3000))
-    monkeypatch.setattr("vitruvius.logic.house.files.MOST_BYTES", 2 << 20)
+    monkeypatch.setattr("vitruvius.logic.files.house_files.MOST_BYTES", 2 << 20)
     with pytest.raises(HouseFileError, match="holds more than 2 MiB"):
         load(path)
     path.write_bytes(gzip.compress(b"\n" * 3000))
-    monkeypatch.setattr("vitruvius.logic.house.files.MOST_LINES", 2000)
+    monkeypatch.setattr("vitruvius.logic.files.house_files.MOST_LINES", 2000)
     with pytest.raises(HouseFileError, match="holds more than 2 MiB or 2,000 lines"):
         load(path)
 
@@ -275,7 +276,7 @@ def test_a_kill_on_the_way_leaves_the_old_file(tmp_path: Path) -> None:
     write_whole(path, b"old")
     script = (
         "import os, signal, sys\n"
-        "from vitruvius.logic.house.files import HOUSE_FILES, require_ending, write_whole\n"
+        "from vitruvius.logic.files.house_files import HOUSE_FILES, require_ending, write_whole\n"
         "os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)\n"
         "write_whole(sys.argv[1], b'new')"
     )

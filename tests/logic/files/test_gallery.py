@@ -8,7 +8,7 @@ from IPython.core.formatters import DisplayFormatter
 
 from tests.plans import PLANS
 from vitruvius.logic import Houses, load, save
-from vitruvius.logic.house.gallery import SHOWN
+from vitruvius.logic.files.gallery import SHOWN
 
 HOUSES = [*PLANS.values()]
 

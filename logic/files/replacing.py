@@ -9,7 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from vitruvius.logic.errors import HouseFileError, RequestError
-from vitruvius.logic.house.files import load, write_whole
+from vitruvius.logic.files.house_files import load
+from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Provenance
 

@@ -17,8 +17,8 @@ from vitruvius.logic.drawing.canvas import Block, Part, Strokes
 from vitruvius.logic.drawing.draw import draw, plan
 from vitruvius.logic.drawing.palettes import PALETTES, Palette, style
 from vitruvius.logic.grammar import SHIPPED, shipped
-from vitruvius.logic.house.looks import DEFAULT, READABLE, contrast, folder_looks, looks_of
 from vitruvius.logic.house.parts import ORIGINAL, Provenance
+from vitruvius.logic.looks.looks import DEFAULT, READABLE, contrast, folder_looks, looks_of
 
 APART = 15
 """Least difference of colours for the colour-blind: CIE 1976, of which 2.3 is just visible."""

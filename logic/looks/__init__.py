@@ -1,0 +1,1 @@
+"""Looks of types of rooms and pieces on plans, from JSON files."""
