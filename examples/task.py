@@ -21,7 +21,8 @@ from torch.nn.functional import one_hot
 from vitruvius import load
 from vitruvius.agent import banks
 from vitruvius.agent.avoidance import subsume
-from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.baselines.coverage import Coverage
+from vitruvius.agent.baselines.table import BASELINES
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.evaluation.protocol import shortest_ways
 from vitruvius.agent.evaluation.result import Result
@@ -31,7 +32,6 @@ from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.logic.files.writing import write_whole
 from vitruvius.sim import DEFAULT, Config
 from vitruvius.sim.actions import ACTIONS
-from vitruvius.sim.baselines.coverage import Coverage
 from vitruvius.sim.config import PRESETS
 
 Act = Callable[[Tensor], Tensor]

@@ -32,7 +32,7 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "agent/planner/test_noise.py": "the planner in noisy worlds",
     "agent/planner/test_doors.py": "the planner behind closed doors",
     "agent/evaluation/test_task_figures.py": "evaluations of the tasks of furniture",
-    "agent/evaluation/test_drivers.py": {
+    "agent/baselines/driving/test_evaluation.py": {
         "test_it_learns_and_is_measured_beside_baselines_that_drive": "it learns",
     },
     "agent/evaluation/test_protocol.py": {

@@ -19,7 +19,7 @@ from gymnasium.vector import AutoresetMode
 from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sim.conformance.claims import check_vector_env
 from vitruvius.agent.banks import benchmark
-from vitruvius.agent.evaluation.baselines import REFERENCES
+from vitruvius.agent.baselines.table import REFERENCES
 from vitruvius.commands.evaluate import Evaluate
 from vitruvius.logic import HouseFileError, generate, save
 

@@ -70,7 +70,7 @@ FOLDERS = {
             "geometry",
             "film",
         ),
-        *("backends", "tasks", "world", "environment", "baselines", "adapters"),
+        *("backends", "tasks", "world", "environment", "oracle", "adapters"),
     ),
     "agent": (
         *("avoidance", "progress", "banks"),
@@ -78,6 +78,7 @@ FOLDERS = {
             "planner",
             "policies",
             "learning",
+            "baselines",
             "algorithms",
             "runs",
             "evaluation",

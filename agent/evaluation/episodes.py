@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
+from vitruvius.agent.baselines.coverage import Coverage
 from vitruvius.agent.policies.episodes import moments
 from vitruvius.agent.policies.policies import Policy
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.coverage import Coverage
 
 COVERAGE_STEPS = (500, 1500)
 """Steps after which coverage is noted; a shorter episode notes it at its end."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from vitruvius.agent.evaluation.baselines import KNOWS
+from vitruvius.agent.baselines.table import KNOWS
 from vitruvius.agent.learning.config import TrainConfig
 
 WORDS = {

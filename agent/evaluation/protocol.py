@@ -13,10 +13,11 @@ import numpy as np
 import torch
 
 from vitruvius.agent.algorithms.build import policy_of
-from vitruvius.agent.evaluation.baselines import BASELINES, PRIVILEGED
-from vitruvius.agent.evaluation.drivers import DRIVERS, EXACT
+from vitruvius.agent.baselines.coverage import Coverage
+from vitruvius.agent.baselines.driving.reactive import DRIVERS, EXACT, TRUE_PATH
+from vitruvius.agent.baselines.table import BASELINES, PRIVILEGED
 from vitruvius.agent.evaluation.episodes import EpisodeScores, play, reset
-from vitruvius.agent.evaluation.result import TRUE_PATH, Result, joined
+from vitruvius.agent.evaluation.result import Result, joined
 from vitruvius.agent.learning.config import TARGET_MODES
 from vitruvius.agent.learning.environments import make_envs, playable
 from vitruvius.agent.learning.simulator import sensor, undisturbed, with_sensor
@@ -29,9 +30,8 @@ from vitruvius.logic.looks.looks import looks_of
 from vitruvius.logic.spelling import keywords
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.allowed import allow, allowed
-from vitruvius.sim.baselines.coverage import Coverage
-from vitruvius.sim.baselines.oracle import Oracle
 from vitruvius.sim.config import PRESETS, Config
+from vitruvius.sim.oracle.oracle import Oracle
 from vitruvius.sim.runtime import start
 from vitruvius.sim.tasks.tasks import task
 from vitruvius.sim.tasks.terms import counted

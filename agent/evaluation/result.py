@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vitruvius.agent.baselines.driving.reactive import TRUE_PATH
 from vitruvius.agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from vitruvius.agent.evaluation.statistics import Estimate, interquartile_mean, mean, paired_difference
 from vitruvius.sim.tasks.words import in_words
@@ -53,10 +54,6 @@ DEFINITIONS = {
 }
 """Definition of each figure. Figures are means unless they state otherwise. All have 95 % intervals by a
 stratified bootstrap over training runs and houses; those of blocked and interventions are over runs."""
-
-
-TRUE_PATH = "true path"
-"""Name of the baseline that ratios divide by if bodies drive."""
 
 
 def yardstick(policies: Iterable[str]) -> str:

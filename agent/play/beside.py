@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from vitruvius.agent.algorithms.build import policy_of
-from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.baselines.table import BASELINES
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.evaluation.statistics import interquartile_mean, paired_difference
 from vitruvius.agent.evaluation.tables import Table

@@ -8,7 +8,7 @@ from typing import Any
 from scipy.stats import trim_mean
 
 from vitruvius.agent.algorithms.table import PRESETS
-from vitruvius.agent.evaluation.baselines import BASELINES, PAPERS
+from vitruvius.agent.baselines.table import BASELINES, PAPERS
 from vitruvius.agent.evaluation.result import Result
 from vitruvius.agent.evaluation.statistics import Estimate, paired_difference
 from vitruvius.agent.learning.config import TrainConfig

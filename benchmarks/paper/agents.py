@@ -10,7 +10,7 @@ import torch
 
 from benchmarks.common.pages import table_rows
 from vitruvius.agent.avoidance import Free, PaperRule
-from vitruvius.agent.evaluation.baselines import explorer, oracle
+from vitruvius.agent.baselines.table import explorer, oracle
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.evaluation.result import HUMAN
 from vitruvius.agent.learning.environments import make_envs

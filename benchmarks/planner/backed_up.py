@@ -17,15 +17,15 @@ from benchmarks.planner.true_views import TrueChooser
 from vitruvius.agent.algorithms.search.chooser import best
 from vitruvius.agent.algorithms.search.values import TrueValues
 from vitruvius.agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps, views
+from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit
+from vitruvius.agent.baselines.posterior import AT_ONCE, SAMPLE, SAMPLED, SPOT, VIEW
+from vitruvius.agent.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
+from vitruvius.agent.baselines.views import ViewValues
 from vitruvius.agent.learning.environments import shield
 from vitruvius.agent.planner import Planner
 from vitruvius.agent.planner.frame import AXES
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.coverage import WORD, LineOfSight, bit
-from vitruvius.sim.baselines.posterior import AT_ONCE, SAMPLE, SAMPLED, SPOT, VIEW
-from vitruvius.sim.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
-from vitruvius.sim.baselines.views import ViewValues
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
 

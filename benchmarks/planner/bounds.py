@@ -36,13 +36,13 @@ from vitruvius.agent.algorithms.search.network import (
 )
 from vitruvius.agent.algorithms.search.windows import PLACES, SCALE, ViewMaps, views
 from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.baselines.posterior import SPOT, SPOTS
 from vitruvius.agent.evaluation.tables import Table
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.planner.frame import AXES
 from vitruvius.agent.runs import checkpoint
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.posterior import SPOT, SPOTS
 
 NOTED = 0.3
 """Fraction of the choices that are judged, because the choices of an episode are similar."""

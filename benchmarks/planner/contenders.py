@@ -16,7 +16,7 @@ from benchmarks.planner import prior
 from benchmarks.planner.prior import Informed
 from benchmarks.planner.truth import truth
 from vitruvius.agent.algorithms.build import policy_of
-from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.baselines.table import BASELINES
 from vitruvius.agent.learning.config import TrainConfig
 from vitruvius.agent.learning.environments import shield
 from vitruvius.agent.policies.policies import Explorer, Policy

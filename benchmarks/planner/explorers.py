@@ -31,7 +31,8 @@ from benchmarks.common.processes import say
 from benchmarks.planner import prior
 from vitruvius.agent import avoidance, planner
 from vitruvius.agent.banks import bank_hash
-from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.baselines import searcher
+from vitruvius.agent.baselines.table import BASELINES
 from vitruvius.agent.evaluation.episodes import reset
 from vitruvius.agent.evaluation.statistics import interquartile_mean
 from vitruvius.agent.evaluation.tables import Table
@@ -45,8 +46,8 @@ from vitruvius.logic import House
 from vitruvius.logic.dataset.splits import VALIDATION
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines import oracle, searcher
 from vitruvius.sim.config import DEFAULT
+from vitruvius.sim.oracle import oracle
 
 SEED = VALIDATION[len(VALIDATION) // 2]
 """Seed of the houses: those with r rooms have ``SEED + r``. Other studies take theirs from the range's

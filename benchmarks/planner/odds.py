@@ -17,6 +17,7 @@ from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
 from benchmarks.common.houses import ROOMS, by_rooms
+from vitruvius.agent.baselines.coverage import PITCH, Coverage
 from vitruvius.agent.evaluation.tables import Table
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TUNED, Planner
@@ -29,7 +30,6 @@ from vitruvius.agent.policies.policies import Explorer
 from vitruvius.logic import House
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.coverage import PITCH, Coverage
 from vitruvius.sim.config import DEFAULT
 from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, ti
 

@@ -24,7 +24,10 @@ from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.explorers import difference
 from vitruvius.agent.banks import bank_hash
-from vitruvius.agent.evaluation.baselines import Privileged, explorer, oracle
+from vitruvius.agent.baselines import posterior, priors, searcher, view_planner
+from vitruvius.agent.baselines.priors import PriorName
+from vitruvius.agent.baselines.searcher import Searcher
+from vitruvius.agent.baselines.table import Privileged, explorer, oracle
 from vitruvius.agent.evaluation.episodes import EpisodeScores, play
 from vitruvius.agent.evaluation.protocol import shortest_ways
 from vitruvius.agent.evaluation.tables import Table
@@ -34,9 +37,6 @@ from vitruvius.logic import House
 from vitruvius.logic.dataset.splits import VALIDATION
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines import posterior, priors, searcher, view_planner
-from vitruvius.sim.baselines.priors import PriorName
-from vitruvius.sim.baselines.searcher import Searcher
 from vitruvius.sim.tasks import furniture as furniture_tasks
 from vitruvius.sim.tasks.tasks import task
 

@@ -45,7 +45,7 @@ BELONGING: dict[str, tuple[str, ...]] = {
     ),
     "logic/rules/*.pl": ("logic/rules/test_prolog.py", "logic/generation/test_shared_walls.py"),
     "sim/backends/*/backend.py": ("sim/backends/test_fit.py",),
-    "sim/baselines/oracle.py": ("sim/baselines/test_oracle.py",),
+    "sim/oracle/oracle.py": ("agent/baselines/test_oracle.py",),
     "sim/environment/steps.py": ("sim/environment/test_steps.py",),
     "sim/environment/window.py": ("sim/environment/test_window.py",),
     "sim/world/world.py": ("sim/world/test_world.py",),

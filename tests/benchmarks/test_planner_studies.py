@@ -14,6 +14,7 @@ from benchmarks.planner.odds import BESIDE, ENTRIES, MapPlaces, TargetSpots, col
 from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
 from tests.sample_houses import random_house
+from vitruvius.agent.baselines.coverage import origins_of
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TUNED
 from vitruvius.agent.planner.config import CERTAIN
@@ -23,7 +24,6 @@ from vitruvius.agent.planner.viewpoints.belief import BLOCKED, WALL
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.logic import save
 from vitruvius.logic.errors import RequestError
-from vitruvius.sim.baselines.coverage import origins_of
 
 HOUSES = [random_house(seed) for seed in range(4)]
 

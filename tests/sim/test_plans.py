@@ -6,10 +6,10 @@ import pytest
 from tests import sample_houses
 from tests.plans import PLANS, flat
 from tests.sim.backends.agreement import require_equal_rays
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.logic import House
 from vitruvius.sim import HouseVectorEnv, Oracle, shortest_path
 from vitruvius.sim.actions import FORWARD
-from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSES = list(PLANS.values())
 

@@ -11,11 +11,11 @@ from tests.plans import PLANS
 from tests.reference import Reference, cast
 from tests.sim.backends.agreement import require_equal_rays
 from tests.thick import faces, thickened
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.logic import House, check
 from vitruvius.logic.house.promises import Promises
 from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle, shortest_path
 from vitruvius.sim.actions import FORWARD
-from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSES = [thickened(house) for house in PLANS.values()]
 EACH = 200

@@ -122,7 +122,7 @@ class Evaluate:
         import torch
         from rich.console import Console
 
-        from vitruvius.agent.evaluation.baselines import PAPERS
+        from vitruvius.agent.baselines.table import PAPERS
         from vitruvius.agent.evaluation.learnt_in import learnt_in, warnings, with_others
         from vitruvius.agent.evaluation.plots import ratio_plot
         from vitruvius.agent.evaluation.protocol import measure, require_motion, tasks_of

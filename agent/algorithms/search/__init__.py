@@ -6,5 +6,5 @@ expected targets per step. The best view is the next goal (``chooser.py``). No r
 
 The network learns in states that it reached itself, as in DAgger (Ross et al. 2011, arXiv:1011.0686). Its
 labels are not sampled: training knows the house, so the expected value of each view can be computed
-(``values.py``), as for the searcher that knows the house (``sim.baselines.views``).
+(``values.py``), as for the searcher that knows the house (``agent.baselines.views``).
 """

@@ -6,11 +6,11 @@ from torch import Tensor
 
 from vitruvius.agent.algorithms.search.maps import MapReader
 from vitruvius.agent.algorithms.search.windows import PLACES, SCALE
+from vitruvius.agent.baselines.posterior import KNOWN
+from vitruvius.agent.baselines.views import ViewValues
 from vitruvius.agent.planner import Planner
 from vitruvius.agent.planner.frame import AXES, quarters
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.posterior import KNOWN
-from vitruvius.sim.baselines.views import ViewValues
 
 
 class TrueValues:

@@ -9,14 +9,14 @@ import torch
 from tests.sample_houses import drawn, random_house
 from vitruvius.agent.algorithms.build import network_of
 from vitruvius.agent.algorithms.pqn.config import PQNConfig
-from vitruvius.agent.evaluation.baselines import BASELINES
+from vitruvius.agent.baselines.coverage import Coverage
+from vitruvius.agent.baselines.table import BASELINES
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.policies.policies import QPolicy, RandomPolicy
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import FORWARD
-from vitruvius.sim.baselines.coverage import Coverage
-from vitruvius.sim.baselines.oracle import Oracle
+from vitruvius.sim.oracle.oracle import Oracle
 
 ENVIRONMENTS = 4
 

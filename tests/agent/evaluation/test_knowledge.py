@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from vitruvius.agent.algorithms.table import PRESETS
-from vitruvius.agent.evaluation.baselines import BASELINES, KNOWS, PRIVILEGED
-from vitruvius.agent.evaluation.drivers import DRIVERS, EXACT
+from vitruvius.agent.baselines.driving.reactive import DRIVERS, EXACT
+from vitruvius.agent.baselines.table import BASELINES, KNOWS, PRIVILEGED
 from vitruvius.agent.evaluation.knowledge import WORDS, known
 from vitruvius.agent.runs import checkpoint
 from vitruvius.agent.runs.released import located, released

@@ -14,8 +14,8 @@ from vitruvius.agent.algorithms.build import network_of
 from vitruvius.agent.algorithms.pqn.config import PQNConfig
 from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.banks import BANKS, benchmark, house_key
+from vitruvius.agent.baselines.table import BASELINES, REFERENCES
 from vitruvius.agent.evaluation import protocol
-from vitruvius.agent.evaluation.baselines import BASELINES, REFERENCES
 from vitruvius.agent.evaluation.learnt_in import learnt_in as learnt_in_
 from vitruvius.agent.evaluation.learnt_in import warnings
 from vitruvius.agent.evaluation.protocol import Setting, measure

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.agent.evaluation.cases import result, scores
-from vitruvius.agent.evaluation.baselines import REFERENCES
+from vitruvius.agent.baselines.table import REFERENCES
 from vitruvius.agent.evaluation.result import DEFINITIONS
 
 

@@ -9,7 +9,7 @@ import pytest
 from tests.agent.evaluation.cases import result, scores, short_episodes
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from vitruvius.agent.banks import bank_hash, benchmark
-from vitruvius.agent.evaluation.baselines import PRIVILEGED
+from vitruvius.agent.baselines.table import PRIVILEGED
 from vitruvius.agent.evaluation.protocol import measure
 from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, modes_of, result_of
 from vitruvius.agent.evaluation.tables import score_table, tables

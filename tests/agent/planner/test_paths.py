@@ -14,7 +14,7 @@ from vitruvius.agent.planner.paths import FAR
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import FORWARD
-from vitruvius.sim.baselines.oracle import Oracle
+from vitruvius.sim.oracle.oracle import Oracle
 
 
 def planted(random: np.random.Generator, odd: bool) -> tuple[list[Any], list[Any], list[dict]]:

@@ -14,9 +14,9 @@ from gymnasium.vector import AutoresetMode
 from tests.sim.backends.free_study import Solids, compare, houses, with_slanted_walls
 from tests.sim.conformance.autoreset import check_autoreset_modes
 from tests.sim.conformance.claims import check_vector_env
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.logic import House, Room
 from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
-from vitruvius.sim.baselines.searcher import Searcher
 from vitruvius.sim.config import DRIVE
 from vitruvius.sim.drive import Drive
 from vitruvius.sim.tasks.tasks import Collect

@@ -11,7 +11,7 @@ from tests.sim.backends.agreement import require_equal_rays
 from vitruvius.logic import generate
 from vitruvius.sim import DEFAULT, HouseVectorEnv
 from vitruvius.sim.actions import HEADINGS
-from vitruvius.sim.baselines.oracle import Oracle
+from vitruvius.sim.oracle.oracle import Oracle
 
 CELL = 0.45
 ROOMS = "aaaaa.bbb\naAaaa.bbb\naa+aa.bBb\n......+bb\n......bbb\n......bbb"

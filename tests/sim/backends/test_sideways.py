@@ -15,9 +15,9 @@ import torch
 from tests.sim.backends.free_study import houses
 from tests.sim.backends.test_free import EMPTY
 from tests.sim.conformance.claims import check_vector_env
-from vitruvius.agent.policies.driving import DrivingExplorer
+from vitruvius.agent.baselines.driving.explorer import DrivingExplorer
+from vitruvius.agent.baselines.driving.true_path import TruePath
 from vitruvius.sim import DEFAULT, HouseVectorEnv
-from vitruvius.sim.baselines.true_path import TruePath
 from vitruvius.sim.drive import Drive
 
 DRIVE = Drive(reverse=0.3, sideways=0.5, turn_speed=2.0, acceleration=1.5, turn_acceleration=8.0)

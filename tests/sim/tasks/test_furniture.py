@@ -9,9 +9,9 @@ import shapely
 from shapely import box
 
 from tests import sample_houses
+from vitruvius.agent.baselines.coverage import origins_of
 from vitruvius.logic import House, Piece
 from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
-from vitruvius.sim.baselines.coverage import origins_of
 from vitruvius.sim.tasks.furniture import BESIDE, Habit, Object
 
 TWO = sample_houses.drawn("aaaaa..\naaAaa..\naaaa+..\nbbbb+..\nbbbbb..\nbBbbb..")

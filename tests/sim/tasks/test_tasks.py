@@ -11,9 +11,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from tests import sample_houses
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.logic import House, save
 from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle, Points, Reach
-from vitruvius.sim.baselines.searcher import Searcher
 from vitruvius.sim.tasks.tasks import Box
 
 ONE = sample_houses.drawn(sample_houses.ONE_ROOM)

@@ -6,9 +6,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from vitruvius.agent.baselines.driving.steering import steered
 from vitruvius.agent.planner.config import TUNED, PlannerConfig
 from vitruvius.agent.planner.driving import DrivingPlanner
-from vitruvius.sim.baselines.steering import steered
 from vitruvius.sim.config import Config
 
 

@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from vitruvius.logic import House
-from vitruvius.sim.baselines.backward import NOWHERE, kernels
 from vitruvius.sim.environment.vector import HouseVectorEnv
+from vitruvius.sim.oracle.backward import NOWHERE, kernels
 from vitruvius.sim.runtime import Array, Launch, start, ti
 from vitruvius.sim.tasks.survey import survey
 from vitruvius.sim.tasks.tasks import Box

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from vitruvius.sim.baselines.coverage import WORD, origins_of
+from vitruvius.agent.baselines.coverage import WORD, origins_of
 from vitruvius.sim.tasks.places import Region, free_floor
 from vitruvius.sim.tasks.survey import Survey
 from vitruvius.sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests import sample_houses
+from vitruvius.agent.baselines.coverage import WORD, origins_of
+from vitruvius.agent.baselines.posterior import KNOWN
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.coverage import WORD, origins_of
-from vitruvius.sim.baselines.posterior import KNOWN
-from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSES = [sample_houses.random_house(seed) for seed in range(6)]
 HALL = {"points": [[1.0, 1.0]]}

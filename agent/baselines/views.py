@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from vitruvius.agent.baselines.coverage import LineOfSight
+from vitruvius.agent.baselines.posterior import AT_ONCE
+from vitruvius.agent.baselines.searcher import Searcher
+from vitruvius.agent.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from vitruvius.sim.actions import HEADINGS
-from vitruvius.sim.baselines.coverage import LineOfSight
-from vitruvius.sim.baselines.posterior import AT_ONCE
-from vitruvius.sim.baselines.searcher import Searcher
-from vitruvius.sim.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded

@@ -10,15 +10,15 @@ import torch
 
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from tests.sim.backends.free_study import Solids, with_slanted_walls
-from vitruvius.agent.evaluation.drivers import DRIVERS
+from vitruvius.agent.baselines.driving.explorer import DrivingExplorer
+from vitruvius.agent.baselines.driving.reactive import DRIVERS
+from vitruvius.agent.baselines.driving.steering import steered
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.planner import FREE, TAKEN
 from vitruvius.agent.planner.driving import DrivingPlanner
-from vitruvius.agent.policies.driving import DrivingExplorer
 from vitruvius.logic import FreeWall, House, Room
 from vitruvius.sim import DEFAULT, HouseVectorEnv
-from vitruvius.sim.baselines.steering import steered
 from vitruvius.sim.drive import COMMANDS, Drive
 
 SLANTED = House(

@@ -19,12 +19,12 @@ import torch
 from torch import Tensor, nn
 
 from vitruvius.agent.avoidance import Layer, PaperRule, random_preference, subsume
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.agent.learning.environments import shield
 from vitruvius.agent.policies.policies import Explorer, Policy, RandomPolicy
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
-from vitruvius.sim.baselines.oracle import Oracle
-from vitruvius.sim.baselines.searcher import Searcher
+from vitruvius.sim.oracle.oracle import Oracle
 
 FULL_TURN, WALK, DETOUR = 8, 64, 16
 """Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
@@ -107,13 +107,13 @@ def explorer(envs: HouseVectorEnv, seed: int) -> Policy:
 
 
 def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
-    """Return the searcher, which knows the house, not the target: see ``sim.baselines.searcher``."""
+    """Return the searcher, which knows the house, not the target: see ``agent.baselines.searcher``."""
     searcher = Searcher(envs)
     return Privileged(searcher.act, searcher.begin)
 
 
 def oracle(envs: HouseVectorEnv, seed: int) -> Policy:
-    """Return the oracle, which takes a shortest path to each target: see ``sim.baselines.oracle``."""
+    """Return the oracle, which takes a shortest path to each target: see ``sim.oracle.oracle``."""
     return Privileged(Oracle(envs).act)
 
 

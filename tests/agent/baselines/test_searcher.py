@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests import sample_houses
+from vitruvius.agent.baselines.coverage import WORD, Coverage
+from vitruvius.agent.baselines.posterior import DONE, KNOWN
+from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.sim import DEFAULT, HouseVectorEnv, Oracle
-from vitruvius.sim.baselines.coverage import WORD, Coverage
-from vitruvius.sim.baselines.posterior import DONE, KNOWN
-from vitruvius.sim.baselines.searcher import Searcher
 
 HOUSE = sample_houses.random_house(3)
 GRID = sample_houses.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)

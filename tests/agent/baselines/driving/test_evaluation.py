@@ -18,8 +18,9 @@ from vitruvius.agent.algorithms.paper.config import PaperConfig
 from vitruvius.agent.algorithms.pqn.config import PQNConfig
 from vitruvius.agent.algorithms.search.config import SearchConfig
 from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.baselines.driving import roadmap
+from vitruvius.agent.baselines.driving.reactive import DRIVERS
 from vitruvius.agent.evaluation import protocol
-from vitruvius.agent.evaluation.drivers import DRIVERS
 from vitruvius.agent.evaluation.protocol import measure
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.learning.simulator import actions, sensor
@@ -31,7 +32,6 @@ from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.agent.runs.runs import run
 from vitruvius.commands.evaluate import Evaluate
 from vitruvius.logic import HouseFileError, RequestError, save
-from vitruvius.sim.baselines import roadmap
 from vitruvius.sim.drive import COMMANDS, Drive
 
 HOUSES = [random_house(seed) for seed in range(4)]

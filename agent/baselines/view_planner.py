@@ -6,8 +6,8 @@ from there would show. The cost is the length of a shortest path to it, and a fe
 
 from typing import NamedTuple
 
-from vitruvius.sim.baselines.coverage import WORD, LineOfSight, bit
-from vitruvius.sim.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior, Rows
+from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit
+from vitruvius.agent.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior, Rows
 from vitruvius.sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 
 REPLAN = 48

@@ -9,7 +9,7 @@ import pytest
 
 from tests import sample_houses
 from vitruvius.sim import DEFAULT, PAPER, HouseVectorEnv, Oracle, shortest_path
-from vitruvius.sim.baselines.oracle import _Searches
+from vitruvius.sim.oracle.oracle import _Searches
 from vitruvius.sim.runtime import Array, Launch, ti
 
 HOUSE = sample_houses.drawn("aaa\naAa\na+a\n...\n...", cell=0.9)
@@ -199,7 +199,7 @@ def test_an_oracle_plays_more_episodes_than_it_searches_at_once(monkeypatch):
     envs = HouseVectorEnv([HOUSE], num_envs=5, targets="mixed", preset=replace(COARSE, steps=100))
     envs.reset(seed=0)
     whole = Oracle(envs).play()
-    monkeypatch.setattr("vitruvius.sim.baselines.oracle.AT_ONCE", 2)
+    monkeypatch.setattr("vitruvius.sim.oracle.oracle.AT_ONCE", 2)
     envs.reset(seed=0)
     np.testing.assert_array_equal(Oracle(envs).play(), whole)
     assert whole.all()

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from vitruvius.sim.baselines.coverage import LineOfSight, in_steps
-from vitruvius.sim.baselines.posterior import AT_ONCE, DONE, KNOWN, LENGTH, VIEW, posterior_arrays, starts
-from vitruvius.sim.baselines.priors import PRIORS, PriorName
-from vitruvius.sim.baselines.view_planner import LINES, PLACE, REPLAN, SearcherArrays, ViewPlanner
+from vitruvius.agent.baselines.coverage import LineOfSight, in_steps
+from vitruvius.agent.baselines.posterior import AT_ONCE, DONE, KNOWN, LENGTH, VIEW, posterior_arrays, starts
+from vitruvius.agent.baselines.priors import PRIORS, PriorName
+from vitruvius.agent.baselines.view_planner import LINES, PLACE, REPLAN, SearcherArrays, ViewPlanner
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Launch, Longs, kernel, start, ti
 from vitruvius.sim.tasks.survey import survey

@@ -9,9 +9,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from tests.sim.backends.free_study import Solids, houses
+from vitruvius.agent.baselines.driving.true_path import TruePath
 from vitruvius.logic import FreeWall, House, Room
 from vitruvius.sim import DEFAULT, HouseVectorEnv
-from vitruvius.sim.baselines.true_path import TruePath
 from vitruvius.sim.config import DRIVE, Config
 from vitruvius.sim.drive import Drive
 

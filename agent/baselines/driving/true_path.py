@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vitruvius.agent.baselines.driving.roadmap import FAR, Roadmap, Roads, graph, point, sees
+from vitruvius.agent.baselines.driving.steering import steered
 from vitruvius.sim.backends.body import SKIN
-from vitruvius.sim.baselines.roadmap import FAR, Roadmap, Roads, graph, point, sees
-from vitruvius.sim.baselines.steering import steered
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from vitruvius.sim.world.world import World

@@ -16,14 +16,16 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from vitruvius.agent.evaluation.baselines import REFERENCES, Privileged
-from vitruvius.agent.evaluation.result import TRUE_PATH
-from vitruvius.agent.policies.driving import DrivingExplorer
+from vitruvius.agent.baselines.driving.explorer import DrivingExplorer
+from vitruvius.agent.baselines.driving.true_path import TruePath
+from vitruvius.agent.baselines.table import REFERENCES, Privileged
 from vitruvius.agent.policies.policies import Policy
 from vitruvius.logic import HouseFileError
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.baselines.true_path import TruePath
 from vitruvius.sim.config import Config
+
+TRUE_PATH = "true path"
+"""Name of the baseline that ratios divide by if bodies drive."""
 
 NEAR = 0.4
 """Distance to a wall, in metres, at which a pursuit turns."""

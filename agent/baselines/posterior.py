@@ -6,9 +6,9 @@ look is estimated with samples of the spots, each with a weight.
 
 import numpy as np
 
+from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit, origins_of
+from vitruvius.agent.baselines.priors import Uniform
 from vitruvius.sim.backends.backend import TARGET
-from vitruvius.sim.baselines.coverage import WORD, LineOfSight, bit, origins_of
-from vitruvius.sim.baselines.priors import Uniform
 from vitruvius.sim.runtime import Array, ti
 from vitruvius.sim.world.episodes import loaded
 from vitruvius.sim.world.world import World

@@ -1,0 +1,1 @@
+"""Baselines for bodies that drive, in the backend ``free``."""

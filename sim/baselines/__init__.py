@@ -1,1 +1,0 @@
-"""Baselines for agents: shortest paths, and search in a known house."""

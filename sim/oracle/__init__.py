@@ -1,0 +1,1 @@
+"""Oracle: the fewest actions to a known target."""
