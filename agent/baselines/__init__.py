@@ -1,1 +1,1 @@
-"""Baselines for agents: policies that learn nothing, searchers that know the house, coverage, and drivers."""
+"""Baselines: policies that learn nothing, searchers that know the house, and coverage of a house."""

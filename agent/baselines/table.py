@@ -1,4 +1,4 @@
-"""Baselines: policies without training, which every evaluation compares with the agents.
+"""Table of the baselines: policies without training, which every evaluation compares with the agents.
 
 | baseline | description |
 |---|---|
@@ -8,86 +8,37 @@
 | searcher | knows the house, but not where the target is |
 | oracle | knows the house and the target |
 
-``KNOWS`` lists what the others know. The last two read the simulator's state, which no agent may: they bound
-what an agent can reach.
+| baseline that drives | behaviour |
+|---|---|
+| random drive | draws a random speed and a random turn rate at each step |
+| pursuit | drives to a visible target, or else along the longest rays, and turns in front of walls |
+| explorer | plans paths, knows its pose, and follows its paths by a rule (``DrivingExplorer``) |
+| true path | knows the house and the target, and follows the shortest path by a rule (``TruePath``) |
+
+``KNOWS`` lists what the others know. Searcher, oracle and true path read the simulator's state, which no
+agent may: they bound what an agent can reach. Scores in the backend ``free`` are shares of the true path's,
+because the oracle counts steps on a lattice.
 """
 
 from collections.abc import Callable
 
-import numpy as np
 import torch
-from torch import Tensor, nn
 
-from vitruvius.agent.avoidance import Layer, PaperRule, random_preference, subsume
+from vitruvius.agent.avoidance import PaperRule
+from vitruvius.agent.baselines.driving.explorer import DrivingExplorer
+from vitruvius.agent.baselines.driving.reactive import Pursuit, RandomDrive
+from vitruvius.agent.baselines.driving.true_path import TruePath
+from vitruvius.agent.baselines.privileged import Privileged
+from vitruvius.agent.baselines.script import Script
 from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.agent.learning.environments import shield
 from vitruvius.agent.policies.policies import Explorer, Policy, RandomPolicy
+from vitruvius.logic import HouseFileError
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from vitruvius.sim.oracle.oracle import Oracle
 
-FULL_TURN, WALK, DETOUR = 8, 64, 16
-"""Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
-
-WANTED = 1e6
-"""Preference above all random ones."""
-
-AHEAD = np.deg2rad(22.5)
-"""Angle to a target, in radians, above which the next heading is nearer to it."""
-
-
-class Script:
-    """Policy that turns to the target in sight and goes there.
-
-    Without a target it looks all around, walks at random, and looks again. If an obstacle stands between it
-    and the target, it walks at random for a while; otherwise it would stay there.
-    """
-
-    def __init__(self, angles: np.ndarray, avoidance: Layer, generator: torch.Generator) -> None:
-        """Make the policy for rays at ``angles`` (R,), radians from the heading."""
-        self.angles = torch.tensor(angles, dtype=torch.float32)
-        self.avoidance, self.generator, self.interventions = avoidance, generator, 0
-        self.time = self.detour = torch.zeros(0)
-
-    def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each of ``environments`` environments."""
-        self.interventions, self.time, self.detour = 0, torch.zeros(environments), torch.zeros(environments)
-
-    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
-        allowed, seen = self.avoidance(observation, blocked), observation[..., -1]
-        aside = (seen * self.angles).sum(-1) / seen.sum(-1).clamp(min=1)
-        towards = torch.where(aside > AHEAD, LEFT, torch.where(aside < -AHEAD, RIGHT, FORWARD))
-        sight = seen.any(-1)
-        stuck = sight & (towards == FORWARD) & ~allowed[..., FORWARD]
-        self.detour = torch.where(stuck, DETOUR, (self.detour - 1).clamp(min=0))
-        going, around = sight & (self.detour == 0), ~sight & (self.time % WALK < FULL_TURN)
-        self.time = torch.where(going, 0, self.time + 1)
-
-        wanted = nn.functional.one_hot(torch.where(going, towards, LEFT), ACTIONS)
-        preference = random_preference(allowed, self.generator)
-        preference += WANTED * wanted * (going | around)[:, None]
-        actions = subsume(preference, allowed)
-        self.interventions += int((actions != preference.argmax(-1)).sum())
-        return actions
-
-
-class Privileged:
-    """Policy that reads the simulator's state and not the observation: the oracle or the searcher."""
-
-    interventions = 0
-
-    def __init__(self, act: Callable[[], np.ndarray], begin: Callable[[], None] = lambda: None) -> None:
-        """Make the policy; ``act`` returns the actions (E,) int64 from where the bodies are."""
-        self.act, self._begin = act, begin
-
-    def begin(self, environments: int) -> None:
-        """Forget the past: an episode begins in each environment."""
-        self._begin()
-
-    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
-        """Return actions (E,) int64 without a look at the observation."""
-        return torch.from_numpy(self.act())
+TRUE_PATH = "true path"
+"""Name of the baseline that ratios divide by if bodies drive."""
 
 
 def random_walk(envs: HouseVectorEnv, seed: int) -> Policy:
@@ -107,14 +58,22 @@ def explorer(envs: HouseVectorEnv, seed: int) -> Policy:
 
 
 def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
-    """Return the searcher, which knows the house, not the target: see ``agent.baselines.searcher``."""
+    """Return the searcher, which knows the house, not the target."""
     searcher = Searcher(envs)
     return Privileged(searcher.act, searcher.begin)
 
 
 def oracle(envs: HouseVectorEnv, seed: int) -> Policy:
-    """Return the oracle, which takes a shortest path to each target: see ``sim.oracle.oracle``."""
+    """Return the oracle, which takes a shortest path to each target."""
     return Privileged(Oracle(envs).act)
+
+
+def true_path(envs: HouseVectorEnv, seed: int) -> Policy:
+    """Return the policy of ``TruePath``. Raises ``HouseFileError`` for a house with too many corners."""
+    try:
+        return Privileged(TruePath(envs).act)
+    except ValueError as error:
+        raise HouseFileError(str(error)) from None
 
 
 BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
@@ -127,6 +86,21 @@ BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
 """Functions that make a baseline's policy from environments and a seed, by name. Every other score is divided
 by the oracle's."""
 
+DRIVING_BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
+    "random drive": lambda envs, seed: RandomDrive(envs.config, seed),
+    "pursuit": lambda envs, seed: Pursuit(envs.config),
+    "explorer": lambda envs, seed: DrivingExplorer(envs.config, lambda: envs.unwrapped.world.describe()[0]),
+    TRUE_PATH: true_path,
+}
+"""The same for bodies that drive, in the backend ``free``. Every other score is divided by the score of the
+true path."""
+
+
+def baselines_of(backend: str) -> dict[str, Callable[[HouseVectorEnv, int], Policy]]:
+    """Return the baselines that play in a backend."""
+    return DRIVING_BASELINES if backend == "free" else BASELINES
+
+
 KNOWS = {
     "random + avoidance": ("rays",),
     "script": ("rays", "bump", "last_action"),
@@ -134,10 +108,10 @@ KNOWS = {
     "random drive": (),
     "pursuit": ("rays",),
 }
-"""Signals that baselines without privileged knowledge act by, those of ``drivers`` included, in the terms of
+"""Signals that baselines without privileged knowledge act by, in the terms of
 ``vitruvius.sim.Config.observe``."""
 
-PRIVILEGED = ("searcher", "oracle")
+PRIVILEGED = ("searcher", "oracle", TRUE_PATH)
 """Baselines that know where they are: noise and slips would only make their plans wrong."""
 
 PAPERS = ("paper-original", "paper")
@@ -145,3 +119,6 @@ PAPERS = ("paper-original", "paper")
 
 REFERENCES = (*PAPERS, *BASELINES)
 """Policies that ``vitruvius evaluate`` shows with all agents."""
+
+NO_AGENTS = (*REFERENCES, *DRIVING_BASELINES)
+"""Names of all policies that are not agents."""

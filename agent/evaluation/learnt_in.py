@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from vitruvius.agent.banks import bank_hash, house_key, kept
-from vitruvius.agent.baselines.driving.reactive import NO_AGENTS
+from vitruvius.agent.baselines.table import NO_AGENTS
 from vitruvius.agent.evaluation.scores import ScoreFile
 from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.logic import House

@@ -14,8 +14,7 @@ import torch
 
 from vitruvius.agent.algorithms.build import policy_of
 from vitruvius.agent.baselines.coverage import Coverage
-from vitruvius.agent.baselines.driving.reactive import DRIVERS, EXACT, TRUE_PATH
-from vitruvius.agent.baselines.table import BASELINES, PRIVILEGED
+from vitruvius.agent.baselines.table import PRIVILEGED, TRUE_PATH, baselines_of
 from vitruvius.agent.evaluation.episodes import EpisodeScores, play, reset
 from vitruvius.agent.evaluation.result import Result, joined
 from vitruvius.agent.learning.config import TARGET_MODES
@@ -78,7 +77,7 @@ def measure(
 
     ``agents`` has the training runs of each agent, by name. ``baselines`` names some of ``BASELINES``, by
     default all; the oracle must be among them, because figures are shares of the oracle's. In the backend
-    ``free``, ``baselines`` names some of ``DRIVERS``, and figures are shares of the true path's.
+    ``free``, ``baselines`` names some of ``DRIVING_BASELINES``, and figures are shares of the true path's.
     ``world`` names the simulator's preset for all policies. Each policy keeps its own sensor; the policies
     that know their pose (searcher, oracle, true path) play without noise and slips. ``episodes`` is the
     number of episodes in each house in which the task can be played (``environments.playable``). ``PART``
@@ -89,7 +88,7 @@ def measure(
     corners for the true path. Raises ``RequestError`` for an agent whose kind of motion or whose drive limits
     differ from the baselines'. Raises the errors of ``Cluster.each``.
     """
-    names = tuple(DRIVERS if backend == "free" else BASELINES) if baselines is None else tuple(baselines)
+    names = tuple(baselines_of(backend) if baselines is None else baselines)
     require_motion(agents, backend)
     if backend == "free":
         require_drive(agents, with_sensor(PRESETS[world]), world)
@@ -133,7 +132,7 @@ def played(part: EvaluationPart, report: Report = lambda done, words: None) -> R
     allow(*part.allow)
     agents, houses, mode, seed, world = part.agents, part.houses, part.mode, part.seed, part.world
     drives = part.backend == "free"
-    known = DRIVERS if drives else BASELINES
+    known = baselines_of(part.backend)
     baseline = with_sensor(PRESETS[world])
     exact = undisturbed(baseline)
     numbers = np.arange(len(houses) * part.episodes) % len(houses)
@@ -145,8 +144,7 @@ def played(part: EvaluationPart, report: Report = lambda done, words: None) -> R
         for run in runs
     ]
     policies += [
-        (name, settings[exact if name in (*PRIVILEGED, *EXACT) else baseline], known[name])
-        for name in part.baselines
+        (name, settings[exact if name in PRIVILEGED else baseline], known[name]) for name in part.baselines
     ]
     players = ((name, setting, make(setting.envs, seed)) for name, setting, make in policies)
     if drives:  # find a house with too many corners before anything plays

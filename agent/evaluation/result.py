@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vitruvius.agent.baselines.driving.reactive import TRUE_PATH
+from vitruvius.agent.baselines.table import TRUE_PATH
 from vitruvius.agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from vitruvius.agent.evaluation.statistics import Estimate, interquartile_mean, mean, paired_difference
 from vitruvius.sim.tasks.words import in_words

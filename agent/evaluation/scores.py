@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from vitruvius.agent.banks import bank_hash
-from vitruvius.agent.baselines.driving.reactive import NO_AGENTS
+from vitruvius.agent.baselines.table import NO_AGENTS
 from vitruvius.agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from vitruvius.agent.evaluation.result import DEFINITIONS, Result
 from vitruvius.agent.evaluation.statistics import Estimate

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from vitruvius.agent.banks import BANKS, benchmark
-from vitruvius.agent.baselines.driving.reactive import NO_AGENTS
-from vitruvius.agent.baselines.table import KNOWS
+from vitruvius.agent.baselines.table import KNOWS, NO_AGENTS
 from vitruvius.agent.evaluation import scores
 from vitruvius.agent.evaluation.learnt_in import warnings
 from vitruvius.agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick

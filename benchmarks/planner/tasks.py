@@ -26,8 +26,9 @@ from benchmarks.planner.explorers import difference
 from vitruvius.agent.banks import bank_hash
 from vitruvius.agent.baselines import posterior, priors, searcher, view_planner
 from vitruvius.agent.baselines.priors import PriorName
+from vitruvius.agent.baselines.privileged import Privileged
 from vitruvius.agent.baselines.searcher import Searcher
-from vitruvius.agent.baselines.table import Privileged, explorer, oracle
+from vitruvius.agent.baselines.table import explorer, oracle
 from vitruvius.agent.evaluation.episodes import EpisodeScores, play
 from vitruvius.agent.evaluation.protocol import shortest_ways
 from vitruvius.agent.evaluation.tables import Table

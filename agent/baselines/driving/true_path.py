@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """Baseline that drives along the shortest path to its target by a rule; it knows the house and the target.
 
 The body pursues the next corner of its path, from a ``Roadmap``, or the target. It turns towards the point as

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from vitruvius.agent.baselines.table import FULL_TURN, Script
+from vitruvius.agent.baselines.script import FULL_TURN, Script
 from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from vitruvius.agent.algorithms.table import PRESETS
-from vitruvius.agent.baselines.driving.reactive import DRIVERS, EXACT
-from vitruvius.agent.baselines.table import BASELINES, KNOWS, PRIVILEGED
+from vitruvius.agent.baselines.table import BASELINES, DRIVING_BASELINES, KNOWS, PRIVILEGED
 from vitruvius.agent.evaluation.knowledge import WORDS, known
 from vitruvius.agent.runs import checkpoint
 from vitruvius.agent.runs.released import located, released
@@ -53,7 +52,7 @@ def test_the_column_of_what_the_agent_that_drives_knows_is_what_its_preset_says(
 def test_every_agent_and_baseline_says_what_it_knows_in_the_words_of_the_observation_space() -> None:
     words = {RAYS, "heading", *EXTRAS}
     assert set(WORDS) == words
-    assert set(KNOWS) == {*BASELINES, *DRIVERS} - {*PRIVILEGED, *EXACT}
+    assert set(KNOWS) == {*BASELINES, *DRIVING_BASELINES} - {*PRIVILEGED}
     configs = [*PRESETS.values(), *(checkpoint.load(located(name)).config for name in released())]
     for knows in (*KNOWS.values(), *(config.knows for config in configs)):
         assert set(knows) <= words

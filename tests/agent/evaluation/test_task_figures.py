@@ -101,7 +101,7 @@ def test_a_piece_that_no_house_has_is_told_in_one_line(tmp_path):
 def test_a_noisy_world_disturbs_all_but_those_that_know_where_they_are():
     assert with_sensor(NOISY) == NOISY
     assert undisturbed(NOISY) == DEFAULT
-    assert PRIVILEGED == ("searcher", "oracle")
+    assert PRIVILEGED == ("searcher", "oracle", "true path")
 
 
 def test_long_episodes_have_twice_the_steps():

@@ -19,7 +19,7 @@ from vitruvius.agent.algorithms.pqn.config import PQNConfig
 from vitruvius.agent.algorithms.search.config import SearchConfig
 from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.baselines.driving import roadmap
-from vitruvius.agent.baselines.driving.reactive import DRIVERS
+from vitruvius.agent.baselines.table import DRIVING_BASELINES
 from vitruvius.agent.evaluation import protocol
 from vitruvius.agent.evaluation.protocol import measure
 from vitruvius.agent.learning.environments import make_envs
@@ -56,7 +56,7 @@ def test_it_learns_and_is_measured_beside_baselines_that_drive(learnt):
     agent, history = learnt
     assert history[-1].targets > 3 * np.mean([now.targets for now in history[:10]])
     result = next(measure({"mine": [agent]}, HOUSES, ("main",), seed=3, backend="free"))
-    assert list(result.policies) == ["mine", *DRIVERS]
+    assert list(result.policies) == ["mine", *DRIVING_BASELINES]
     counts = {name: runs[0].targets.sum() for name, runs in result.policies.items()}
     assert counts["random drive"] < counts["pursuit"] < counts["true path"]
     assert counts["random drive"] < counts["mine"] < counts["true path"]
@@ -76,7 +76,7 @@ def test_evaluate_writes_its_page_and_says_what_the_ratio_is_to(learnt, tmp_path
     assert Evaluate((tmp_path / "agent.safetensors",), tmp_path / "houses.jsonl", **options).run() == 0
     printed = json.loads(capsys.readouterr().out)["answer"]
     assert printed["backend"] == "free"
-    assert list(printed["targets"]["main"]["policies"]) == ["pqn-free", *DRIVERS]
+    assert list(printed["targets"]["main"]["policies"]) == ["pqn-free", *DRIVING_BASELINES]
     page = (tmp_path / "out" / "evaluation.md").read_text()
     assert "Ratio: to the true path" in page
     assert "oracle" not in page

@@ -11,8 +11,8 @@ import torch
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from tests.sim.backends.free_study import Solids, with_slanted_walls
 from vitruvius.agent.baselines.driving.explorer import DrivingExplorer
-from vitruvius.agent.baselines.driving.reactive import DRIVERS
 from vitruvius.agent.baselines.driving.steering import steered
+from vitruvius.agent.baselines.table import DRIVING_BASELINES
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.planner import FREE, TAKEN
@@ -31,7 +31,7 @@ HOUSES = [drawn(ONE_ROOM, 1.0), SLANTED, *(random_house(seed) for seed in range(
 
 
 def explorer(envs: HouseVectorEnv) -> DrivingExplorer:
-    policy = DRIVERS["explorer"](envs, 0)
+    policy = DRIVING_BASELINES["explorer"](envs, 0)
     assert isinstance(policy, DrivingExplorer)
     return policy
 
@@ -60,7 +60,8 @@ def test_in_small_houses_it_finds_the_first_target_of_every_episode_and_more_tha
     houses = [house for house in HOUSES for _ in range(4)]
     envs = make_envs(houses, len(houses), targets, backend="free")
     found = {
-        name: play(envs, DRIVERS[name](envs, 0), 0) for name in ("random drive", "explorer", "true path")
+        name: play(envs, DRIVING_BASELINES[name](envs, 0), 0)
+        for name in ("random drive", "explorer", "true path")
     }
     assert np.isfinite(found["explorer"].first).all()
     assert (found["explorer"].targets >= found["random drive"].targets).all()
@@ -136,7 +137,7 @@ def test_it_drives_the_same_in_any_batch_and_again():
 )
 def test_other_rays_and_other_motions_do_as_well(config):
     envs = make_envs(HOUSES, 6, "main", preset=config, backend="free")
-    found = play(envs, DRIVERS["explorer"](envs, 0), 0)
+    found = play(envs, DRIVING_BASELINES["explorer"](envs, 0), 0)
     assert np.isfinite(found.first).all()
     assert found.targets.mean() > 8
 
