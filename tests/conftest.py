@@ -1,5 +1,9 @@
 """Configuration of both parts of the tests, with a browser and a display.
 
+A test that takes long, and seldom finds what others do not, is marked ``pytest.mark.second_part(reason)``.
+``./run test`` runs the first part; ``./run test --all`` both, as ``.ci/run`` does. A file or folder of the
+second part that the command line names runs as any other does.
+
 ``./run test`` installs the browser and the display, which tests of pages and windows need.
 """
 
@@ -18,9 +22,10 @@ import pytest
 from hypothesis import HealthCheck, settings
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tests.second_part import of_second_part
-
 TESTS = Path(__file__).parent
+
+WHOLE_FILE = "\npytestmark = pytest.mark.second_part("
+"""Line of a file whose tests are all in the second part."""
 
 # The duration of a case is no claim, particularly not while other tests run.
 settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -45,22 +50,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Skip the import of files of the second part that is left out."""
-    if collection_path == TESTS or not collection_path.is_relative_to(TESTS):
+    if collection_path.suffix != ".py" or not _is_left_out(collection_path, config):
         return None
-    test = collection_path.relative_to(TESTS).as_posix()
-    return True if of_second_part(test) and _is_left_out(collection_path, config) else None
+    return True if WHOLE_FILE in collection_path.read_text() else None
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Deselect tests of the second part that are in files of the first."""
-    if config.getoption("--all"):
-        return
-
-    def is_of_second_part(item: pytest.Item) -> bool:
-        name = item.nodeid[item.nodeid.index("::") :]
-        return of_second_part(f"{item.path.relative_to(TESTS).as_posix()}{name}")
-
-    left_out = {item for item in items if is_of_second_part(item) and _is_left_out(item.path, config)}
+    left_out = {
+        item for item in items if item.get_closest_marker("second_part") and _is_left_out(item.path, config)
+    }
     if left_out:
         config.hook.pytest_deselected(items=list(left_out))
         items[:] = [item for item in items if item not in left_out]

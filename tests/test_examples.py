@@ -23,6 +23,8 @@ from vitruvius.agent.baselines.table import REFERENCES
 from vitruvius.commands.evaluate import Evaluate
 from vitruvius.logic import HouseFileError, generate, save
 
+pytestmark = pytest.mark.second_part("agents of other libraries learn")
+
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 LIBRARIES = {

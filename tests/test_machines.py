@@ -17,6 +17,8 @@ from vitruvius.logic.dataset.splits import TEST
 from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.request.request import Request, whole
 
+pytestmark = pytest.mark.second_part("processes of their own without a home, files, streams, memory")
+
 STEP = """
 import numpy as np
 from vitruvius import sim

@@ -7,7 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.programs import PATIENCE
+
+pytestmark = pytest.mark.second_part("all processes of generation, training and evaluation are watched")
 
 WATCH = """
 import json, os, sys

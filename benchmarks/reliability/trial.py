@@ -82,9 +82,7 @@ class TrialServer:
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Leave out the second part of the tests, which takes too long."""
-        from tests.second_part import of_second_part
-
-        items[:] = [item for item in items if not of_second_part(item.nodeid.removeprefix("tests/"))]
+        items[:] = [item for item in items if not item.get_closest_marker("second_part")]
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Answer all questions."""

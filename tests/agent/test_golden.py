@@ -30,6 +30,8 @@ from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
 from vitruvius.sim.tasks.tasks import PAPER_TASKS
 
+pytestmark = pytest.mark.second_part("each preset learns for a while")
+
 FILE = Path(__file__).parents[1] / "golden" / "agent.json"
 STEPS, ENVIRONMENTS = 1500, 8
 SMALL: dict[str, dict[str, Any]] = {

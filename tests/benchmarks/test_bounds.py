@@ -15,6 +15,8 @@ from vitruvius.agent.policies.episodes import moments
 from vitruvius.logic import generate
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 HOUSES = list(generate(4, seed=31, count=4))
 EVERYONE = np.arange(len(HOUSES))
 

@@ -12,6 +12,8 @@ import pytest
 from benchmarks import STUDIES
 from vitruvius.cli import COMMANDS, main
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 ROOT = Path(__file__).parents[2]
 PEERS = ROOT / "benchmarks" / "simulator" / "peers"
 ABSENT = "irsim", "jax", "jaxmarl", "minigrid", "navix", "vmas", "xminigrid"

@@ -21,6 +21,8 @@ from vitruvius.logic import save
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 HOUSES = [random_house(seed) for seed in range(4)]
 
 

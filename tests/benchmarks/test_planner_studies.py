@@ -25,6 +25,8 @@ from vitruvius.agent.policies.policies import Explorer
 from vitruvius.logic import save
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 HOUSES = [random_house(seed) for seed in range(4)]
 
 

@@ -3,7 +3,11 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from benchmarks.generator.shards import Shards
+
+pytestmark = pytest.mark.second_part("each study is run in small")
 
 
 def test_a_set_under_kills_is_compared_with_one_without(tmp_path: Path) -> None:

@@ -12,6 +12,8 @@ from benchmarks.speed.worker import PARTS, measured
 from vitruvius.agent.runs.checkpoint import CheckpointError
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 
 @pytest.mark.parametrize("part", PARTS)
 def test_each_part_of_the_work_makes_steps(part: str) -> None:

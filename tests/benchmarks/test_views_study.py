@@ -33,6 +33,8 @@ from vitruvius.agent.policies.episodes import moments
 from vitruvius.logic import generate
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 HOUSES = list(generate(3, seed=31, count=4))
 PLAIN = replace(cast(SearchConfig, PRESETS[AGENT]), foresight=False, looks=False)
 CONFIG = replace(cast(SearchConfig, PRESETS[AGENT]), buffer_size=130, restarts=0.1)

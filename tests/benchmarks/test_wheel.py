@@ -11,6 +11,8 @@ import pytest
 
 from tests.programs import finished
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 ROOT = Path(__file__).parents[2]
 
 

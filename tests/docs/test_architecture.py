@@ -9,6 +9,8 @@ import pytest
 from tests.docs.architecture import FILE, picture
 from tests.test_imports import ROOT, modules
 
+pytestmark = pytest.mark.second_part("all commands of pages are run, and the site is opened in a browser")
+
 TEXT = (ROOT / "ARCHITECTURE.md").read_text()
 NAMED = re.compile(r"`([\w./-]*\w(?:/|\.(?:py|lp|pl|json|md|css|js|toml|lock|svg)))`")
 PAGES = [page for page in ROOT.glob("*.md") if page.stem != "CHANGELOG"]

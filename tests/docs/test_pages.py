@@ -13,6 +13,8 @@ from tests.docs.reader import ROOT, Block, Reader, blocks, commands, pictures
 from vitruvius.cli import parse
 from vitruvius.logic import House, load
 
+pytestmark = pytest.mark.second_part("all commands of pages are run, and the site is opened in a browser")
+
 DOCS = ROOT / "docs"
 PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS / "plans.md"]
 

@@ -7,6 +7,8 @@ import pytest
 from tests.docs.prose import cells, headings, links, paragraphs, sentences
 from tests.docs.reader import ROOT
 
+pytestmark = pytest.mark.second_part("all commands of pages are run, and the site is opened in a browser")
+
 MAX_WORDS = 35
 """Largest number of words of a sentence."""
 

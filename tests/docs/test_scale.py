@@ -12,6 +12,8 @@ from tests.docs.reader import ROOT
 from tests.programs import finished
 from vitruvius.cli import parse
 
+pytestmark = pytest.mark.second_part("all commands of pages are run, and the site is opened in a browser")
+
 TEXT = (ROOT / "docs" / "scale.md").read_text()
 BLOCKS = re.findall(r"^```\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
 

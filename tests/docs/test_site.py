@@ -16,6 +16,8 @@ from tests.docs.reader import ROOT
 from tests.programs import finished
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("all commands of pages are run, and the site is opened in a browser")
+
 BUILD = [sys.executable, "-m", "docs.builder.build"]
 
 

@@ -4,8 +4,12 @@ import json
 import os
 import sys
 
+import pytest
+
 from tests.programs import finished
 from vitruvius.sim.tracing import COMPILERS, VARIABLE
+
+pytestmark = pytest.mark.second_part("every kernel is compiled by both compilers")
 
 PLAYED = """
 import hashlib

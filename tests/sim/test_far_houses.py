@@ -16,6 +16,8 @@ from vitruvius.sim.backends.continuous.pack import _lines
 from vitruvius.sim.backends.rays import EXACT, OVERLAP, overlap
 from vitruvius.sim.geometry import geometry
 
+pytestmark = pytest.mark.second_part("kernels for houses far from the origin")
+
 AWAY = 489.9
 """Distance in metres, a multiple of the plans' cells of 0.3 m."""
 

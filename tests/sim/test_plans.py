@@ -95,6 +95,7 @@ def test_an_entrance_is_shut_to_bodies_and_rays(name: str) -> None:
     assert blocked[-1]
 
 
+@pytest.mark.second_part("long episodes")
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 def test_the_searcher_finds_targets_behind_rooms(backend: str) -> None:
     count = 12

@@ -8,10 +8,13 @@ import time
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 
 from tests.programs import finished
 from vitruvius.sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
 from vitruvius.sim.tracing import compiler
+
+pytestmark = pytest.mark.second_part("many processes and threads")
 
 
 def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(tmp_path):

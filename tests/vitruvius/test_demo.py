@@ -22,6 +22,8 @@ from vitruvius.logic import House, Rect, RequestError, Star, check, generate, lo
 from vitruvius.sim.film import SHARP, framed, largest, plan
 from vitruvius.sim.tasks.furniture import pieces_in
 
+pytestmark = pytest.mark.second_part("the demo is run whole")
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):

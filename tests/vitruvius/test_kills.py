@@ -15,6 +15,7 @@ from vitruvius.logic.errors import RequestError
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.second_part("commands are killed at many times")
 def test_no_kill_tears_a_file(tmp_path: Path) -> None:
     """Two processes of each command are killed: at a random moment, and as the first new file appears."""
     # A process of its own, as it forks and this one may have started Taichi.

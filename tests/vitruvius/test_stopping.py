@@ -14,6 +14,8 @@ import pytest
 
 from vitruvius.logic.stopping import Terminated, at_signals, end, heeded_after
 
+pytestmark = pytest.mark.second_part("commands are stopped at many times")
+
 PASSED_OVER = """
 import os
 try:

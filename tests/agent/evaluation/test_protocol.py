@@ -125,6 +125,7 @@ def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypat
     assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5).run() == 0  # no loss
 
 
+@pytest.mark.second_part("whole evaluations")
 def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_path, capsys):
     """The warning is on the terminal, in the file and in its pages; a bank without such houses has none."""
     save(HOUSES[:3], tmp_path / "houses.jsonl")

@@ -22,6 +22,8 @@ from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import DEFAULT, LONG, NOISY, PRESETS
 from vitruvius.sim.film import caption
 
+pytestmark = pytest.mark.second_part("evaluations of the tasks of furniture")
+
 TABLE = '{"task": "object", "piece": "table"}'
 EMPTY = drawn(ONE_ROOM.replace("A", "a"))
 """House without furniture."""

@@ -20,6 +20,8 @@ from vitruvius.agent.runs.runs import run
 from vitruvius.logic import RequestError, save
 from vitruvius.logic.errors import Killed
 
+pytestmark = pytest.mark.second_part("several processes learn as one")
+
 ROOT = Path(__file__).parents[3]
 TORCHRUN = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node=2", "--master-port=0"]
 TORCHRUN += ["--rdzv-backend=c10d", "--rdzv-endpoint=localhost:0"]

@@ -1,12 +1,15 @@
 """Closed doors: the avoidance layer lets a body walk at them, and the explorer finds what is behind."""
 
 import numpy as np
+import pytest
 import torch
 
 from tests import sample_houses
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim.config import DOORS
+
+pytestmark = pytest.mark.second_part("the planner behind closed doors")
 
 HOUSE = sample_houses.drawn("aaa\naaa\na+a\n...\n...\n...", cell=0.9)
 """House whose door is in the middle of the south wall of ``a``, 0.9 m wide."""

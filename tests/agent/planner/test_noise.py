@@ -14,6 +14,8 @@ from vitruvius.agent.policies.policies import Explorer
 from vitruvius.logic import generate
 from vitruvius.sim.config import DEFAULT, NOISY
 
+pytestmark = pytest.mark.second_part("the planner in noisy worlds")
+
 E = 64
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import ImageGrab
 
 from tests.programs import PATIENCE, finished
@@ -16,6 +17,8 @@ from vitruvius.agent.play.game import replayed
 from vitruvius.agent.play.results import load
 from vitruvius.logic import House, save
 from vitruvius.sim.film import SHARP, plan
+
+pytestmark = pytest.mark.second_part("windows on a virtual display")
 
 HEAD, SIZE = 64, 656
 """Pixels above a plan, and of its longer side on a display 800 pixels high: ``agent.play.window``."""

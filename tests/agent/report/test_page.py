@@ -23,6 +23,8 @@ from vitruvius.agent.recording.trace import Trace
 from vitruvius.agent.report.folder import describe, write_report
 from vitruvius.logic import House, save
 
+pytestmark = pytest.mark.second_part("reports are driven in a browser")
+
 
 @pytest.fixture(scope="module")
 def houses() -> list[House]:

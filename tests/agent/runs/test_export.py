@@ -18,6 +18,8 @@ from vitruvius.agent.runs.export import INPUTS, OUTPUTS, ExportedStep, NoExporte
 from vitruvius.cli import main
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("networks are run by another library")
+
 onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")
 

@@ -36,6 +36,8 @@ from vitruvius.logic.stopping import Terminated
 from vitruvius.sim import HouseRotation
 from vitruvius.sim.environment.arguments import BANK
 
+pytestmark = pytest.mark.second_part("runs are killed and go on")
+
 HOUSES = [random_house(seed) for seed in range(4)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)

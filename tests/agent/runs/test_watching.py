@@ -29,6 +29,8 @@ from vitruvius.logic import HouseFileError, save
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import allow, allowed
 
+pytestmark = pytest.mark.second_part("runs are measured as they learn")
+
 HOUSES, HELD_OUT = [random_house(seed) for seed in range(2)], [random_house(seed) for seed in range(4, 6)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2, sim=("steps=300",))
 OWN = "tests.agent.runs.test_watching:Wide"

@@ -31,6 +31,8 @@ from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.cli import parse
 from vitruvius.logic.errors import RequestError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 ROOT = Path(__file__).parents[3]
 
 HOUSES = 60

@@ -19,6 +19,8 @@ from vitruvius.logic import HouseFileError
 from vitruvius.logic.request.brief import Brief, BriefRoom
 from vitruvius.logic.request.brief_lines import requirements
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 
 def test_the_bank_is_five_hundred_briefs_that_can_be_read_each_with_its_name() -> None:
     entries = frozen()

@@ -4,12 +4,15 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
 from msgspec.structs import replace
 
 from benchmarks.briefs.at_limits import planted
 from benchmarks.briefs.attempts import INTERRUPTED, Attempt, within
 from benchmarks.briefs.planted import PLANTED, PlantedRow, PlantedStudy, row_of
 from benchmarks.common.rows import read_rows, write_rows
+
+pytestmark = pytest.mark.second_part("each study is run in small")
 
 
 def test_a_study_repeats_no_answer_but_an_interrupted_one(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ from benchmarks.briefs.score import Answer, judged, judged_all, score
 from vitruvius.logic import House, HouseFileError
 from vitruvius.logic.request.brief import read_brief
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 BRIEF: dict[str, Any] = {
     "rooms": [
         {"name": "Hall", "area": 12, "outside": ["north", "west"]},

@@ -9,6 +9,8 @@ import pytest
 
 from benchmarks.common.licences import ASKS_MORE, ELSEWHERE, LOCK, licence, locked, notice, parts
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 PAGE = LOCK.with_name("THIRD_PARTY_LICENSES.md")
 
 

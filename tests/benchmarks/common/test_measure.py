@@ -9,6 +9,8 @@ import pytest
 from benchmarks.common.measure import study
 from benchmarks.common.record import time_left
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 STUDY = """
 import pytest
 

@@ -1,6 +1,10 @@
 """Published pages."""
 
+import pytest
+
 from benchmarks.common import pages
+
+pytestmark = pytest.mark.second_part("each study is run in small")
 
 
 def test_a_published_page_keeps_what_is_written_by_hand(tmp_path, monkeypatch):

@@ -3,7 +3,11 @@
 import sys
 from pathlib import Path
 
+import pytest
+
 from benchmarks.common.processes import Job, run_all
+
+pytestmark = pytest.mark.second_part("each study is run in small")
 
 
 def job(folder: Path, script: str) -> Job:

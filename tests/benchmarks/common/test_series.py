@@ -7,6 +7,8 @@ from benchmarks.common.plot import plot
 from benchmarks.common.series import fitted_exponent, law, series_of
 from tests.benchmarks.reports import ROOMS, report, simulator_report
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 
 def test_a_power_law_is_fitted() -> None:
     exponent, error = fitted_exponent(ROOMS, [3 * n**1.25 for n in ROOMS])

@@ -16,6 +16,8 @@ from vitruvius.logic.house.occupancy import FREE
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import HEADINGS
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 MAP = random_map(5, 0.3)
 ROOMS = np.zeros((90, 120), bool)
 ROOMS[[0, 44, 45, -1]], ROOMS[:, [0, 59, 60, -1]] = True, True

@@ -8,6 +8,8 @@ from benchmarks.generator.homes import Homes, type_rows
 from benchmarks.generator.published import PASSAGES, beside_published, glazed, whole
 from vitruvius.logic import Door, House, Room, Window
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 FLAT = House(
     (Room(0, 0, 4, 4, "R0", "bedroom"), Room(4, 0, 1, 4, "R1", "corridor"), Room(5, 0, 5, 4, "R2", "living")),
     (

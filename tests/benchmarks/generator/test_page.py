@@ -9,6 +9,8 @@ from benchmarks.generator.run import Generator
 from tests.benchmarks.reports import report
 from vitruvius.logic import GrammarError, RequestError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 
 def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> None:
     page = generator_page(report(), "./run bench generator")

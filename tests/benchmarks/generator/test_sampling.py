@@ -20,6 +20,8 @@ from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.program import EVERY, Program
 from vitruvius.logic.placement import prolog
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 ALPHA = 1e-3
 """Significance level of the tests. The seeds are fixed, so a test passes always or never."""
 

@@ -16,6 +16,8 @@ from benchmarks.paper import complexity
 from benchmarks.paper.complexity import Complexity, OtherMachine, growth, table
 from vitruvius.logic.placement import prolog
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 SIDES = {"bedroom": (12, 17), "bathroom": (8, 12), "kitchen": (10, 15)}
 
 

@@ -2,9 +2,13 @@
 
 import json
 
+import pytest
+
 from benchmarks.common.pages import DOCS
 from benchmarks.paper.page import PARTS, UNMEASURED, paper_page
 from benchmarks.paper.run import published
+
+pytestmark = pytest.mark.second_part("each study is run in small")
 
 
 def test_the_published_page_is_what_the_published_data_say() -> None:

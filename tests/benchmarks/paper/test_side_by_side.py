@@ -21,6 +21,8 @@ from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from vitruvius.sim.environment.arguments import PAPER_HOUSE, house_list
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 PRESET = replace(cast(PaperConfig, PRESETS["paper"]), batch_size=20, num_minibatches=20, buffer_size=4000)
 CONFIGS = [
     PRESET,

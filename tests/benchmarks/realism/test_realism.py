@@ -19,6 +19,8 @@ from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Door, Room
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 ROWS = 150
 
 

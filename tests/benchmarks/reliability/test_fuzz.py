@@ -11,6 +11,8 @@ from benchmarks.reliability.grammars import RandomGrammars
 from benchmarks.reliability.readers import FuzzReader, begin
 from vitruvius.logic.errors import RequestError, VitruviusError
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 
 def broken(path: Path) -> None:
     content = path.read_bytes()

@@ -12,6 +12,8 @@ from benchmarks.reliability.changes import Mutant, mutants
 from benchmarks.reliability.mutant_tests import MutantRow
 from benchmarks.reliability.mutants import Mutants
 
+pytestmark = pytest.mark.second_part("each study is run in small")
+
 PYTHON = '''"""A module."""
 
 LEAST: float = 2.0
@@ -101,7 +103,6 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         "benchmarks/__init__.py": "",
         "benchmarks/reliability/__init__.py": "",
-        "tests/second_part.py": "def of_second_part(test):\n    return False\n",
         "tests/test_lengths.py": (
             "from vitruvius.logic.lengths import less, twice\n\n\n"
             "def test_twice():\n    assert twice(3) == 6\n\n\n"

@@ -1,11 +1,14 @@
 """The page of the simulator's study has its figures, their ratio to C, and those of other simulators."""
 
 import numpy as np
+import pytest
 
 from benchmarks.simulator.page import simulator_page
 from benchmarks.simulator.peers.house import BOXES, HALF, WALLS
 from benchmarks.simulator.peers.ours import peers_house
 from tests.benchmarks.reports import simulator_report
+
+pytestmark = pytest.mark.second_part("each study is run in small")
 
 
 def test_the_simulators_page_has_its_figures_and_the_ratio_to_c() -> None:

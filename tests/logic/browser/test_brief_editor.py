@@ -10,6 +10,8 @@ from playwright.sync_api import Page, expect
 from tests.browsing import findings, too_wide
 from tests.logic.browser.test_watch import Watched, drawn, watching
 
+pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
+
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watched]:

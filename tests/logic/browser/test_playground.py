@@ -20,6 +20,8 @@ from vitruvius.logic.browser.playground.server import listening
 from vitruvius.logic.errors import MissingProgram, RequestError, VitruviusError
 from vitruvius.logic.grammar import SHIPPED
 
+pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
+
 WHOLE = 1000 * PATIENCE
 """Timeout of an answer, milliseconds."""
 

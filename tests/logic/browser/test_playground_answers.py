@@ -23,6 +23,8 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.language.linter import findings
 from vitruvius.logic.spelling import closest
 
+pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
+
 MISTAKES = {
     "what the core derives": "#program house.\nwindow(R,north) :- room(R,hall).",
     "what the core states": "bounds(x,north,south).",

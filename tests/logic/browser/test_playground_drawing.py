@@ -26,6 +26,8 @@ from vitruvius.logic.drawing.palettes import PALETTES, style
 from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.looks.looks import folder_looks
 
+pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
+
 DRAW = """
 import { readFileSync } from "node:fs";
 const { planSvg } = await import(process.argv[2]);

@@ -6,12 +6,16 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from vitruvius.logic.browser.watch import pool as pools
 from vitruvius.logic.browser.watch.pool import Pool
 from vitruvius.logic.browser.watch.server import Guard
 from vitruvius.logic.browser.watch.session import Session
 from vitruvius.logic.errors import GrammarError, Killed, LimitReached, OutOfInferences, RequestError
 from vitruvius.logic.workers.solver import Solver
+
+pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
 
 
 class Ready(Solver):

@@ -34,6 +34,8 @@ from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.request.request import Request
 from vitruvius.logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 
+pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
+
 expect.set_options(timeout=1000 * PATIENCE)
 
 

@@ -167,6 +167,7 @@ def nodes() -> Iterator[Any]:
     found.shutdown()
 
 
+@pytest.mark.second_part("Ray is started, on two nodes")
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 def test_a_node_that_is_killed_is_made_up_for_by_the_others(nodes: Any, plain: Path, tmp_path: Path) -> None:
     """The test kills the node's raylet and all processes there.
@@ -189,6 +190,7 @@ def test_a_node_that_is_killed_is_made_up_for_by_the_others(nodes: Any, plain: P
     assert content(folder) == content(plain)
 
 
+@pytest.mark.second_part("Ray is started")
 def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
     nodes: Any, tmp_path: Path
 ) -> None:
@@ -206,6 +208,7 @@ def test_what_goes_wrong_in_tasks_is_raised_here_with_the_node_that_is_at_fault(
     assert {line.partition(":")[0] for line in ended.stderr.splitlines()} == {"Ray"}
 
 
+@pytest.mark.second_part("Ray is started")
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 def test_evaluations_and_jobs_of_studies_are_tasks_with_the_same_results(nodes: Any, tmp_path: Path) -> None:
     """A job ends with the process of its task, and is started again."""
@@ -213,6 +216,7 @@ def test_evaluations_and_jobs_of_studies_are_tasks_with_the_same_results(nodes: 
     assert ended.stdout.splitlines() == ["True", "False 1", "failed, exit code 1: no good"], ended.stderr
 
 
+@pytest.mark.second_part("Ray is started")
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 def test_ctrl_c_keeps_what_is_done_and_ends_all_that_was_started(plain: Path, tmp_path: Path) -> None:
     pytest.importorskip("ray")
@@ -307,6 +311,7 @@ with cluster.connected(workers=1):
 """Program that starts Ray and prints the addresses on which its processes listen."""
 
 
+@pytest.mark.second_part("Ray is started")
 def test_a_cluster_here_listens_on_the_loopback_interface_alone() -> None:
     """The test uses a process of its own, since another test may have left Ray's sockets in this one."""
     ended = subprocess.run(

@@ -6,9 +6,13 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from tests.logic.dataset.sets import content
 from tests.programs import PATIENCE
 from vitruvius.logic.dataset.sets import read_manifest
+
+pytestmark = pytest.mark.second_part("sets are made under kills")
 
 ROOT = Path(__file__).parents[3]
 

@@ -10,6 +10,8 @@ from vitruvius.logic import HouseSet, load
 from vitruvius.logic.dataset.rows import house_of, house_sha256
 from vitruvius.logic.dataset.sets import read_set
 
+pytestmark = pytest.mark.second_part("pandas, polars, DuckDB, datasets and Croissant's reader are imported")
+
 SPLITS = {"train": 12, "validation": 3, "test": 2}
 
 

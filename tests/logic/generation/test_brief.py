@@ -161,6 +161,7 @@ def test_an_outer_wall_at_a_void_is_a_wall_that_the_room_shares_with_it() -> Non
     assert at_notch
 
 
+@pytest.mark.second_part("hundreds of houses")
 def test_no_dissection_is_preferred_where_a_brief_leaves_all() -> None:
     """Three named rooms have 36 dissections; chi-square of 35 degrees, at one in a thousand."""
     found: Counter[str] = Counter()

@@ -34,6 +34,7 @@ def floor_of(house: House) -> Any:
     return shapely.union_all([shapely.box(*room.box).buffer(1e-6) for room in house.rooms])
 
 
+@pytest.mark.second_part("large plans")
 @pytest.mark.parametrize(
     ("where", "holes"),
     [(":- edge(rooms,_,outline(_)).", 1), (":- not edge(rooms,north,outline(_)).", 0)],

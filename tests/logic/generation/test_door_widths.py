@@ -53,6 +53,7 @@ def test_doors_are_as_wide_as_their_pair_of_types_says_either_way_round(tmp_path
     assert met == {*WIDTHS}
 
 
+@pytest.mark.second_part("many houses")
 def test_without_such_clauses_houses_are_as_ever(tmp_path: Path) -> None:
     [one] = generate(rooms=6, grammar="home", seed=5)
     [other] = generate(rooms=6, grammar=grammar(tmp_path / "none", "% none\n"), seed=5)
@@ -88,6 +89,7 @@ def test_what_is_no_width_is_named_by_line_and_column(clauses: str, tmp_path: Pa
     assert f"doors.pl{WRONG[clauses]}" in str(error.value).replace("error: ", "")
 
 
+@pytest.mark.second_part("grammars of their own")
 def test_stars_units_and_own_plans_refuse_it(tmp_path: Path) -> None:
     clause = "door_width(bathroom, hall, 0.7).\n"
     with pytest.raises(GrammarError, match="not expressible in this topology: doors: in a star each room"):

@@ -106,6 +106,7 @@ def faults(room: GivenRoom, pieces: tuple[Piece, ...], clear_front: frozenset[st
                 yield f"{top.type} has something before it"
 
 
+@pytest.mark.second_part("many rooms")
 @pytest.mark.parametrize(
     ("type_", "area"), [("bedroom", (9, 16)), ("kitchen", (6, 15)), ("hall", (14, 30)), ("bathroom", (3, 8))]
 )

@@ -176,6 +176,7 @@ def test_a_patio_amid_rooms_is_refuted_and_found_by_the_check(tmp_path: Path) ->
     assert any("has no outer wall, and is outside" in fault for fault in check(house, promises))
 
 
+@pytest.mark.second_part("many plans")
 def test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door(tmp_path: Path) -> None:
     boxes: dict[str, Box] = {"hall": (0, 0, 3, 3), "den": (3, 0, 6, 3), "patio": (0, 3, 6, 6)}
     folder = grammar(tmp_path / "mine", PATIO + ":- room(R,den), outer(R,S), window(R,S).\n")

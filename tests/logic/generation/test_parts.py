@@ -192,6 +192,7 @@ def test_a_brief_beside_areas_of_wholes_is_refused(builder: Builder) -> None:
         Builder(builder.grammar).house(Request(2, brief=brief), 0, 0, INFERENCES)
 
 
+@pytest.mark.second_part("large plans")
 def test_a_plan_of_another_area_is_moved_as_little_as_can_be(builder: Builder, houses: list[House]) -> None:
     """The plan is drawn 3 % too wide. The result keeps the area, by geometry."""
     house = houses[0]

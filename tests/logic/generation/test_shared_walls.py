@@ -120,6 +120,7 @@ def test_hardly_two_plans_have_the_same_topology(home: Builder) -> None:
     assert len(found) >= 59
 
 
+@pytest.mark.second_part("systems by three solvers")
 def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
     """CLP(Q) agrees with HiGHS. CLP(R) may refute a feasible system, but accepts no infeasible one."""
     for systems in (
@@ -141,6 +142,7 @@ def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) 
     assert nogoods
 
 
+@pytest.mark.second_part("large plans")
 @pytest.mark.parametrize(
     ("rooms", "types", "reasons"),
     [
@@ -164,6 +166,7 @@ def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
     assert [each for each in reasons if each not in str(error.value)] == []
 
 
+@pytest.mark.second_part("many proofs")
 @pytest.mark.parametrize(
     ("text", "other", "rule", "named"),
     [
@@ -270,6 +273,7 @@ def test_rooms_of_a_star_cannot_be_kept_in_a_plan(home: Builder) -> None:
         home.house(Request(6, fixed=tuple(fixed_rooms(star))), 0, 0, INFERENCES)
 
 
+@pytest.mark.second_part("many requests")
 def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:
     request = Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 2}})
     house = home.house(request, 0, 0, INFERENCES)

@@ -72,6 +72,7 @@ def test_that_a_hotel_has_too_few_baths_is_proved(hotel: Builder) -> None:
     assert "--type guest=5" in reasons
 
 
+@pytest.mark.second_part("a floor of a hotel")
 def test_that_a_floor_of_many_alike_rooms_has_too_few_or_too_many_baths_is_proved(hotel: Builder) -> None:
     with pytest.raises(Unsatisfiable) as caught:
         house_or_proof(hotel, Request.read({"rooms": 21, "types": {"guest": 11}}), 0, 0, INFERENCES)

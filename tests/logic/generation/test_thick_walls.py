@@ -268,6 +268,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.second_part("every topology")
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_topologies_and_units_have_such_walls(name: str, tmp_path: Path) -> None:
     source, rooms = OTHERS[name]
@@ -301,6 +302,7 @@ def grammar(folder: Path, walls: str, base: str = "home") -> Path:
     return folder
 
 
+@pytest.mark.second_part("every topology")
 def test_no_thickness_is_the_same_as_none_bit_for_bit(tmp_path: Path) -> None:
     [one] = in_process.generate(6, grammar="home", seed=4)
     none = grammar(tmp_path / "none", "wall_thickness(inner, 0.0).\n")

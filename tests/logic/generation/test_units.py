@@ -43,6 +43,7 @@ def units(house: House) -> list[set[str]]:
     return found
 
 
+@pytest.mark.second_part("large buildings")
 @pytest.mark.parametrize("rooms", [6, 8, 16, 32])
 def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, rooms: int) -> None:
     for index in range(2):
@@ -99,6 +100,7 @@ def test_each_flat_has_a_hall_a_living_room_and_a_kitchen_and_one_door_to_the_co
     assert all({*door.between} == {OUTSIDE, house.hub} for door in entrances)
 
 
+@pytest.mark.second_part("large buildings")
 def test_a_building_depends_on_the_rules_the_request_and_the_seed_alone(apartments: Builder) -> None:
     alone = apartments.house(Request(11), 9, 5, INFERENCES)
     apartments.house(Request(11, {"bedroom": (2, 2)}), 9, 0, INFERENCES)
@@ -117,6 +119,7 @@ def test_the_flats_of_a_building_share_the_rooms_that_are_asked_for(apartments: 
         assert check(house) == []
 
 
+@pytest.mark.second_part("large buildings")
 @pytest.mark.parametrize(
     ("request_", "text"),
     [

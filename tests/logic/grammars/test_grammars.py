@@ -29,6 +29,7 @@ ROOMS = {
 """Numbers of rooms of the houses of grammars that differ from the usual ones."""
 
 
+@pytest.mark.second_part("all grammars at all sizes")
 @pytest.mark.parametrize(
     ("grammar", "rooms"),
     [
@@ -166,6 +167,7 @@ def named(mutant: tuple[str, int, int, str]) -> str:
     return f"{file}:{line}:{' '.join(text[first:last].split())[:30]}->{new}"
 
 
+@pytest.mark.second_part("a grammar without each of its rules")
 @pytest.mark.parametrize("mutant", MUTANTS, ids=named)
 def test_every_rule_of_the_family_grammar_matters(mutant: tuple[str, int, int, str], tmp_path: Path) -> None:
     """With a change in one place, the grammar generates houses that break family's promises."""

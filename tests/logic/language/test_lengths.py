@@ -247,6 +247,7 @@ def test_the_area_of_a_plan_that_is_given_is_judged(tmp_path: Path) -> None:
                 house_or_proof(made, plan, 0, 0, 10**8)
 
 
+@pytest.mark.second_part("every length of every grammar")
 @pytest.mark.parametrize("title", HOLDS)
 def test_a_length_that_lint_lets_through_holds_in_what_is_made(title: str, tmp_path: Path) -> None:
     edits, holds = HOLDS[title]

@@ -112,6 +112,7 @@ IDLE = ":- rooms >= 12, room(R,_), R >= rooms."
 """Rule that binds in no house of any size."""
 
 
+@pytest.mark.second_part("large grammars")
 @pytest.mark.parametrize("grammar", BOUND)
 def test_rules_that_bind_only_in_larger_houses_or_beside_some_doors_draw_no_finding(
     grammar: str, tmp_path: Path
@@ -171,6 +172,7 @@ def test_sizes_and_facts_of_pieces_that_no_room_has_are_warnings_and_change_noth
     assert after.rooms == before.rooms
 
 
+@pytest.mark.second_part("every grammar")
 @pytest.mark.parametrize("grammar", shipped())
 def test_the_shipped_grammars_are_clean(grammar: str) -> None:
     assert findings(find(grammar)) == []
@@ -216,6 +218,7 @@ def test_a_file_in_another_encoding_is_one_error(
     assert says in f"{found.line}:{found.column}: {found.text}"
 
 
+@pytest.mark.second_part("every grammar")
 def test_what_changes_no_rule_changes_no_finding(tmp_path: Path) -> None:
     """Variants are a byte order mark where it is read, line ends of two letters, and the extreme numbers."""
     folder = tmp_path / "mine"

@@ -312,6 +312,7 @@ def obeyed(name: str, houses: list[House]) -> bool:
     return bool(bound) and all(map(says, bound))
 
 
+@pytest.mark.second_part("a grammar with each")
 @pytest.mark.parametrize("recipe", recipes(), ids=lambda recipe: recipe.name)
 def test_a_recipe_does_what_its_title_says(
     recipe: Recipe, solver: ProcessPoolExecutor, plain: Callable[[str], list[House]], tmp_path: Path

@@ -69,6 +69,7 @@ def test_a_conflict_names_every_statement_by_its_place(case: Case) -> None:
             assert line[reason.column - 1 :].startswith(reason.text.split()[0][:8])
 
 
+@pytest.mark.second_part("without each")
 def test_without_any_one_statement_of_a_conflict_there_is_a_house(case: Case, tmp_path: Path) -> None:
     """Each of the reasons is actually removed: a rule or choice left out, a fact or clause relaxed."""
     folder, asked, _, found = case

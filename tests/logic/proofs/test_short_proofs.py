@@ -141,6 +141,7 @@ def test_where_the_shortest_proof_takes_too_long_another_one_is_found(
     assert all(any(line in text for text in found) for line in lines), found
 
 
+@pytest.mark.second_part("a large plan")
 def test_a_plan_of_far_more_rooms_than_there_can_be_is_proved_impossible_in_few_lines(home: Builder) -> None:
     """Each room is needed, since any of them could be the living room if it were larger."""
     boxes = {f"{x} {y}": (1.9 * x, 1.9 * y, 1.9 * x + 1.9, 1.9 * y + 1.9) for x in range(7) for y in range(7)}
@@ -166,6 +167,7 @@ def test_of_the_statements_of_a_large_plan_those_are_named_that_matter_if_they_a
 
 
 # Last, because it loads other grammars than `home` into this process.
+@pytest.mark.second_part("many proofs")
 @pytest.mark.parametrize("title", FURNISHED)
 def test_a_proof_that_a_room_is_too_small_for_its_furniture_is_of_that_room_alone(
     title: str, tmp_path: Path

@@ -21,6 +21,8 @@ from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.request import Request
 from vitruvius.logic.why.kinds import witness_of
 
+pytestmark = pytest.mark.second_part("many flats are furnished")
+
 INFERENCES = 10**8
 ROOMS = {"hall": "hall", "living": "living", "kitchen": "kitchen", "bath": "bathroom", "bedroom": "bedroom"}
 """Types of the rooms of ``BOXES``."""

@@ -174,6 +174,7 @@ def lies(plan: Plan) -> None:
 ALL: tuple[Callable[[Plan], None], ...] = (linked, from_, entrance, window, outer, runs, edge)
 
 
+@pytest.mark.second_part("every relation in every topology")
 @pytest.mark.parametrize(
     ("base", "topology", "sizes", "more"),
     [

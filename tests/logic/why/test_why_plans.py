@@ -57,6 +57,7 @@ def four(home: Builder) -> Explained:
     return Explained(home, Request(4), 5)
 
 
+@pytest.mark.second_part("a large plan")
 def test_every_part_of_a_plan_is_derived_from_facts_and_picks_by_rules_in_files(four: Explained) -> None:
     for target in four.targets():
         nodes = [node for tree in four.why(target).derivations for node in tree.all()]

@@ -46,6 +46,7 @@ def targets(house: House) -> list[str]:
     return [*(room.name for room in house.rooms), *doors_by_name(house), *windows, *pieces]
 
 
+@pytest.mark.second_part("a large building")
 def test_every_part_of_a_building_is_derived_from_facts_and_picks_by_rules_in_files(
     witness: UnitsWitness,
 ) -> None:

@@ -299,6 +299,7 @@ def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) ->
     assert set(children(os.getpid())) != waiting
 
 
+@pytest.mark.second_part("several processes")
 def test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules(
     edited: Edit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -383,6 +384,7 @@ def test_a_script_beside_modules_of_the_user_with_names_of_our_folders_works(tmp
     assert (ended.stdout, ended.stderr) == ("[] (40, 2)\n", "")
 
 
+@pytest.mark.second_part("several processes")
 def test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers() -> None:
     """Descriptors are closed at once, not at the next garbage collection."""
     gc.disable()

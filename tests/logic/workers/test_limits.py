@@ -48,6 +48,7 @@ def within(seconds: float, call: Callable[[], object]) -> str:
     return str(caught.value)
 
 
+@pytest.mark.second_part("limits are waited for")
 def test_a_join_of_very_many_values_is_named(folder: Path) -> None:
     place = add(folder / "rooms.lp", JOIN.format(""))
     said = within(6, lambda: next(generate(rooms=3, grammar=folder)))
@@ -55,12 +56,14 @@ def test_a_join_of_very_many_values_is_named(folder: Path) -> None:
     assert said.endswith("join too many values? :- n(X), n(Y), n(Z), X*X-Y*Y*Z*Z*Z = 17.")
 
 
+@pytest.mark.second_part("limits are waited for")
 def test_lint_lists_a_recursion_that_starts_at_furniture(folder: Path) -> None:
     place = add(folder / "arrangement.lp", "n(K) :- on(bed,K,_,_).\n:- n(0).\nn(K+1) :- n(K).\n")
     (finding,) = lint(folder)
     assert str(finding).startswith(f"{place}: error: to ground this rule takes too much")
 
 
+@pytest.mark.second_part("it is waited for")
 def test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -77,6 +80,7 @@ def test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over
     )
 
 
+@pytest.mark.second_part("limits are waited for")
 def test_a_clause_that_computes_for_ever_is_named(folder: Path) -> None:
     """The clause computes in one inference, so that no limit on inferences ends it."""
     text = (folder / "sizes.pl").read_text()
@@ -137,6 +141,7 @@ def tight(folder: Path) -> Path:
     return made
 
 
+@pytest.mark.second_part("limits are waited for")
 def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Path) -> None:
     made = tight(tmp_path)
     next(generate(rooms=4, grammar=made))  # So that rules are loaded.
@@ -160,6 +165,7 @@ def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Pat
     assert "logic/rules" not in said
 
 
+@pytest.mark.second_part("waited for")
 def test_a_limit_of_a_search_names_the_rule_without_which_a_layout_is_found_and_is_kept(
     tmp_path: Path,
 ) -> None:

@@ -16,6 +16,8 @@ from vitruvius.logic import House, Star
 from vitruvius.sim import HouseVectorEnv, Oracle
 from vitruvius.sim.backends.backend import METHODS
 
+pytestmark = pytest.mark.second_part("a backend of the docs, in every autoreset mode")
+
 DOCS = Path(__file__).parents[3] / "docs"
 NAME = "main_room:MainRoom"
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]

@@ -74,6 +74,7 @@ def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.nda
     return envs, pose, pushes < DOORS.closed_doors
 
 
+@pytest.mark.second_part("kernels of many configurations")
 @pytest.mark.parametrize(("backend", "houses"), [("continuous", HOUSES), ("grid", [TWO_ROOMS] * 4)])
 def test_rays_and_moves_meet_closed_doors_and_no_open_ones(backend, houses):
     """Compare with all walls, furniture and closed doors of a house in float64."""
@@ -120,6 +121,7 @@ def test_rays_and_moves_meet_closed_doors_and_no_open_ones(backend, houses):
         assert (seen[..., 3].any(axis=1)).mean() > 0.2
 
 
+@pytest.mark.second_part("many kernels")
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 def test_a_door_opens_after_its_steps_and_is_closed_again_in_the_next_episode(backend, mode):
@@ -154,6 +156,7 @@ def test_a_door_opens_after_its_steps_and_is_closed_again_in_the_next_episode(ba
         assert not envs.world.open_doors.any()
 
 
+@pytest.mark.second_part("many kernels")
 def test_a_state_that_is_restored_goes_on_bit_for_bit_also_in_another_environment():
     make = lambda: HouseVectorEnv(HOUSES[:4], num_envs=16, preset=DOORS, targets="all")  # noqa: E731
     envs, other, plan = make(), make(), np.random.default_rng(0).choice(3, p=[0.2, 0.1, 0.7], size=(300, 16))
@@ -260,6 +263,7 @@ def fewest(moved, start, pushes, goal, steps):
     raise AssertionError("unreachable")
 
 
+@pytest.mark.second_part("against a search of all ways")
 @pytest.mark.parametrize(("backend", "steps"), [("continuous", 1), ("continuous", 6), ("grid", 5)])
 def test_paths_of_the_oracle_through_closed_doors_are_shortest(backend, steps):
     """Compare with a search over poses and doors, from any pose, with any number of pushes."""
@@ -295,6 +299,7 @@ def test_paths_of_the_oracle_through_closed_doors_are_shortest(backend, steps):
     assert through > 0
 
 
+@pytest.mark.second_part("many kernels")
 def test_an_episode_that_the_oracle_plays_equals_one_stepped():
     envs = HouseVectorEnv([TWO_WAYS, *HOUSES], num_envs=9, targets="all", preset=DOORS, max_episode_steps=300)
     envs.reset(seed=0)

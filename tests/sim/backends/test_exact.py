@@ -204,6 +204,7 @@ except (AssertionError, RuntimeError) as error:
 """
 
 
+@pytest.mark.second_part("kernels with every bound checked")
 def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
     """Taichi's own checks are on, for both backends and both loops; a deliberate fault shows it."""
     program = tmp_path / "checked.py"

@@ -11,6 +11,8 @@ from vitruvius.logic import House
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import PIXEL
 
+pytestmark = pytest.mark.second_part("every collision that can be reached")
+
 STATES = {"example1": ((185, 190), 74_882), "2019-2-15": ((198, 268), 98_703)}
 """For each house: the start of the body's north-west corner in pixels, and the number of reachable states."""
 

@@ -141,6 +141,7 @@ def test_a_million_random_rays_equal_those_of_the_reference(envs, bank):
     assert tally.sure > 0.999 * tally.rays
 
 
+@pytest.mark.second_part("a million")
 @pytest.mark.parametrize("bank", BANKS)
 def test_a_million_rays_aimed_at_corners_equal_those_of_the_reference_and_none_leaks(envs, bank):
     """Aim rays at the ends of lines: each ends there or before, and no later than in the reference."""

@@ -21,6 +21,8 @@ from vitruvius.logic import generate, save
 from vitruvius.sim import HouseEnv, HouseVectorEnv
 from vitruvius.sim.film import film
 
+pytestmark = pytest.mark.second_part("wrappers and other libraries")
+
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), sample_houses.RANDOM[0]]
 COUNT, STEPS = 3, 20
 NEXT, SAME, DISABLED = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED

@@ -137,6 +137,7 @@ def test_a_state_goes_on_with_what_is_observed():
         np.testing.assert_equal(envs.step(chosen), other.step(chosen))
 
 
+@pytest.mark.second_part("Gymnasium's checks")
 @pytest.mark.parametrize("config", [ALL, FLAT], ids=["dict", "flat"])
 def test_they_conform(config):
     def make(mode: Any) -> HouseVectorEnv:

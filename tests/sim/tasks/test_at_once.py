@@ -12,6 +12,8 @@ from vitruvius.sim import DEFAULT, HouseVectorEnv
 from vitruvius.sim.drive import COMMANDS, Drive
 from vitruvius.sim.tasks.words import in_words
 
+pytestmark = pytest.mark.second_part("kernels of several targets")
+
 HOUSES = [sample_houses.drawn("Aa+aa.bBb\n......+bb\n......bbb", cell=1.2)]
 COUNT, NUMBER = 32, 3
 DRIVEN = replace(DEFAULT, drive=Drive(commands=COMMANDS))

@@ -108,6 +108,7 @@ def probabilities(house: House, task: Habit, points: np.ndarray) -> np.ndarray:
     return total / total.sum()
 
 
+@pytest.mark.second_part("many targets")
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 @pytest.mark.parametrize("task", [Habit(), Habit(0.3, seed=4), Habit(1.0)], ids=repr)
 def test_a_habit_draws_targets_by_the_weights_that_it_states(backend, task):
@@ -154,6 +155,7 @@ def test_a_share_is_above_none_and_at_most_all():
 SEES = replace(DEFAULT, kinds=("stove", "bed"), sees_kind=True)
 
 
+@pytest.mark.second_part("kernels of many configurations")
 @pytest.mark.parametrize("backend", ["continuous", "grid"])
 def test_rays_tell_the_named_kinds_of_the_pieces_that_they_end_on(backend):
     houses = [HOUSE] if backend == "grid" else [HOUSE, *sample_houses.RANDOM]

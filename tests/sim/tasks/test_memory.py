@@ -18,6 +18,8 @@ from vitruvius.sim.tasks.remembering import Battery, Visit
 from vitruvius.sim.tasks.tasks import Collect, task
 from vitruvius.sim.tasks.terms import Terms, counted, terms_of
 
+pytestmark = pytest.mark.second_part("kernels of tasks that remember")
+
 DRAWN = sample_houses.drawn("Aa+aa.bBb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, *sample_houses.RANDOM[:2]]
 COUNT = 32

@@ -98,6 +98,7 @@ def digest(steps: Iterator[list[np.ndarray]]) -> str:
     return total.hexdigest()
 
 
+@pytest.mark.second_part("thousands of environments")
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("by_ray", [False, True])
 def test_an_environment_gives_the_same_outputs_alone_and_among_4096(mode, by_ray):
@@ -115,6 +116,7 @@ def test_an_environment_gives_the_same_outputs_alone_and_among_4096(mode, by_ray
     assert ends >= 8
 
 
+@pytest.mark.second_part("many kernels")
 @pytest.mark.parametrize("mode", AutoresetMode)
 def test_the_loop_by_environment_and_the_loop_by_ray_give_the_same_outputs(mode):
     """Compare one task for each environment with one for each environment and ray."""
@@ -159,6 +161,7 @@ def threaded() -> list[str]:
     ]
 
 
+@pytest.mark.second_part("processes with other numbers of threads")
 def test_the_number_of_threads_changes_no_output():
     programs = [
         subprocess.Popen([sys.executable, "-c", THREADS, count], stdout=subprocess.PIPE, text=True, cwd=ROOT)

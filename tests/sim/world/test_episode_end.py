@@ -9,6 +9,8 @@ from gymnasium.vector import AutoresetMode
 from tests.sim.tasks.test_furniture import HOUSE
 from vitruvius.sim import DEFAULT, HouseEnv, HouseVectorEnv, Oracle
 
+pytestmark = pytest.mark.second_part("every task in every autoreset mode")
+
 TASKS = {
     "reach": ({"task": "reach", "room": "bedroom"}, DEFAULT),
     "object": ({"task": "object", "piece": "bed"}, DEFAULT),

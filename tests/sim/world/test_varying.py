@@ -10,6 +10,8 @@ from tests import sample_houses
 from vitruvius.sim import DEFAULT, Config, HouseVectorEnv
 from vitruvius.sim.drive import COMMANDS, Drive
 
+pytestmark = pytest.mark.second_part("kernels of what varies by episode")
+
 HOUSES = sample_houses.RANDOM[:2]
 DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
 COUNT, STEPS = 24, 40

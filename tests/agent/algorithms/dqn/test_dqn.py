@@ -151,6 +151,7 @@ def test_a_run_of_another_config_or_in_other_houses_cannot_go_on(envs):
     longer.restore(state)
 
 
+@pytest.mark.second_part("it learns")
 def test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk(envs):
     """It finds 40 times as much in a run of seconds."""
     envs = HouseVectorEnv([House.of_star(Star(Rect(0, 0, 4, 4)))], 32, max_episode_steps=300)

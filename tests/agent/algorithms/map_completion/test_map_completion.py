@@ -62,6 +62,7 @@ def middle(planner, e):
     return np.floor((np.array([y, x]) + 1) / 2).astype(int)
 
 
+@pytest.mark.second_part("large maps")
 def test_windows_hold_the_four_cells_about_each_other_node(explored):
     _, planner, _, _ = explored
     windows, corners = Windows(planner).read(EVERYONE)
@@ -388,6 +389,7 @@ def picked_up(policy_of, houses, steps=350):
     return found
 
 
+@pytest.mark.second_part("many episodes")
 def test_who_foresees_the_truth_finds_more_and_another_house_less():
     houses = list(generate(5, seed=77, count=24))
     told = picked_up(truth, houses)

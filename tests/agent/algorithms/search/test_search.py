@@ -311,6 +311,7 @@ def test_a_body_stands_on_seen_ground_and_on_floor_that_is_foreseen():
     assert [round(float(found[at]), 6) for at in ((0, 0), (1, 0), (1, 1))] == [1, 0.2, 0]
 
 
+@pytest.mark.second_part("many episodes")
 def test_who_goes_by_true_values_finds_more_than_the_explorer():
     envs = make_envs(list(generate(5, seed=77, count=12)), 12, "secondary")
     assert played(true_views(envs), envs, 300) > 1.1 * played(Explorer(shield(envs), envs.config), envs, 300)
@@ -514,6 +515,7 @@ def test_the_loss_of_values_is_least_at_the_mean_of_what_views_are_worth():
     assert torch.isfinite(least)
 
 
+@pytest.mark.second_part("it learns")
 @pytest.mark.parametrize("loss", ["choice", "value"])
 def test_a_run_learns_what_views_are_worth(loss):
     envs = make_envs(HOUSES, 4, "secondary")

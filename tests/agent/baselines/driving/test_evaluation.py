@@ -52,6 +52,7 @@ def learnt(tmp_path_factory) -> tuple[Checkpoint, list]:
     return checkpoint.load(folder / "agent.safetensors"), history
 
 
+@pytest.mark.second_part("it learns")
 def test_it_learns_and_is_measured_beside_baselines_that_drive(learnt):
     agent, history = learnt
     assert history[-1].targets > 3 * np.mean([now.targets for now in history[:10]])
