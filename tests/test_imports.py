@@ -90,6 +90,12 @@ FOLDERS = {
 }
 """Folders and modules at the top of each package, from the lowest up: each imports only those before it."""
 
+PLANNER = (
+    *("core", "mapping", "viewpoints", "paths", "goal", "lattice", "planner", "driving"),
+    *("belief_map", "local_map", "map_window"),
+)
+"""Folders and modules of ``agent.planner``, from the lowest up."""
+
 OF_LOGIC = {"House", "generate", "load"}
 """Public names of ``logic`` that the simulator imports."""
 
@@ -171,6 +177,18 @@ def test_no_folder_imports_one_above_it(package: str) -> None:
         or (other in inside and order.index(inside[other]) > order.index(folder))
     ]
     assert not upwards
+
+
+def test_the_folders_of_the_planner_import_one_way() -> None:
+    prefix = "vitruvius.agent.planner."
+    inside = {name: name.removeprefix(prefix).split(".")[0] for name in graph() if name.startswith(prefix)}
+    assert {*inside.values()} == {*PLANNER}
+    assert not [
+        (name, other)
+        for name, folder in inside.items()
+        for other in graph()[name]
+        if other in inside and PLANNER.index(inside[other]) > PLANNER.index(folder)
+    ]
 
 
 def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:

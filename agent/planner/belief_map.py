@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.arrays import PlannerArrays
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.arrays import PlannerArrays
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import PlannerConfig
+from vitruvius.agent.planner.core.state import SIZE, loaded
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, Occupancy
-from vitruvius.agent.planner.state import SIZE, loaded
+from vitruvius.agent.planner.planner import Planner
 from vitruvius.agent.planner.viewpoints.belief import Belief
 from vitruvius.agent.planner.viewpoints.candidates import Candidates
 from vitruvius.agent.planner.viewpoints.choice import TRIED

@@ -1,10 +1,10 @@
 """Goal of a planner: the target that was seen, or else the next best view; and the paths to the goal."""
 
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import PlannerConfig
+from vitruvius.agent.planner.core.state import NONE, SEARCH, TARGET
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.paths import FAR, Paths
-from vitruvius.agent.planner.state import NONE, SEARCH, TARGET
 from vitruvius.agent.planner.viewpoints.choice import Viewpoints
 from vitruvius.sim.runtime import ti
 

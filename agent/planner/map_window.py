@@ -9,11 +9,11 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
 from torch import Tensor
 
-from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.core.config import TUNED, PlannerConfig
 from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.agent.planner.lattice.step import SKIPPED
 from vitruvius.agent.planner.local_map import LAYERS, LocalMap
-from vitruvius.agent.planner.step import SKIPPED
+from vitruvius.agent.planner.planner import Planner
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import RAYS
 

@@ -4,7 +4,7 @@ A diagonal step goes equally far along both axes, so all eight neighbours of a n
 near to seen cells that are not known to be solid count as free: the body finds out on its way.
 """
 
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.sim.runtime import ti
 

@@ -4,9 +4,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from vitruvius.agent.planner import FREE, TAKEN, Planner
-from vitruvius.agent.planner.config import CERTAIN
-from vitruvius.agent.planner.frame import AXES, quarters
-from vitruvius.agent.planner.state import NONE, TARGET
+from vitruvius.agent.planner.core.config import CERTAIN
+from vitruvius.agent.planner.core.frame import AXES, quarters
+from vitruvius.agent.planner.core.state import NONE, TARGET
 from vitruvius.logic import House
 from vitruvius.logic.drawing.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
 from vitruvius.logic.drawing.palettes import Inks

@@ -7,7 +7,7 @@ import numpy as np
 
 from vitruvius.agent.planner import FREE, TAKEN, Planner
 from vitruvius.agent.planner.belief_map import BeliefMap
-from vitruvius.agent.planner.frame import metres, quarters
+from vitruvius.agent.planner.core.frame import metres, quarters
 from vitruvius.agent.policies.episodes import Moment
 from vitruvius.agent.policies.policies import Explorer, QPolicy
 from vitruvius.agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed

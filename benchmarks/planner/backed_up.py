@@ -23,7 +23,7 @@ from vitruvius.agent.baselines.view_planner import LINES, VIEWPOINT_COST, Search
 from vitruvius.agent.baselines.views import ViewValues
 from vitruvius.agent.learning.environments import shield
 from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.frame import AXES
+from vitruvius.agent.planner.core.frame import AXES
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti

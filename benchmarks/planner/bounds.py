@@ -39,7 +39,7 @@ from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.baselines.posterior import SPOT, SPOTS
 from vitruvius.agent.evaluation.tables import Table
 from vitruvius.agent.learning.environments import make_envs
-from vitruvius.agent.planner.frame import AXES
+from vitruvius.agent.planner.core.frame import AXES
 from vitruvius.agent.runs import checkpoint
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv

@@ -15,9 +15,10 @@ import torch
 
 from vitruvius.agent.evaluation.episodes import reset
 from vitruvius.agent.learning.environments import shield
-from vitruvius.agent.planner import STATE, Planner
+from vitruvius.agent.planner import Planner
+from vitruvius.agent.planner.core.state import AT, NONE, SEARCH, SIZE
 from vitruvius.agent.planner.paths import FAR
-from vitruvius.agent.planner.state import AT, NONE, SEARCH, SIZE
+from vitruvius.agent.planner.planner import STATE
 from vitruvius.agent.policies.episodes import moments
 from vitruvius.agent.policies.policies import Explorer, Policy, Tracker
 from vitruvius.sim import HouseVectorEnv

@@ -21,8 +21,8 @@ from vitruvius.agent.baselines.coverage import PITCH, Coverage
 from vitruvius.agent.evaluation.tables import Table
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TUNED, Planner
-from vitruvius.agent.planner.config import CERTAIN
-from vitruvius.agent.planner.frame import metres
+from vitruvius.agent.planner.core.config import CERTAIN
+from vitruvius.agent.planner.core.frame import metres
 from vitruvius.agent.planner.mapping.occupancy import NEAR, SOLID, Occupancy
 from vitruvius.agent.planner.viewpoints.belief import Belief
 from vitruvius.agent.policies.episodes import moments
@@ -76,7 +76,7 @@ class Odds:
 
 
 class MapCells(NamedTuple):
-    """The part of ``agent.planner.arrays.PlannerArrays`` that this study reads."""
+    """The part of ``agent.planner.core.arrays.PlannerArrays`` that this study reads."""
 
     cells: Shorts
 

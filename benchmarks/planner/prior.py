@@ -10,7 +10,7 @@ from torch import Tensor
 from benchmarks.planner.odds import BESIDE, SIDE, TargetSpots
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.core.config import CERTAIN
 from vitruvius.agent.policies.policies import Tracker
 from vitruvius.sim import HouseVectorEnv
 

@@ -60,7 +60,7 @@ BELONGING: dict[str, tuple[str, ...]] = {
     "sim/*": ("sim/environment",),
     "agent/avoidance.py": ("agent/test_avoidance.py",),
     "agent/evaluation/*": ("agent/evaluation/test_statistics.py",),
-    "agent/planner/frame.py": ("agent/planner/test_frame.py",),
+    "agent/planner/core/frame.py": ("agent/planner/test_frame.py",),
     "agent/policies/*": ("agent/policies", "agent/test_avoidance.py", "agent/evaluation/test_episodes.py"),
 }
 """Tests of each file: by pattern of files, paths below ``tests``. The first pattern that matches a file

@@ -32,7 +32,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "agent": (
         "agent/avoidance.py",
         "agent/evaluation/statistics.py",
-        "agent/planner/frame.py",
+        "agent/planner/core/frame.py",
         "agent/policies/*.py",
     ),
     "lp": ("logic/rules/**/*.lp",),

@@ -17,9 +17,9 @@ from tests.sample_houses import random_house
 from vitruvius.agent.baselines.coverage import origins_of
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TUNED
-from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.core.config import CERTAIN
+from vitruvius.agent.planner.core.state import NONE, SEARCH
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED
-from vitruvius.agent.planner.state import NONE, SEARCH
 from vitruvius.agent.planner.viewpoints.belief import BLOCKED, WALL
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.logic import save

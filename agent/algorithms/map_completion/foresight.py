@@ -8,7 +8,7 @@ from vitruvius.agent.algorithms.map_completion.marks import Marks
 from vitruvius.agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from vitruvius.agent.algorithms.map_completion.windows import LOOKED, Windows, seen
 from vitruvius.agent.planner import TUNED, Planner, PlannerConfig
-from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.core.config import CERTAIN
 from vitruvius.agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
 from vitruvius.agent.policies.policies import Tracker
 from vitruvius.sim.config import Config

@@ -7,7 +7,7 @@ from scipy.ndimage import convolve1d
 
 from vitruvius.agent.algorithms.map_completion.network import WINDOW
 from vitruvius.agent.learning.environments import make_envs
-from vitruvius.agent.planner.frame import metres, quarters
+from vitruvius.agent.planner.core.frame import metres, quarters
 from vitruvius.logic import House
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.backends.backend import Lattice

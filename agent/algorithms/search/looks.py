@@ -12,9 +12,9 @@ from torch import Tensor
 
 from vitruvius.agent.algorithms.search.network import expected
 from vitruvius.agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps
-from vitruvius.agent.planner.arrays import PlannerArrays, PlannerTables
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.arrays import PlannerArrays, PlannerTables
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID, Occupancy
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
 

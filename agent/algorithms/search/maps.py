@@ -15,12 +15,12 @@ import torch
 from vitruvius.agent.algorithms.search.looks import UNREACHED, ViewLooks
 from vitruvius.agent.algorithms.search.windows import HEADINGS, LEVELS, PLACES, ViewMaps
 from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.arrays import PlannerArrays
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.arrays import PlannerArrays
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import PlannerConfig
+from vitruvius.agent.planner.core.state import loaded, store
+from vitruvius.agent.planner.lattice.step import Step
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED
-from vitruvius.agent.planner.state import loaded, store
-from vitruvius.agent.planner.step import Step
 from vitruvius.agent.planner.viewpoints.reachability import OPEN
 from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, start, ti

@@ -9,7 +9,7 @@ from vitruvius.agent.algorithms.search.windows import PLACES, SCALE
 from vitruvius.agent.baselines.posterior import KNOWN
 from vitruvius.agent.baselines.views import ViewValues
 from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.frame import AXES, quarters
+from vitruvius.agent.planner.core.frame import AXES, quarters
 from vitruvius.sim import HouseVectorEnv
 
 

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from vitruvius.agent.baselines.driving.steering import steered
-from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.core.config import TUNED, PlannerConfig
 from vitruvius.agent.planner.driving import DrivingPlanner
 from vitruvius.sim.config import Config
 

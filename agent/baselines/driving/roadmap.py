@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """Shortest paths of a disc's centre among obstacles, in the backend ``free``: a visibility graph.
 
 Each solid is widened by a distance, which gives a convex polygon. The free corners of the polygons are the

@@ -1,8 +1,8 @@
 """Course of a body along a path on its map: as far ahead as the straight line is free."""
 
+from vitruvius.agent.planner.core.state import NONE, TARGET
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.paths import FAR
-from vitruvius.agent.planner.state import NONE, TARGET
 from vitruvius.sim.runtime import ti
 
 AHEAD = 28

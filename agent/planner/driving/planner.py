@@ -5,12 +5,12 @@ import math
 import numpy as np
 from torch import Tensor
 
-from vitruvius.agent.planner import Planner, memory_arrays, require_time
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import TUNED, PlannerConfig
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import TUNED, PlannerConfig
 from vitruvius.agent.planner.driving.step import driving_kernel
 from vitruvius.agent.planner.driving.sweep import rays_of
 from vitruvius.agent.planner.mapping.visibility import FINE
+from vitruvius.agent.planner.planner import Planner, memory_arrays, require_time
 from vitruvius.agent.planner.viewpoints.choice import views
 from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Array, Launch, start, ti

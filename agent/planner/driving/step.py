@@ -4,16 +4,16 @@ import math
 from functools import cache
 from typing import Any, NamedTuple
 
-from vitruvius.agent.planner.arrays import PlannerArrays
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.arrays import PlannerArrays
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import PlannerConfig
+from vitruvius.agent.planner.core.state import SEARCH, first_state, loaded, store
 from vitruvius.agent.planner.driving.course import Course
 from vitruvius.agent.planner.driving.sweep import Sweep, turned
 from vitruvius.agent.planner.goal import NEXT
+from vitruvius.agent.planner.lattice.step import SKIPPED, Sighting, Step
 from vitruvius.agent.planner.mapping.scan import TARGET, WALL
 from vitruvius.agent.planner.mapping.visibility import FINE
-from vitruvius.agent.planner.state import SEARCH, first_state, loaded, store
-from vitruvius.agent.planner.step import SKIPPED, Sighting, Step
 from vitruvius.sim.backends.free.body import TURN, cosine_sine
 from vitruvius.sim.runtime import Bytes, Floats, Ints, kernel, ti
 

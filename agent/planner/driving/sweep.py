@@ -6,7 +6,7 @@ reach beyond it. A point that lies on a ray is seen if that ray reaches beyond i
 
 import numpy as np
 
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.mapping.visibility import FINE
 from vitruvius.sim.runtime import ti

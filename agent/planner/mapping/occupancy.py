@@ -13,7 +13,7 @@ lower it. The map is a torus: it follows the body wherever an episode starts.
 
 from typing import Any
 
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.runtime import ti
 

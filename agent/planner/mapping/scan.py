@@ -9,7 +9,7 @@ drop-out. It shows no more floor than the ray next to it, and no end. Exact rays
 import math
 
 from vitruvius.agent.avoidance import SPREAD, pair
-from vitruvius.agent.planner.body import BodyModel
+from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.mapping.visibility import FINE
 from vitruvius.sim.runtime import ti
 

@@ -3,7 +3,7 @@
 Places are in cells, east and south of the eye.
 """
 
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.sim.runtime import ti
 
 

@@ -8,7 +8,7 @@ so all cases fit in a table.
 
 import numpy as np
 
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.runtime import ti

@@ -5,7 +5,7 @@ be inside furniture, a wall or the garden. Second, targets may lie in the room w
 outside it. Each pick-up is evidence for one of the two, by Bayes' rule.
 """
 
-from vitruvius.agent.planner.config import CERTAIN, PlannerConfig
+from vitruvius.agent.planner.core.config import CERTAIN, PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, Occupancy
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.runtime import ti

@@ -3,7 +3,7 @@
 Each has its distance from the body, as far as the body can reach.
 """
 
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.viewpoints.belief import Belief
 from vitruvius.agent.planner.viewpoints.reachability import OPEN, UNKNOWN, DistanceField

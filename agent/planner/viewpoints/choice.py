@@ -6,7 +6,7 @@ but knows the house; a planner knows its own map.
 
 import numpy as np
 
-from vitruvius.agent.planner.config import CERTAIN, PlannerConfig
+from vitruvius.agent.planner.core.config import CERTAIN, PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import OCCUPIED, SOLID, Occupancy
 from vitruvius.agent.planner.viewpoints.candidates import NOT_COMPUTED, Candidates
 from vitruvius.sim.runtime import ti

@@ -6,8 +6,8 @@ import numpy as np
 import torch
 
 from vitruvius.agent.planner import Planner as Tested
+from vitruvius.agent.planner.core.state import AT
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
-from vitruvius.agent.planner.state import AT
 from vitruvius.sim.config import Config
 
 SIDE, UNKNOWN = 256, 65535

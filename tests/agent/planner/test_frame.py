@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vitruvius.agent.planner.frame import metres, quarters
+from vitruvius.agent.planner.core.frame import metres, quarters
 
 
 @pytest.mark.parametrize("turn", range(4))

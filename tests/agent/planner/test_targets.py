@@ -11,7 +11,7 @@ from tests.agent.planner.brute_force import BEFORE
 from tests.agent.planner.conftest import E, Walk, ask
 from tests.agent.planner.test_occupancy import in_house
 from vitruvius.agent.planner.belief_map import BeliefMap
-from vitruvius.agent.planner.config import TUNED
+from vitruvius.agent.planner.core.config import TUNED
 
 
 def test_a_known_target_lies_where_it_truly_does(walk: Walk) -> None:

@@ -18,9 +18,9 @@ from vitruvius.agent.algorithms.map_completion.sight import RANGE, RAYS, cast_ra
 from vitruvius.agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from vitruvius.agent.algorithms.map_completion.windows import LOOKED, SEEN, Windows
 from vitruvius.agent.learning.environments import make_envs, shield
-from vitruvius.agent.planner.config import CERTAIN
+from vitruvius.agent.planner.core.config import CERTAIN
+from vitruvius.agent.planner.core.state import AT, NONE, SIZE, TARGET
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED
-from vitruvius.agent.planner.state import AT, NONE, SIZE, TARGET
 from vitruvius.agent.planner.viewpoints.belief import BLOCKED, COUNT, PATH, WALL
 from vitruvius.agent.policies.policies import Explorer, Tracker
 from vitruvius.logic import generate

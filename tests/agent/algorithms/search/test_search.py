@@ -39,7 +39,7 @@ from vitruvius.agent.algorithms.search.windows import (
 )
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TUNED
-from vitruvius.agent.planner.frame import AXES
+from vitruvius.agent.planner.core.frame import AXES
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED, SOLID
 from vitruvius.agent.planner.viewpoints.choice import Viewpoints
 from vitruvius.agent.policies.policies import Explorer

@@ -3,17 +3,17 @@
 from functools import cache
 from typing import Any
 
-from vitruvius.agent.planner.advice import Advice
-from vitruvius.agent.planner.arrays import PlannerArrays, PlannerTables
-from vitruvius.agent.planner.body import BodyModel
-from vitruvius.agent.planner.config import PlannerConfig
+from vitruvius.agent.planner.core.arrays import PlannerArrays, PlannerTables
+from vitruvius.agent.planner.core.body import BodyModel
+from vitruvius.agent.planner.core.config import PlannerConfig
+from vitruvius.agent.planner.core.state import SEARCH, first_state, loaded, store
 from vitruvius.agent.planner.goal import Goal
+from vitruvius.agent.planner.lattice.advice import Advice
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.mapping.scan import DOOR, TARGET, WALL, Scan
 from vitruvius.agent.planner.mapping.target import TargetEstimate
 from vitruvius.agent.planner.mapping.visibility import Visibility
 from vitruvius.agent.planner.paths import Paths
-from vitruvius.agent.planner.state import SEARCH, first_state, loaded, store
 from vitruvius.agent.planner.viewpoints.belief import Belief
 from vitruvius.agent.planner.viewpoints.candidates import Candidates
 from vitruvius.agent.planner.viewpoints.choice import Viewpoints

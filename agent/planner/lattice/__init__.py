@@ -1,0 +1,1 @@
+"""Steps of planners whose bodies move on a lattice."""
