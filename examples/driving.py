@@ -16,7 +16,7 @@ from gymnasium.wrappers.vector import RescaleAction
 
 from vitruvius import load
 from vitruvius.agent import banks
-from vitruvius.agent.evaluation import drivers
+from vitruvius.agent.baselines.driving import reactive
 from vitruvius.sim import DEFAULT
 
 CONFIG = replace(DEFAULT, observe=("rays", "speed"), flat=True)
@@ -91,6 +91,6 @@ class Driving:
 
 def pursue(seen: np.ndarray) -> np.ndarray:
     """Drive towards a visible target; otherwise where rays go furthest, and turn in front of walls."""
-    told = drivers.pursue(seen[:, :80].reshape(-1, 40, 2), CONFIG)
+    told = reactive.pursue(seen[:, :80].reshape(-1, 40, 2), CONFIG)
     low, high = np.array(CONFIG.drive.low), np.array(CONFIG.drive.high)
     return (2 * (told - low) / (high - low) - 1).astype(np.float32)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import torch
 
+from vitruvius.agent.baselines.driving import explorer as driving
 from vitruvius.agent.baselines.driving.explorer import DrivingExplorer
-from vitruvius.agent.policies import driving, policies
+from vitruvius.agent.policies import policies
 from vitruvius.agent.policies.policies import RandomPolicy, Tracker, epsilon_greedy, exploration, home
 from vitruvius.sim.actions import FORWARD, LEFT
 from vitruvius.sim.config import DEFAULT
