@@ -91,7 +91,7 @@ FOLDERS = {
 """Folders and modules at the top of each package, from the lowest up: each imports only those before it."""
 
 PLANNER = (
-    *("core", "mapping", "viewpoints", "paths", "goal", "lattice", "planner", "driving"),
+    *("core", "mapping", "viewpoints", "paths", "goal", "step", "setup", "lattice", "driving", "planner"),
     *("belief_map", "local_map", "map_window"),
 )
 """Folders and modules of ``agent.planner``, from the lowest up."""

@@ -10,10 +10,9 @@ from gymnasium.vector.utils import batch_space
 from torch import Tensor
 
 from vitruvius.agent.planner.core.config import TUNED, PlannerConfig
-from vitruvius.agent.planner.driving import DrivingPlanner
-from vitruvius.agent.planner.lattice.step import SKIPPED
 from vitruvius.agent.planner.local_map import LAYERS, LocalMap
 from vitruvius.agent.planner.planner import Planner
+from vitruvius.agent.planner.step import SKIPPED
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import RAYS
 
@@ -48,8 +47,7 @@ class MapWindow(VectorWrapper):
         self.inner, told = inner, inner.config
         if told.flat or RAYS not in told.observe:
             raise ValueError("a map is made of rays, a part of their own: observe them, and not flat")
-        kind = DrivingPlanner if told.drives else Planner
-        self.planner: Planner = kind(told, self.num_envs, config)
+        self.planner = Planner(told, self.num_envs, config)
         self.window = LocalMap(self.planner, side)
         seen = env.single_observation_space
         parts = dict(seen.spaces) if isinstance(seen, spaces.Dict) else {RAYS: seen}
@@ -114,14 +112,13 @@ class MapWindow(VectorWrapper):
         self, seen: Any, blocked: Tensor, actions: Tensor, begun: Tensor, ended: Tensor | None = None
     ) -> Tensor:
         """Step the planners and return their windows; for episodes that ``ended``, from their last pose."""
-        planner, rays = self.planner, self._rays(seen)
-        if isinstance(planner, DrivingPlanner):
+        moved = actions
+        if self.inner.config.drives:
             pose = self.inner.world.describe()[0]
             if ended is not None:
                 pose = np.where(ended.cpu().numpy()[:, None], self.inner.world.describe(last=True)[0], pose)
-            planner.drive(rays, blocked, begun, torch.from_numpy(pose.astype(np.float32)))
-        else:
-            planner.step(rays, blocked, actions, begun)
+            moved = torch.from_numpy(pose.astype(np.float32))
+        self.planner.step(self._rays(seen), blocked, moved, begun)
         return self.window.read()
 
     def _rays(self, seen: Any) -> Tensor:

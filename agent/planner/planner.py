@@ -4,21 +4,18 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from vitruvius.agent.avoidance import air, clearance
 from vitruvius.agent.planner.core.arrays import PlannerArrays
-from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.core.config import TUNED, PlannerConfig
 from vitruvius.agent.planner.core.state import AT, NONE, SIZE, TARGET
-from vitruvius.agent.planner.lattice.step import lead_kernel, step_kernel
-from vitruvius.agent.planner.mapping.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
-from vitruvius.agent.planner.mapping.visibility import FINE, fan
-from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.driving.setup import driving_setup
+from vitruvius.agent.planner.lattice.setup import lattice_setup
+from vitruvius.agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, SOLID, TILE
+from vitruvius.agent.planner.setup import require_time
 from vitruvius.agent.planner.viewpoints.belief import COUNT
-from vitruvius.agent.planner.viewpoints.choice import views
-from vitruvius.agent.planner.viewpoints.reachability import SIDE, UNKNOWN, WORDS
+from vitruvius.agent.planner.viewpoints.reachability import SIDE, UNKNOWN
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim.config import Config
-from vitruvius.sim.runtime import Array, Launch, start, ti
+from vitruvius.sim.runtime import Launch
 
 UNSEEN, FREE, TAKEN = range(3)
 """Values of ``Planner.occupancy``."""
@@ -27,36 +24,7 @@ GIVEN = {"prior"}
 """Arrays of ``PlannerArrays`` that code outside the planner writes."""
 
 STATE = (*(name for name in PlannerArrays._fields if name not in GIVEN), "states", "advice")
-"""Names of the arrays that the next steps depend on."""
-
-
-def require_time(world: Config) -> None:
-    """Raise ``ValueError`` for episodes with more steps than a cell can store."""
-    if world.steps > LATEST - 2:
-        raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
-
-
-def memory_arrays(
-    config: PlannerConfig, count: int, rays: int, errs: bool, prior: bool, slips: bool
-) -> dict[str, Array]:
-    """Return what planners of ``count`` environments keep: ``PlannerArrays``, states and advice."""
-    area = count << 2 * config.map_bits
-    return {
-        "cells": Array(ti.u16, area),
-        "distance": Array.of(np.full(area, FAR, np.uint16)),
-        "queue": Array(number_type(config), area),
-        "dirty": Array(ti.u8, area >> 2 * TILE),
-        "reached": Array(ti.i32, count * rays),
-        "tiles": Array(ti.u64, WORDS * area >> 2 * TILE),
-        "odds": Array.of(np.full(area >> 2, UNKNOWN, np.uint8)),
-        "candidates": Array(ti.u8, area >> 2),
-        "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
-        "evidence": Array(ti.u8, area if errs else 1),
-        "last": Array(ti.f32, count * rays if slips else 1),
-        "prior": Array(ti.u16, area >> 2 if prior else 1),
-        "states": Array(ti.i32, count * SIZE),
-        "advice": Array(ti.i64, count),
-    }
+"""Names of the arrays that the next steps of all planners depend on."""
 
 
 class Planner:
@@ -69,7 +37,12 @@ class Planner:
     """
 
     advice: Tensor
-    """Action that leads to the goal, (E,) int64. The same memory after every step."""
+    """Way to the goal, in the same memory after every step.
+
+    For bodies on a lattice it is the action, (E,) int64. For bodies that drive it is the course, (E, 2)
+    float32: the radians to turn to the left, and the metres after which the body should stand, negative if it
+    should not stop.
+    """
 
     def __init__(
         self,
@@ -85,73 +58,31 @@ class Planner:
         reads both from the array ``prior``, which a network or a study that knows the house fills. ``led``:
         the planner chooses no viewpoint. A planner without a goal (``lost``) gets a viewpoint from ``lead``.
 
-        Raises ``ValueError`` for episodes with more steps than a cell can store.
+        Raises ``ValueError`` for episodes with more steps than a cell can store, and for the reasons of
+        ``driving_setup``.
         """
-        world.require_lattice("a planner")
         require_time(world)
-        count, rays, side = environments, world.rays, max(world.body)
-        step = max(1, round(4 * world.step / side))
-        self.world, self.config, self.cell = world, config, 2 * world.step / step
-        angles = world.ray_angles
-        turned = angles + np.pi / 4 * np.arange(8)[:, None]
-        directions = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * world.range / self.cell
-        clear = clearance(angles, side, world.step, air(world)) / world.range
-        starts, skips, cells = fan(config, angles, world.range / self.cell)
-        errs = (world.most("noise") > 0 or world.most("slip") > 0) and not world.in_cells
-        program = start()
-        given = {
-            "observation": Array(ti.f32, count * rays * world.channels),
-            "action": Array(ti.i64, count),
-            "blocked": Array(ti.u8, count),
-            "begun": Array(ti.u8, count),
-        }
-        tables = {
-            "directions": Array.of(directions.astype(np.float32).ravel()),
-            "clear": Array.of(clear.astype(np.float32).ravel()),
-            "starts": Array.of(starts.ravel()),
-            "skips": Array.of(skips.ravel()),
-            "fan": Array.of(cells),
-            "views": Array.of(views(config)),
-        }
-        memory = memory_arrays(config, count, rays, errs, prior, world.most("slip") > 0)
-        self.arrays = given | tables | memory | {"goals": Array(ti.i32, 3 * count)}
-        self.body = body = BodyModel(
-            rays=rays,
-            columns=world.columns,
-            step=step,
-            touching=world.in_cells,
-            target=world.target / 2 / self.cell,
-            ray_range=FINE * world.range / self.cell,
-            noise=world.noise / self.cell,
-            dropout=world.dropout > 0,
-            slip=world.most("slip") > 0,
-            eighth=world.rays_in_a_turn,
-            errs=errs,
-            prior=prior,
-            led=led,
-        )
-        self._launch = Launch(step_kernel(program, config, body), self.arrays)
-        self._lead = Launch(lead_kernel(program, config, body), self.arrays) if led else None
-        self._open(("observation", "blocked", "action", "begun"))
-
-    def _open(self, given: tuple[str, ...]) -> None:
-        """Hold the arrays as tensors. Each step copies its arguments to those named in ``given``."""
+        kind = driving_setup if world.drives else lattice_setup
+        setup = kind(world, config, environments, prior, led)
+        self.world, self.config = world, config
+        self.cell, self.body, self.arrays = setup.cell, setup.body, setup.arrays
+        self._launch = Launch(setup.step, self.arrays)
+        self._lead = Launch(setup.lead, self.arrays) if setup.lead else None
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
-        self._given = [tensors[name] for name in given]
+        self._given = [tensors[name] for name in ("observation", "blocked", setup.moved, "begun")]
         self._states = tensors["states"].view(-1, SIZE)
-        self.advice = tensors["advice"]
+        self._kept = (*STATE, *setup.kept)
+        advice = tensors["advice"]
+        self.advice = advice.view(environments, 2) if world.drives else advice
 
-    def step(self, observation: Tensor, blocked: Tensor, action: Tensor, begun: Tensor) -> None:
+    def step(self, observation: Tensor, blocked: Tensor, moved: Tensor, begun: Tensor) -> None:
         """Take the result of an action: ``observation`` (E, R, C) and ``blocked`` (E,) bool.
 
-        Where ``begun`` (E,) bool is true, the observation is the first of an episode and the action is
-        ignored.
+        ``moved`` is the action (E,) int64, or for bodies that drive their poses (E, 3): x, y in metres and
+        heading in radians. Where ``begun`` (E,) bool is true, the observation is the first of an episode and
+        the action is ignored.
         """
-        self._take(observation, blocked, action, begun)
-
-    def _take(self, *given: Tensor) -> None:
-        """Copy these tensors over those of the last step, then run the kernel."""
-        for held, now in zip(self._given, given, strict=True):
+        for held, now in zip(self._given, (observation, blocked, moved, begun), strict=True):
             held.copy_(now.reshape(-1))
         self._launch()
 
@@ -180,13 +111,13 @@ class Planner:
     @property
     def state(self) -> dict[str, Tensor]:
         """Copies of all arrays that the next steps depend on, which can be assigned again later."""
-        return {name: torch.from_numpy(self.arrays[name].numpy()) for name in STATE}
+        return {name: torch.from_numpy(self.arrays[name].numpy()) for name in self._kept}
 
     @state.setter
     def state(self, state: dict[str, Tensor]) -> None:
-        if set(state) != set(STATE):
+        if set(state) != set(self._kept):
             raise RequestError("the planners were kept by another revision of agent.planner: start a new run")
-        for name in STATE:
+        for name in self._kept:
             self.arrays[name].fill(state[name].numpy())
 
     def read(self, name: str) -> Tensor:

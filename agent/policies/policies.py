@@ -52,7 +52,10 @@ class Chooser(Protocol):
 
 
 class Tracker:
-    """Tracker that steps a planner with a policy: the policy sets ``actions`` after each choice."""
+    """Tracker that steps a planner with a policy.
+
+    The policy sets ``actions`` after each choice; if bodies drive, to the poses before each look.
+    """
 
     def __init__(
         self,
@@ -151,8 +154,9 @@ class Explorer:
         """Explore environments of the configuration ``world`` under ``avoidance``.
 
         With a ``chooser``, the goals are the views that it chooses. ``tracker`` replaces the default tracker
-        of the planners.
+        of the planners. Raises ``ValueError`` for bodies that drive: see ``DrivingExplorer``.
         """
+        world.require_lattice("an explorer")
         self.avoidance, self.interventions = avoidance, 0
         self.tracker = tracker or Tracker(world, config, chooser=chooser)
 

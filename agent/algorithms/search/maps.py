@@ -19,8 +19,8 @@ from vitruvius.agent.planner.core.arrays import PlannerArrays
 from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.core.state import loaded, store
-from vitruvius.agent.planner.lattice.step import Step
 from vitruvius.agent.planner.mapping.occupancy import FLAGS, OCCUPIED
+from vitruvius.agent.planner.step import Step
 from vitruvius.agent.planner.viewpoints.reachability import OPEN
 from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, start, ti

@@ -7,37 +7,38 @@ import torch
 from torch import Tensor
 
 from vitruvius.agent.baselines.driving.steering import steered
-from vitruvius.agent.planner.core.config import TUNED, PlannerConfig
-from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.agent.planner import TUNED, PlannerConfig
+from vitruvius.agent.policies.policies import Tracker
 from vitruvius.sim.config import Config
 
 
 class DrivingExplorer:
-    """Policy that drives by its map to the target that was seen, or else to the next best view."""
+    """Policy that drives by its map to the target that was seen, or else to the next best view.
+
+    An ``Explorer`` turns its planner's advice into allowed actions of a lattice. This class steers by it.
+    """
 
     interventions = 0
 
     def __init__(self, world: Config, poses: Callable[[], np.ndarray], config: PlannerConfig = TUNED) -> None:
         """Explore environments of the configuration ``world``; ``poses`` returns the bodies' poses (E, 3).
 
-        Raises ``ValueError`` for rays from which the planner cannot keep a map.
+        Raises ``ValueError`` for bodies that do not drive, and for the reasons of ``Planner``.
         """
-        self.world, self.poses, self.config = world, poses, config
-        self.planner = DrivingPlanner(world, 1, config)
+        if not world.drives:
+            raise ValueError("an explorer that drives needs the backend free")
+        self.drive, self.poses = world.drive, poses
+        self.tracker = Tracker(world, config)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of ``environments`` environments."""
-        if len(self.planner.course) != environments:
-            self.planner = DrivingPlanner(self.world, environments, self.config)
-        self.fresh = torch.ones(environments, dtype=torch.bool)
+        self.tracker.begin(environments)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Return actions for observations (E, R, C): (v, w) (E, 2) float32, or commands' numbers (E,) int64.
 
         ``blocked`` (E,) bool is true where an obstacle blocked the last action.
         """
-        pose = torch.from_numpy(self.poses().astype(np.float32))
-        self.planner.drive(observation, blocked, self.fresh, pose)
-        self.fresh.fill_(False)
-        off, room = self.planner.course.numpy().T
-        return torch.from_numpy(steered(self.world.drive, off, np.where(room < 0, np.inf, room)))
+        self.tracker.actions = torch.from_numpy(self.poses().astype(np.float32))
+        turn, stop_m = self.tracker.look(observation, blocked).advice.numpy().T
+        return torch.from_numpy(steered(self.drive, turn, np.where(stop_m < 0, np.inf, stop_m)))

@@ -1,5 +1,1 @@
-"""Planners of bodies that drive: the map, views and paths of ``agent.planner``, from any pose."""
-
-from vitruvius.agent.planner.driving.planner import DrivingPlanner
-
-__all__ = ["DrivingPlanner"]
+"""Steps of planners whose bodies drive: the map, views and paths from any pose."""

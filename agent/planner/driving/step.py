@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 from vitruvius.agent.planner.core.arrays import PlannerArrays
 from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.core.config import PlannerConfig
-from vitruvius.agent.planner.core.state import SEARCH, first_state, loaded, store
+from vitruvius.agent.planner.core.state import SEARCH, loaded, store
 from vitruvius.agent.planner.driving.course import Course
 from vitruvius.agent.planner.driving.sweep import Sweep, turned
 from vitruvius.agent.planner.goal import NEXT
-from vitruvius.agent.planner.lattice.step import SKIPPED, Sighting, Step
-from vitruvius.agent.planner.mapping.scan import TARGET, WALL
+from vitruvius.agent.planner.mapping.scan import WALL
 from vitruvius.agent.planner.mapping.visibility import FINE
+from vitruvius.agent.planner.step import SKIPPED, Step
 from vitruvius.sim.backends.free.body import TURN, cosine_sine
 from vitruvius.sim.runtime import Bytes, Floats, Ints, kernel, ti
 
@@ -50,9 +50,9 @@ class Driven(NamedTuple):
     place: Floats
     """(E, 2): place of each body before the last step, cells from the start."""
 
-    course: Floats
-    """(E, 2): radians to turn to the left, and metres to go until the body should stand; negative: no
-    stop."""
+    advice: Floats
+    """(E, 2): courses: the radians to turn to the left, and the metres after which the body should stand,
+    negative if it should not stop."""
 
 
 @ti.data_oriented
@@ -75,10 +75,7 @@ class DrivingStep(Step):
         """Return the state at a pose, and the eye's place in cells from the start of the episode."""
         here = ti.Vector([driven.pose[3 * e], driven.pose[3 * e + 1]])
         if fresh:
-            self.paths.forget(memory, base, state.queued)
-            self.occupancy.forget(memory, base)
-            self.viewpoints.forget(memory, base)
-            state = first_state(0)
+            state = self.begin(memory, state, base, 0)
             for k in ti.static(range(2)):
                 driven.start[2 * e + k], driven.place[2 * e + k] = here[k], 0.0
         eye = (here - ti.Vector([driven.start[2 * e], driven.start[2 * e + 1]])) / ti.static(self.cell)
@@ -98,33 +95,27 @@ class DrivingStep(Step):
     def look(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
              eye, cosine, sine):  # fmt: skip
         """Mark what the body covers and the rays show on the map; return the state and the sighting."""
-        time, known, offset = state.time, state.known, state.target - eye
-        new, sight = self.occupancy.see_body(memory, base, state.x, state.y, time), Sighting(0)
-        sight.due = self.visibility.due(time, state.new, known, 0)
-        sight.low, sight.high = ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
-        before, earlier, ends, furthest = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0]), 0, 0
+        sight, offset = self.unsighted(state, 0), state.target - eye
+        new, furthest = self.occupancy.see_body(memory, base, state.x, state.y, state.time), 0
+        # The two rays before this one, and how many of them ended on a wall.
+        before, earlier, ends = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0]), 0
         for r in range(self.body.rays):
             d, kind = self.scan.reach(observation, e, r)
             way = turned(ti.Vector([tables.rays[2 * r], tables.rays[2 * r + 1]]), cosine, sine)
-            far = ti.cast(d * self.body.ray_range, ti.i32)
             ray = way * ti.static(self.body.ray_range / FINE)
-            end = d * ray
+            end, far = d * ray, ti.cast(d * self.body.ray_range, ti.i32)
             memory.reached[e * self.body.rays + r] = far
             furthest = ti.max(furthest, far)
             if sight.due:
                 if kind == WALL:
-                    sight.hits += self.sweep.wall(memory, base, eye, end, before, earlier, ends, time)
+                    hits = self.sweep.wall(memory, base, eye, end, before, earlier, ends, state.time)
+                    sight.hits += hits
                     ends, earlier, before = ti.min(ends + 1, 2), before, end
                 else:
                     ends = 0
-            if kind == TARGET:
-                sight.spotted += 1
-                sight.side += way
-                sight.low, sight.high = ti.min(sight.low, end), ti.max(sight.high, end)
-            elif known:
-                sight.missed |= self.target.misses(offset, ray, d * ray.norm())
+            sight = self.notice(sight, state.known, offset, kind, d, ray, way)
         if sight.due:
-            new += self.sweep.floor(memory, tables, base, e, eye, cosine, sine, furthest, time)
+            new += self.sweep.floor(memory, tables, base, e, eye, cosine, sine, furthest, state.time)
         state.new = new
         state.seen += new
         return state, sight
@@ -158,7 +149,7 @@ class DrivingStep(Step):
             off, room = ti.atan2(-way[1], way[0]) - heading, -1.0
             if (state.kind == SEARCH) & (state.look >= 0):
                 room = 0.5 * ti.cast(state.path, ti.f32) * ti.static(self.cell)
-        driven.course[2 * e], driven.course[2 * e + 1] = off, room
+        driven.advice[2 * e], driven.advice[2 * e + 1] = off, room
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Step of all planners: move, see, remember, choose, advise."""
+"""Step of planners whose bodies move on a lattice: move, see, remember, choose, advise."""
 
 from functools import cache
 from typing import Any
@@ -6,52 +6,37 @@ from typing import Any
 from vitruvius.agent.planner.core.arrays import PlannerArrays, PlannerTables
 from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.core.config import PlannerConfig
-from vitruvius.agent.planner.core.state import SEARCH, first_state, loaded, store
-from vitruvius.agent.planner.goal import Goal
+from vitruvius.agent.planner.core.state import SEARCH, loaded, store
 from vitruvius.agent.planner.lattice.advice import Advice
-from vitruvius.agent.planner.mapping.occupancy import Occupancy
-from vitruvius.agent.planner.mapping.scan import DOOR, TARGET, WALL, Scan
-from vitruvius.agent.planner.mapping.target import TargetEstimate
-from vitruvius.agent.planner.mapping.visibility import Visibility
-from vitruvius.agent.planner.paths import Paths
-from vitruvius.agent.planner.viewpoints.belief import Belief
-from vitruvius.agent.planner.viewpoints.candidates import Candidates
-from vitruvius.agent.planner.viewpoints.choice import Viewpoints
+from vitruvius.agent.planner.mapping.scan import DOOR, WALL
+from vitruvius.agent.planner.step import SKIPPED, Step
 from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 
-SKIPPED = 2
-"""Value of ``begun`` for environments whose planner stays as it is."""
+DOOR_WITHIN_STEPS = 1.5
+"""Distance of a closed door, in free steps, within which the body is before it. A body that pushes a door
+stands within a step of it; the rays that meet the door at an angle are longer."""
 
-Sighting = ti.types.struct(
-    due=ti.i32,  # 1 if the rays were swept
-    hits=ti.i32,  # cells newly found to be occupied
-    forward=ti.i32,  # 1 if the rays leave the body room to go forward
-    door=ti.i32,  # 1 if the body is before a closed door
-    spotted=ti.i32,  # rays that met the target
-    missed=ti.i32,  # 1 if a ray missed a known target that it should have met
-    low=ti.math.vec2,  # corners of the box of the rays' ends on the target, cells from the eye
-    high=ti.math.vec2,
-    side=ti.math.vec2,  # sum of these rays' directions
+SweptRay = ti.types.struct(
+    kind=ti.i32,  # of the ray's end, -1 before the first ray
+    far=ti.i32,  # how far the ray reaches, in fractions (``FINE``) of a cell
+    reached=ti.i32,  # how far it reached in the last sweep
+    end=ti.math.vec2,  # its end, cells from the eye
 )
 
 
 @ti.data_oriented
-class Step:
-    """Parts of a step, for a configuration and a body; environment ``e``'s cells begin at ``base``."""
+class LatticeStep(Step):
+    """Parts of a step of a body on a lattice."""
 
     def __init__(self, config: PlannerConfig, body: BodyModel) -> None:
-        self.config, self.body = config, body
-        self.scan = Scan(body)
-        self.occupancy = Occupancy(config, body.step, body.touching, body.errs)
-        self.visibility = Visibility(config, self.occupancy, body.rays, body.ray_range, self.scan.tolerance)
-        self.target = TargetEstimate(config, body.target, body.drives)
-        self.belief = Belief(config, self.occupancy, body.prior)
-        candidates = Candidates(config, self.occupancy, self.belief)
-        self.viewpoints = Viewpoints(config, self.occupancy, candidates, body.drives)
-        self.paths = Paths(config, self.occupancy)
+        super().__init__(config, body)
         self.advice = Advice(self.occupancy, self.paths)
         self.ahead = body.step // 2 if body.touching else body.step
-        self.goal = Goal(config, self.occupancy, self.paths, self.viewpoints, body)
+
+    @ti.func
+    def eye(self, state):
+        """Return the eye's place, cells from the start: the state counts half cells."""
+        return ti.Vector([0.5 * ti.cast(state.x, ti.f32), 0.5 * ti.cast(state.y, ti.f32)])
 
     @ti.func
     def move(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
@@ -83,10 +68,7 @@ class Step:
                 # Before the first wall, the map took everything for what lies 45 degrees aside.
                 fresh = 1
         if fresh:
-            self.paths.forget(memory, base, state.queued)
-            self.occupancy.forget(memory, base)
-            self.viewpoints.forget(memory, base)
-            state = first_state(ti.max(diagonal, 0))
+            state = self.begin(memory, state, base, ti.max(diagonal, 0))
         if diagonal >= 0:
             state.aligned = 1
         state.time += 1
@@ -95,46 +77,28 @@ class Step:
     @ti.func
     def see(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e):
         """Mark what the body covers and the rays show on the map; return the state and the sighting."""
-        px, py, heading, time, known = state.x, state.y, state.heading, state.time, state.known
-        eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
-        offset, new = state.target - eye, self.occupancy.see_body(memory, base, px, py, time)
-        sight = Sighting(0)
-        sight.due = self.visibility.due(time, state.new, known, state.straight)
-        sight.forward, sight.low, sight.high = 1, ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
-        before, last_kind, last_far, last_reached = ti.Vector([0.0, 0.0]), -1, 0, 0
-        corner = self.occupancy.at(px >> 1, py >> 1)
-        row = (heading * 4) | (px & 1) | ((py & 1) << 1)  # of the fan: the heading, and the place in a cell
+        eye, sight = self.eye(state), self.unsighted(state, state.straight)
+        offset, new = state.target - eye, self.occupancy.see_body(memory, base, state.x, state.y, state.time)
+        sight.forward = 1
+        last = SweptRay(0)
+        last.kind = -1
         for r in range(self.body.rays):
-            j = 2 * (heading * self.body.rays + r)
-            d, kind = self.scan.end(tables, observation, e, heading, r)
+            d, kind = self.scan.end(tables, observation, e, state.heading, r)
             if ti.static(self.body.slip):
                 memory.last[e * self.body.rays + r] = d
+            j = 2 * (state.heading * self.body.rays + r)
             ray = ti.Vector([tables.directions[j], tables.directions[j + 1]])
-            end = d * ray
-            if (kind == WALL) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
+            clear = tables.clear[(state.heading & 1) * self.body.rays + r]
+            if (kind == WALL) & (d < clear):
                 sight.forward = 0
             if ti.static(self.scan.doors):
-                sight.door |= ti.cast(
-                    (kind == DOOR) & (d < 1.5 * tables.clear[(heading & 1) * self.body.rays + r]), ti.i32
-                )
+                sight.door |= ti.cast((kind == DOOR) & (d < DOOR_WITHIN_STEPS * clear), ti.i32)
             if sight.due:
-                far = ti.cast(d * self.body.ray_range, ti.i32)
-                unseen, reached = self.visibility.floor(
-                    memory, tables, base, e * self.body.rays + r, corner, row, r, far, last_far,
-                    last_reached, state.straight, time,
-                )  # fmt: skip
+                end = d * ray
+                unseen, hits, last = self.sweep(memory, tables, state, base, e, r, kind, d, end, eye, last)
                 new += unseen
-                if kind == WALL:
-                    sight.hits += self.visibility.wall(
-                        memory, base, eye, end, before, last_kind == WALL, time
-                    )
-                before, last_kind, last_far, last_reached = end, kind, far, reached
-            if kind == TARGET:
-                sight.spotted += 1
-                sight.side += ray / ray.norm()
-                sight.low, sight.high = ti.min(sight.low, end), ti.max(sight.high, end)
-            elif known:
-                sight.missed |= self.target.misses(offset, ray, d * ray.norm())
+                sight.hits += hits
+            sight = self.notice(sight, state.known, offset, kind, d, ray, ray / ray.norm())
         if sight.due:
             state.straight = 0
         state.new = new
@@ -142,11 +106,29 @@ class Step:
         return state, sight
 
     @ti.func
+    def sweep(self, memory: ti.template(), tables: ti.template(), state, base, e, r, kind, d, end, eye, last):
+        """Mark the floor before the end of ray ``r``, cells from the eye, and what it ended on.
+
+        ``last`` is the ray before it. Returns the number of cells that were never seen, the number of those
+        newly found to be occupied, and this ray.
+        """
+        ray = SweptRay(kind=kind, far=ti.cast(d * self.body.ray_range, ti.i32), reached=0, end=end)
+        corner = self.occupancy.at(state.x >> 1, state.y >> 1)
+        pose = (state.heading * 4) | (state.x & 1) | ((state.y & 1) << 1)  # heading, and the place in a cell
+        unseen, reached = self.visibility.floor(
+            memory, tables, base, e * self.body.rays + r, corner, pose, r, ray.far, last.far, last.reached,
+            state.straight, state.time,
+        )  # fmt: skip
+        ray.reached, hits = reached, 0
+        if kind == WALL:
+            hits = self.visibility.wall(memory, base, eye, end, last.end, last.kind == WALL, state.time)
+        return unseen, hits, ray
+
+    @ti.func
     def remember(self, memory: ti.template(), state, sight, base, blocked):
         """Update the target's place, the pick-ups, and what blocks the body; return state and sighting."""
         px, py = state.x, state.y
-        eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
-        state = self.remember_target(memory, state, sight, base, eye)
+        state = self.remember_target(memory, state, sight, base, self.eye(state))
         # Before a closed door, the obstacle is the door, which will open.
         if (blocked != 0) & (sight.door == 0):
             sight.forward = 0
@@ -162,27 +144,6 @@ class Step:
             self.occupancy.close(memory, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
             sight.hits += 1
         return state, sight
-
-    @ti.func
-    def remember_target(self, memory: ti.template(), state, sight, base, eye):
-        """Update the target's place and the pick-ups, seen from the ``eye``, cells; return the state."""
-        offset, known, picked = state.target - eye, state.known, 0
-        if sight.spotted > 0:
-            there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, offset)
-            picked = known & self.target.other(there, offset)
-            state.target = eye + there
-            known = 1
-        elif known & self.target.gone(offset, sight.missed):
-            known = 0
-            picked = ti.cast(ti.abs(offset).max() < ti.static(self.config.picked_up), ti.i32)
-        if picked:
-            state.since, state.straight = state.time, -1
-            state.found += 1
-            self.viewpoints.forget(memory, base)
-            spot = ti.cast(ti.floor(eye + offset + 0.5), ti.i32)
-            state.found_here += self.belief.within(self.belief.start_room(memory, base), spot[0], spot[1])
-        state.known = known
-        return state
 
     @ti.func
     def advise(self, memory: ti.template(), state, base):
@@ -201,7 +162,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
 
     The kernel's arguments have the names of the planner's arrays.
     """
-    parts = Step(config, body)
+    parts = LatticeStep(config, body)
 
     @kernel
     def step(
@@ -233,7 +194,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
 @cache
 def lead_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
     """Return the kernel that gives viewpoints to planners in the step in which they have none."""
-    parts = Step(config, body)
+    parts = LatticeStep(config, body)
 
     @kernel
     def lead(goals: Ints, memory: PlannerArrays, states: Ints, advice: Longs):

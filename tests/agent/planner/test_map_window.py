@@ -15,7 +15,6 @@ from tests.sample_houses import random_house
 from tests.sim.conformance.autoreset import check_autoreset_modes
 from tests.sim.conformance.claims import check_vector_env
 from vitruvius.agent.planner import Planner
-from vitruvius.agent.planner.driving import DrivingPlanner
 from vitruvius.agent.planner.map_window import MapWindow
 from vitruvius.sim import DEFAULT, HouseVectorEnv
 
@@ -56,7 +55,7 @@ def cut(planner: Planner, e: int) -> np.ndarray:
 def test_it_is_the_window_of_a_planner_that_sees_the_same(backend):
     envs = make(backend=backend, max_episode_steps=300)
     inner: Any = envs.unwrapped
-    own: Any = (DrivingPlanner if backend == "free" else Planner)(inner.config, 3)
+    own: Any = Planner(inner.config, 3)
     seen, info = envs.reset(seed=0)
     none, fresh = torch.zeros(3, dtype=torch.int64), torch.ones(3).bool()
     actions, headings = walk(envs, 200), set()
@@ -64,7 +63,7 @@ def test_it_is_the_window_of_a_planner_that_sees_the_same(backend):
         pose = torch.from_numpy(info["pose"])
         rays, blocked = torch.from_numpy(seen["rays"]), torch.from_numpy(info["blocked"])
         last = torch.from_numpy(actions[t - 1]) if t else none
-        own.drive(rays, blocked, fresh, pose) if backend == "free" else own.step(rays, blocked, last, fresh)
+        own.step(rays, blocked, pose if backend == "free" else last, fresh)
         fresh = torch.zeros(3).bool()
         for e in range(3):
             np.testing.assert_array_equal(seen["map"][e], cut(own, e))

@@ -1,5 +1,6 @@
 """Policies: the fraction of random actions."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -57,14 +58,11 @@ class Planners:
     """Stub of a planner, which makes no map and records its arguments."""
 
     def __init__(self, _, environments, *__, led=False):
-        self.advice = self.course = torch.zeros(environments, 2)
+        self.advice = torch.zeros(environments, 2)
         self.led, self.fresh = led, []
 
     def step(self, *arguments):
         self.fresh.append(arguments[3].tolist())
-
-    def drive(self, *arguments):
-        self.fresh.append(arguments[2].tolist())
 
 
 NOTHING, STILL = torch.zeros(3, 40, 2), torch.zeros(3, dtype=torch.bool)
@@ -89,11 +87,11 @@ def test_a_tracker_has_a_planner_for_each_environment_that_a_chooser_leads(monke
 
 
 def test_an_explorer_that_drives_has_a_planner_for_each_environment(monkeypatch):
-    monkeypatch.setattr(driving, "DrivingPlanner", Planners)
+    monkeypatch.setattr(policies, "Planner", Planners)
     monkeypatch.setattr(driving, "steered", lambda drive, off, room: off)
-    explorer = DrivingExplorer(DEFAULT, lambda: np.zeros((3, 3)))
+    explorer = DrivingExplorer(replace(DEFAULT, drives=True), lambda: np.zeros((3, 3)))
     explorer.begin(3)
     assert len(explorer(NOTHING, STILL)) == 3
     assert len(explorer(NOTHING, STILL)) == 3
-    planner: Any = explorer.planner
+    planner: Any = explorer.tracker.planner
     assert planner.fresh == [[True] * 3, [False] * 3]

@@ -15,8 +15,8 @@ from vitruvius.agent.baselines.driving.steering import steered
 from vitruvius.agent.baselines.table import DRIVING_BASELINES
 from vitruvius.agent.evaluation.episodes import play
 from vitruvius.agent.learning.environments import make_envs
-from vitruvius.agent.planner import FREE, TAKEN
-from vitruvius.agent.planner.driving import DrivingPlanner
+from vitruvius.agent.planner import FREE, TAKEN, Planner
+from vitruvius.agent.policies.policies import Explorer
 from vitruvius.logic import FreeWall, House, Room
 from vitruvius.sim import DEFAULT, HouseVectorEnv
 from vitruvius.sim.drive import COMMANDS, Drive
@@ -88,9 +88,9 @@ def test_its_map_is_the_houses_where_it_looked_also_where_walls_stand_at_an_angl
             ends[e].append((pose[e, :2] + way[e])[met[e]] - start[e])
         seen, _, _, _, info = envs.step_torch(actions)
         seen, blocked = seen.numpy().copy(), info["blocked"]
-    cell = policy.planner.cell
+    cell = policy.tracker.planner.cell
     for e, house in enumerate(bank):
-        cells, solids = policy.planner.occupancy(e), Solids(house).all
+        cells, solids = policy.tracker.planner.occupancy(e), Solids(house).all
         middle = start[e] + cell * (np.argwhere(cells == FREE)[:, ::-1] - len(cells) // 2 + 0.5)
         inside = shapely.distance(shapely.points(middle), solids) == 0
         assert len(middle) > 100
@@ -150,13 +150,22 @@ def test_other_rays_and_other_motions_do_as_well(config):
         ({"rays": 400, "ray_spacing": 1.0, "first_ray": 180.0}, "rays around once at most"),
         ({"latency": 2}, "rays of now, not of 2 steps ago"),
         ({"angle_noise": 1.0}, "rays whose directions have no error"),
-        ({"drives": False}, "a body of the backend free"),
     ],
 )
 def test_rays_that_no_map_can_be_kept_by_are_refused_in_a_line(changes, words):
     with pytest.raises(ValueError, match=re.escape(f"a planner that drives needs {words}")) as error:
-        DrivingPlanner(replace(DEFAULT, **{"drives": True} | changes), 2)
+        Planner(replace(DEFAULT, **{"drives": True} | changes), 2)
     assert "\n" not in str(error.value)
+
+
+def test_each_explorer_refuses_the_bodies_of_the_other_in_a_line():
+    envs = make_envs(HOUSES[:1], 1, "main", backend="free")
+    with pytest.raises(ValueError, match="an explorer counts steps on a lattice"):
+        Explorer(lambda observation, blocked: blocked, envs.config)
+    with pytest.raises(ValueError, match="an explorer that drives needs the backend free"):
+        DrivingExplorer(DEFAULT, lambda: np.zeros((1, 3)))
+    with pytest.raises(ValueError, match="planners of bodies that drive choose their viewpoints"):
+        Planner(envs.config, 1, led=True)
 
 
 def test_what_is_told_turns_there_stops_there_and_keeps_the_limits():
