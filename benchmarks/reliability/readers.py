@@ -132,7 +132,7 @@ def _looks(path: Path) -> None:
 
 
 def _promises(path: Path) -> None:
-    """Read promises in the form of a grammar's ``promise/2``."""
+    """Read a file of promises."""
     import json
 
     from vitruvius.logic.house.promises import Promises, read_promises

@@ -1,8 +1,7 @@
 """Independent check that a house keeps its promises, in plain geometry.
 
 The check reads only coordinates and shares nothing with the rules that generated the house. Its standard is
-data: the promises of a grammar travel with its houses, and ``promises.json`` holds those of the shipped
-grammars, too.
+data: the promises of the grammar, which each house carries.
 """
 
 from collections import Counter

@@ -165,6 +165,8 @@ class Builder:
         """Return the promises of the houses of a request."""
         maker = self.maker_of(request)
         program = maker.stated(request)
+        if self.loaded.depths and (sizes := self.programs.unit_sizes(request.rooms)):
+            program = self.programs.rooms(sizes[0])  # the program of the units has no typical facts
         key = maker if request.brief else program  # each house of a brief has a program of its own
         if key not in self._promises:
             pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})

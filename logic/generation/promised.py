@@ -33,6 +33,11 @@ def promised(
     oblong = _required(program, "oblong")
     companions = [*_atoms(program, "beside", 4), *_atoms(program, "around", 4)]
     public = _required(program, "public")
+    at_wall, turning = _at_wall(program), _atoms(program, "turns", 2)
+    turns = _named(each for each in turning if each[1] != "middle")
+    by_wall = {*at_wall} - {*turns}
+    by_room = {*_only(program, "middle")} - {*_named(turning)}
+    own = _own(program)
     return Promises(
         door_width=lengths["door_width"],
         door_widths=_widths(metres["doors"]),
@@ -41,6 +46,8 @@ def promised(
         passage=min(lengths["passage"], lengths["door_clearance"]),
         front=lengths["passage"],
         room_gap=None if shares_walls else lengths["room_gap"],
+        basic=own["basic"],
+        a_side=next(iter(own["a_side"]), None),
         room_size={name: _sizes(sizes) for name, sizes in sorted(extremes["rooms"].items())},
         room_relations={name: tuple(_relations(rows)) for name, rows in metres["rooms"]},
         room_area={name: (float(least), float(most)) for name, least, most in metres["areas"]},
@@ -67,9 +74,13 @@ def promised(
         counts=_counts(_atoms(program, "may", 4), sorted(extremes["rooms"])),
         companions=_counts(companions, ()),
         at_head=_named(_atoms(program, "at_head", 2)),
-        at_wall=_at_wall(program),
-        turns=_named(each for each in _atoms(program, "turns", 2) if each[1] != "middle"),
+        at_wall=at_wall,
+        turns=turns,
+        free_foot=own["free_foot"],
         clear_front=_required(program, "clear_front"),
+        spans={name: _ends(along) for name, along, _ in metres["shares"] if along and name in by_wall},
+        shares={name: _ends(a) for name, a, b in metres["shares"] if a and a == b and name in by_room},
+        meet=own["meet"],
     )
 
 
@@ -183,6 +194,25 @@ def _even_rows(program: Program) -> dict[str, tuple[str, ...]]:
         if all(stands[piece] == ["middle"] for piece in rows):
             found[type_] = rows
     return found
+
+
+def _own(program: Program) -> Mapping[str, tuple[Any, ...]]:
+    """Return the values of the promises that the grammar states itself, by ``promise/2``, by name."""
+    found = defaultdict[str, tuple[Any, ...]](tuple)
+    for name, value in sorted(tuple(map(_plain, fact.arguments)) for fact in program.facts("promise", 2)):
+        found[str(name)] += (value,)
+    return found
+
+
+def _ends(range_: Iterable[float]) -> tuple[float, float]:
+    """Return the least and greatest value, without the noise of the solver."""
+    least, most = (round(float(each), 9) for each in range_)
+    return least, most
+
+
+def _only(program: Program, place: str) -> tuple[str, ...]:
+    """Return the piece types that stand at this place alone."""
+    return tuple(piece for piece, places in sorted(_pairs(program, "stands").items()) if places == [place])
 
 
 def _at_wall(program: Program) -> tuple[str, ...]:

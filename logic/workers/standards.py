@@ -11,8 +11,7 @@ from vitruvius.logic.checking.check import violations
 from vitruvius.logic.errors import HouseFileError, RequestError
 from vitruvius.logic.grammar import find, shipped
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.parts import Provenance
-from vitruvius.logic.house.promises import PROMISES, Promises, read_promises
+from vitruvius.logic.house.promises import OLD_PROMISES, Promises, read_promises
 from vitruvius.logic.opener import content_of, from_json
 from vitruvius.logic.spelling import unknown
 from vitruvius.logic.workers.messages import Open, Promise, Promised
@@ -48,29 +47,19 @@ def check(house: House, promises: Standard | None = None) -> list[str]:
 
 
 def promises_of(house: House) -> Promises:
-    """Return the promises in the house's provenance, with those of ``promises.json`` for a shipped grammar.
+    """Return the promises in the house's provenance.
 
-    A house without promises has those of the shipped grammar that it names. A star that names no grammar,
-    such as the original's, has those of ``DEFAULT``.
+    An old house without promises has those of ``OLD_PROMISES`` for the shipped grammar that it names. A star
+    that names no grammar, such as the original's, has those of ``DEFAULT``.
     """
     made = house.provenance
     if made is None:
-        return PROMISES[DEFAULT] if house.main_room else Promises()
-    said = _beside_what_is_stated(made, PROMISES.get(made.grammar, Promises()))
-    if made.promises is None:
-        return said
-    return said.beside(made.promises) if made.grammar_hash == _hash_of(made.grammar) else made.promises
-
-
-def _beside_what_is_stated(made: Provenance, said: Promises) -> Promises:
-    """Return the grammar's promises without the rules that gave way to a brief, a plan or counts.
-
-    The promises in the house file state these.
-    """
-    ways = ("opens",) if {"brief", "plan"} & made.request.keys() else ()
-    typical = ("door_width", "room_size", "room_area", "narrowest", "lit") if made.gave_way else ()
-    silent = msgspec.structs.asdict(Promises())
-    return msgspec.structs.replace(said, **{name: silent[name] for name in (*ways, *typical)})
+        return OLD_PROMISES[DEFAULT] if house.main_room else Promises()
+    if made.promises is not None:
+        return made.promises
+    old = OLD_PROMISES.get(made.grammar, Promises())
+    # A plan or a brief may join rooms by other doors.
+    return msgspec.structs.replace(old, opens={}) if {"brief", "plan"} & made.request.keys() else old
 
 
 def standard(named: Standard) -> Callable[[House], Promises]:
@@ -111,17 +100,10 @@ def _read(file: Path) -> dict[str, Any]:
 @cache
 def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
     """Return the promises of houses with ``rooms`` rooms, by the rules with this hash."""
-    name, late = Path(directory).name, f"{directory}: its promises took more than {SECONDS:g} s"
+    late = f"{directory}: its promises took more than {SECONDS:g} s"
     worker = Solver(Open(grammar=directory))
     try:
         worker.loaded()
-        found = worker.asked(Promise(request={"rooms": rooms}), Promised, SECONDS, late).promises
+        return worker.asked(Promise(request={"rooms": rooms}), Promised, SECONDS, late).promises
     finally:
         worker.end()
-    return PROMISES[name].beside(found) if digest == _hash_of(name) else found
-
-
-@cache
-def _hash_of(grammar: str) -> str:
-    """Return the current hash of a shipped grammar, or an empty text for another grammar."""
-    return find(grammar).hash if grammar in shipped() else ""

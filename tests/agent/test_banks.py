@@ -10,7 +10,7 @@ from vitruvius.agent.banks import BANKS, benchmark, geometry_hash, named, requir
 from vitruvius.commands.train import Train
 from vitruvius.logic import House, HouseFileError, Rect, Star, check, generate, load, save
 from vitruvius.logic.dataset.splits import TEST, TRAINING, VALIDATION
-from vitruvius.logic.house.promises import PROMISES
+from vitruvius.logic.house.promises import OLD_PROMISES
 from vitruvius.sim.environment.arguments import BANK
 
 GRAMMAR_AND_LEAST_MOST_ROOMS = {
@@ -20,22 +20,22 @@ GRAMMAR_AND_LEAST_MOST_ROOMS = {
     "home-large-test-v1": ("home", 8, 12),
 }
 
-OPENS = PROMISES["home"].opens | {"bedroom": ("bathroom", "storage")}
+OPENS = OLD_PROMISES["home"].opens | {"bedroom": ("bathroom", "storage")}
 """Promises of homes without a newer one: the banks may have storage behind a bedroom."""
 
 PROMISED = {
     # This bank is older than the promise that fronts are clear, which 52 of its houses do not keep.
-    "test-v1": replace(PROMISES["family"], clear_front=()),
+    "test-v1": replace(OLD_PROMISES["family"], clear_front=()),
     # This bank is older than the sizes of some rooms.
     "home-test-v1": replace(
-        PROMISES["home"],
-        room_area=PROMISES["home"].room_area
+        OLD_PROMISES["home"],
+        room_area=OLD_PROMISES["home"].room_area
         | {"hall": (3.0, 11.0), "living": (15.0, 36.0), "bathroom": (3.4, 9.5), "storage": (1.2, 6.0)},
-        narrowest=PROMISES["home"].narrowest | {"hall": 1.5, "kitchen": 2.0},
+        narrowest=OLD_PROMISES["home"].narrowest | {"hall": 1.5, "kitchen": 2.0},
         opens=OPENS,
     ),
-    "large-test-v1": PROMISES["family"],
-    "home-large-test-v1": replace(PROMISES["home"], opens=OPENS),
+    "large-test-v1": OLD_PROMISES["family"],
+    "home-large-test-v1": replace(OLD_PROMISES["home"], opens=OPENS),
 }
 
 

@@ -3,6 +3,7 @@
 /** <module> What a grammar's clauses say of lengths and areas, as it is written: houses keep it, whatever their grid */
 
 :- use_module(library(apply)).
+:- use_module(library(lists)).
 :- use_module('../answers').
 :- use_module('../linear/grid').
 :- use_module('../linear/linear').
@@ -14,7 +15,7 @@
 %
 %   Json gives [Name,Metres] of the lengths of these Names; [Type,Least,Most] of the `areas` of rooms of these Types, square metres, of
 %   those that are stated, and the same of `wholes` with their parts; the `total` area of the house, [Least,Most] or null; [Type,Metres] of
-%   the free squares; [Type,Other,Metres] of `doors`; the thickness of `walls`, [Inner,Outer] or null. Relations of two lengths
+%   the free squares; [Piece,Along,Out] of `shares`, of Pieces whose sides depend on those of the room (piece_shares/3); [Type,Other,Metres] of `doors`; the thickness of `walls`, [Inner,Outer] or null. Relations of two lengths
 %   are rows/2 of linear.pl, with the first length as variable 0: all rows of the width and the depth of the `house`, and [Name,Rows] of
 %   the width and the depth of `rooms` and of the length and the depth of Pieces.
 
@@ -26,11 +27,12 @@ grammar_metres(Names, Types, Pieces, Json) :-
     findall([T,U,M], ( clause(grammar:door_width(T,U,M), true), ground(T-U-M), number(M) ), Doors),
     findall([T,Rows], ( member(T, Types), both_rows(room_size(T, A, B), A, B, Rows) ), Rooms),
     findall([P,Rows], ( member(P, Pieces), piece_rows(P, Rows) ), Sizes),
+    findall([P,Along,Out], ( member(P, Pieces), piece_shares(P, Along, Out) ), Shares),
     total_stated(Total),
     walls_stated(Walls),
     house_rows(House),
     as_json(_{lengths:Lengths, areas:Areas, wholes:Wholes, total:Total, turning:Turning, walls:Walls, doors:Doors,
-              house:House, rooms:Rooms, pieces:Sizes}, Json).
+              shares:Shares, house:House, rooms:Rooms, pieces:Sizes}, Json).
 
 stated_area(Head, Least, Most) :- once(grammar:Head), number(Least), number(Most).
 
@@ -52,6 +54,37 @@ piece_rows(Piece, Rows) :-
     findall(x, clause(grammar:piece_size(Piece,_,_,_), _), [_]),
     given_walls(Piece, _-_, Walls),
     both_rows(piece_size(Piece, L, D, Walls), L, D, Rows).
+
+%   piece_shares(+Piece, -Along, -Out) is semidet: Along is [Least,Most], the fractions of the wall between which the piece's length lies, and Out
+%   those of the room's other side for its depth; null where its clause states none. Fails for a piece with several clauses, or without any.
+
+piece_shares(Piece, Along, Out) :-
+    findall(x, clause(grammar:piece_size(Piece,_,_,_), _), [_]),
+    given_walls(Piece, Wall-Across, Given),
+    Head = piece_size(Piece, L, D, Given),
+    share(Head, L, Wall, Along),
+    share(Head, D, Across, Out),
+    [Along,Out] \== [null,null].
+
+%   share(+Head, ?Side, ?Whole, -Share): a row F*Side + G*Whole =< 0 bounds Side by the fraction -G/F of Whole. Without a lower bound the least
+%   is 0, without an upper one the most is 1, as no piece is longer than its wall. Rows with a constant state no fraction.
+
+share(Head, Side, Whole, [Least,Most]) :-
+    both_rows(Head, Side, Whole, Rows),
+    findall(B, bound(least, Rows, B), Lows),
+    findall(B, bound(most, Rows, B), Highs),
+    [Lows,Highs] \== [[],[]], !,
+    max_list([0.0|Lows], Least),
+    min_list([1.0|Highs], Most).
+share(_, _, _, null).
+
+bound(Which, Rows, Fraction) :-
+    member([[[0,F],[1,G]],Constant,Relation], Rows), abs(Constant) < 1.0e-9,
+    bounds(Relation, F, Which),
+    Fraction is -G/F.
+
+bounds("=", _, _).
+bounds("=<", F, Which) :- ( F > 0 -> Which = most ; Which = least ).
 
 %   both_rows(+Head, ?A, ?B, -Rows) is semidet: the rows that have both lengths, at least one. Fails on a grid, where each length is
 %   rounded by itself.

@@ -308,7 +308,7 @@ def test_promises_are_those_of_the_program_or_in_a_brief_of_its_maker(
         def stated(self, request: Any) -> str:
             return next(programs)
 
-    maker, loaded = OneMaker(), stub(furniture={}, extremes={})
+    maker, loaded = OneMaker(), stub(furniture={}, extremes={}, depths=None)
     builder: Any = stub(
         maker_of=lambda _: maker,
         loaded=loaded,

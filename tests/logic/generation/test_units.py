@@ -54,6 +54,12 @@ def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, roo
         assert House.from_dict(house.to_dict()) == house
 
 
+def test_a_building_promises_what_the_typical_rules_of_its_flats_state(apartments: Builder) -> None:
+    promises = apartments.promises(Request(8))
+    assert promises.degree == {"corridor": (4, 9), "hall": (2, 4)}
+    assert {*promises.lit} == {"living", "bedroom", "dining", "kitchen", "study"}
+
+
 def test_the_size_of_a_house_is_that_of_each_flat(apartments: Builder) -> None:
     """``house_size`` of their lengths: neither side is more than 2.2 times as long as the other."""
     house = apartments.house(Request(16), 3, 0, INFERENCES)

@@ -13,7 +13,6 @@ from vitruvius.logic import LimitReached, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Room
-from vitruvius.logic.house.promises import PROMISES
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.request import Request
@@ -234,7 +233,7 @@ def test_what_is_no_rectangle_is_refused_by_name() -> None:
 def test_a_plan_stands_in_the_place_of_a_topology_of_the_users(tmp_path: Path) -> None:
     rules = copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(row)."), row=ROW)
     house = made(builder(rules), FILE)
-    assert check(house, PROMISES["home"]) == []
+    assert check(house, "home") == []
     assert places(house.rooms) == places(read_plan(FILE).rooms)
 
 
