@@ -1,6 +1,6 @@
 """Swings of doors: the free direction of each, and the places of the leaves of open doors.
 
-Plans show the swings; no rule uses them.
+Plans show the swings. Rules know only the squares around them (``rules/shared_walls/swings.pl``).
 """
 
 import math
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vitruvius.logic.house.boxes import TOLERANCE, Box, distance, excess, overlap
+from vitruvius.logic.house.boxes import TOLERANCE, Box, distance, excess
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Door, Room
 
@@ -33,17 +33,30 @@ class Leaf(NamedTuple):
         return min(xs), min(ys), max(xs), max(ys)
 
 
+MAX_MOVED = 3
+"""Number of other doors, one in the way of the next, whose leaves may change for the leaf of a door."""
+
+MAX_SETTLED = 300
+"""Number of attempts in a house to move leaves of doors for other doors, which bounds the time."""
+
+MAX_NEAR = 8
+"""Number of other swings near a leaf up to which circles are compared; of more, the squares around them."""
+
+POINTS = (np.stack(np.meshgrid(np.arange(12), np.arange(12)), axis=-1).reshape(-1, 2) + 0.5) / 12
+"""Points of a unit square, by which the area that two swings share is measured, shape (144, 2)."""
+
+
 def door_leaves(house: House) -> list[Leaf]:
     """Return a leaf for each door that is no opening, in the order of ``house.doors``.
 
     The leaf swings into the room farther from the robot's start, with its hinge at the jamb nearer to a
     corner. If it would sweep over furniture, walls or another door's swing there, the leaf takes one of the
-    other three ways that is free. If none is free, it takes the way that sweeps over least.
+    other three ways that is free, or leaves of doors before it change so that one is free. If none is free,
+    it takes the way that sweeps over least.
     """
     steps, rooms = _steps(house), {room.name: room for room in house.rooms}
     pieces = {room.name: [piece.box for piece in room.pieces] for room in house.rooms}
-    leaves: list[Leaf] = []
-    swings, into = np.empty((len(house.doors), 4)), np.empty(len(house.doors), object)
+    leaves = _Leaves(len(house.doors))
     for door in house.doors:
         if door.opening:
             continue
@@ -51,16 +64,70 @@ def door_leaves(house: House) -> list[Leaf]:
             _ways(door, house, rooms),
             key=lambda leaf: (-steps.get(leaf.room, 0), _from_corner(leaf, rooms[leaf.room].box)),
         )
-        swept: list[tuple[float, float]] = []
-        for leaf in ways:
-            others = swings[: len(leaves)][into[: len(leaves)] == leaf.room]
-            swept.append(_swept(leaf, rooms[leaf.room].box, pieces[leaf.room], others))
-            if swept[-1] == (0, 0):
-                break
-        leaf = ways[swept.index(min(swept))]
-        swings[len(leaves)], into[len(leaves)] = leaf.swing, leaf.room
-        leaves.append(leaf)
-    return leaves
+        leaves.add(ways, [_swept(leaf, rooms[leaf.room].box, pieces[leaf.room]) for leaf in ways])
+    return leaves.chosen
+
+
+class _Leaves:
+    """Leaves of the doors so far, each one of the ways of its door."""
+
+    def __init__(self, most: int) -> None:
+        """Begin without a door. There are at most this many."""
+        self.chosen: list[Leaf] = []
+        self._swings, self._into = np.empty((most, 4)), np.empty(most, object)
+        self._free: list[list[Leaf]] = []  # ways of each door over no furniture and no walls
+        self._attempts = 0
+        self._before: list[tuple[int, Leaf]] = []  # changes, each the number of a door and its leaf before
+
+    def add(self, ways: list[Leaf], swept: list[float]) -> None:
+        """Choose a leaf for one more door, of its ways in order of preference."""
+        number = len(self.chosen)
+        self._before.clear()
+        self._free.append([leaf for leaf, depth in zip(ways, swept, strict=True) if depth == 0])
+        self.chosen.append(ways[0])
+        self._put(number, ways[0])
+        if not self._settle(number, MAX_MOVED, ()):
+            crossed = [self._crossed(number, leaf)[1].sum() for leaf in ways]
+            self._put(number, ways[min(range(len(ways)), key=lambda way: (swept[way], crossed[way]))])
+
+    def _settle(self, number: int, moves: int, settled: tuple[int, ...]) -> bool:
+        """Let the leaf of a door cross no other, or return False. Those that are ``settled`` stay."""
+        mark, settled = len(self._before), (*settled, number)
+        self._attempts += bool(moves)
+        moves = moves if self._attempts <= MAX_SETTLED else 0
+        for most in sorted({0, moves}):
+            for leaf in self._free[number]:
+                others, _ = self._crossed(number, leaf)
+                if len(others) > most or not set(settled).isdisjoint(others):
+                    continue
+                self._put(number, leaf)
+                if all(self._settle(other, moves - len(others), settled) for other in others):
+                    return True
+                while len(self._before) > mark:
+                    self._set(*self._before.pop())
+        return False
+
+    def _put(self, number: int, leaf: Leaf) -> None:
+        self._before.append((number, self.chosen[number]))
+        self._set(number, leaf)
+
+    def _set(self, number: int, leaf: Leaf) -> None:
+        self.chosen[number], self._swings[number], self._into[number] = leaf, leaf.swing, leaf.room
+
+    def _crossed(self, number: int, leaf: Leaf) -> tuple[np.ndarray, np.ndarray]:
+        """Return the doors whose swings a leaf of a door would cross, and the areas, square metres."""
+        swing, count = leaf.swing, len(self.chosen)
+        starts = np.maximum(self._swings[:count, :2], swing[:2])
+        sides = np.minimum(self._swings[:count, 2:], swing[2:]) - starts
+        near = np.flatnonzero((sides.min(axis=1) > TOLERANCE) & (self._into[:count] == leaf.room))
+        near = near[near != number]
+        areas = sides[near].prod(axis=1)
+        if len(near) <= MAX_NEAR:
+            for place, other in enumerate(near):
+                points = starts[other] + POINTS * sides[other]
+                common = _in_reach(leaf, points) & _in_reach(self.chosen[other], points)
+                areas[place] *= common.mean()
+        return near[areas > 0], areas[areas > 0]
 
 
 def _steps(house: House) -> dict[str, int]:
@@ -101,14 +168,21 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
     return ways
 
 
-def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: np.ndarray) -> tuple[float, float]:
-    """Return the depth of a leaf in furniture and walls, and in the swings ``others`` (N, 4), metres."""
-    swing, length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
+def _swept(leaf: Leaf, room: Box, pieces: list[Box]) -> float:
+    """Return the depth of a leaf in furniture and walls, metres."""
+    (west, north, east, south), length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
     point = (*leaf.hinge, *leaf.hinge)
-    hit = [length - distance(point, piece) for piece in pieces if overlap(swing, piece) > TOLERANCE]
-    deep = np.minimum(others[:, 2:], swing[2:]) - np.maximum(others[:, :2], swing[:2])
-    crossed = float(deep.min(axis=1).max(initial=TOLERANCE))
-    return max([excess(swing, room), *hit, TOLERANCE]) - TOLERANCE, crossed - TOLERANCE
+    hit = [
+        length - distance(point, (max(west, x0), max(north, y0), min(east, x1), min(south, y1)))
+        for x0, y0, x1, y1 in pieces
+        if min(east, x1) - max(west, x0) > TOLERANCE and min(south, y1) - max(north, y0) > TOLERANCE
+    ]
+    return max([excess(leaf.swing, room), *hit, TOLERANCE]) - TOLERANCE
+
+
+def _in_reach(leaf: Leaf, points: np.ndarray) -> np.ndarray:
+    """Return for points (N, 2) of the square around a swing which ones the leaf sweeps over, shape (N,)."""
+    return np.hypot(*(points - leaf.hinge).T) < math.dist(leaf.hinge, leaf.tip)
 
 
 def _from_corner(leaf: Leaf, room: Box) -> float:

@@ -1,4 +1,4 @@
-:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//6, side_axis/2, span/6, joins/2, outer_way/3, beyond_outline/1, outer_margin/2]).
+:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//7, side_axis/2, span/6, joins/2, outer_way/3, beyond_outline/1, outer_margin/2]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
@@ -16,6 +16,7 @@ an inner one away from the face of its room.
 :- use_module('../language/lengths').
 :- use_module('../linear/sample').
 :- use_module(opening_sizes).
+:- use_module(swings).
 
 :- table window_walls/3.
 
@@ -180,7 +181,7 @@ least_wall(_, _, Least, Least).
 plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
     { thickness_known(Rooms), maplist(room_box, Rooms, Boxes),
       joins(Atoms, Joins), findall(window(R,S), member(window(R,S), Atoms), Panes) },
-    doors_sample(Joins, Atoms, Rooms, Doors),
+    clear_doors(doors_sample(Joins, Atoms, Rooms, []), Doors),
     windows_sample(Panes, Atoms, Rooms, Windows).
 
 %   thickness_known(+Rooms): that of the walls, which was an unknown of the constraints.
@@ -205,38 +206,42 @@ joins(Atoms, Doors) :-
 outer_way(entrance(R,Side), R, Side).
 outer_way(garden(R,Side),   R, Side).
 
-doors_sample([], _, _, []) --> [].
-doors_sample([Join|Joins], Atoms, Rooms, [Door|Doors]) -->
-    door_sample(Join, Atoms, Rooms, Door),
-    doors_sample(Joins, Atoms, Rooms, Doors).
+%   doors_sample(+Joins, +Atoms, +Rooms, +Before, -Doors)//: those Before have their places.
 
-door_sample(door(R,Q,Line), Atoms, Rooms, Door) -->
+doors_sample([], _, _, _, []) --> [].
+doors_sample([Join|Joins], Atoms, Rooms, Before, [Door|Doors]) -->
+    door_sample(Join, Atoms, Rooms, Before, Door),
+    doors_sample(Joins, Atoms, Rooms, [Door|Before], Doors).
+
+door_sample(door(R,Q,Line), Atoms, Rooms, Before, Door) -->
     { memberchk(room(R,T,SidesR,EdgesR), Rooms), memberchk(room(Q,U,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, _), span(Axis, SidesQ, EdgesQ, B1, B2, _),
       From is max(A1, B1), To is min(A2, B2),
       line_side(Line, EdgesR, Side), wall_place(Side, SidesR, At) },
-    joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, Door).
-door_sample(Way, Atoms, Rooms, door(Box,R,outside)) -->
+    joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, Before, Door).
+door_sample(Way, Atoms, Rooms, Before, door(Box,R,outside)) -->
     { outer_way(Way, R, Side), outer_part(R, Side, Atoms, Rooms, Type, Start, End), door_width_of(Type, outside, Width, _), outer_margin(door_margin, Margin) },
-    wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
+    { wall_range(R, Side, Rooms, Start-End, Width, Margin, Axis-At, Range) },
+    start_sample(Axis-At, Width, Range, Before, At0),
+    { segment(Axis, At, At0, Width, Box) }.
 
-%!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, -Door)// is det.
+%!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, +Before, -Door)// is det.
 %
 %   The door between two rooms R-Q of these types, or opening(Box,R,Q) where they are open to each other, in the Part From-To of
-%   the Wall Axis-At that they share; all of it, where R is a part of Q.
+%   the Wall Axis-At that they share; all of it, where R is a part of Q. Doors Before have their places.
 
-joint_sample(R-Q, Atoms, _, Axis-At, From-To, opening(Box,R,Q)) -->
+joint_sample(R-Q, Atoms, _, Axis-At, From-To, _, opening(Box,R,Q)) -->
     { memberchk(part_of(R,Q), Atoms), !, Wall is To - From, segment(Axis, At, From, Wall, Box) }.
-joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, opening(Box,R,Q)) -->
+joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, _, opening(Box,R,Q)) -->
     { memberchk(open_to(R,Q), Atoms), Wall is To - From, opening_range(T, U, Wall, Low-High), ! },
     interval_sample(Low, High, 1, Length),
     { Latest is To - Length },
     interval_sample(From, Latest, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
-joint_sample(R-Q, _, T-U, Axis-At, From-To, door(Box,R,Q)) -->
+joint_sample(R-Q, _, T-U, Axis-At, From-To, Before, door(Box,R,Q)) -->
     { door_width_of(T, U, Width, _), length_of(door_margin, Margin), Low is From + Margin, High is To - Width - Margin },
-    interval_sample(Low, High, 1, Start),
+    start_sample(Axis-At, Width, Low-High, Before, Start),
     { segment(Axis, At, Start, Width, Box) }.
 
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
@@ -256,13 +261,12 @@ side_place(south, sides(_,_,_,Y),  1, Y).
 segment(x, Y, X, Length, box(X,Y,Length,0.0)).
 segment(y, X, Y, Length, box(X,Y,0.0,Length)).
 
-%   wall_sample(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Box)//: somewhere along this part, so far from its ends.
+%   wall_range(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Wall, -Range): where something so long starts along this part of the
+%   Wall Axis-At, so far from its ends.
 
-wall_sample(R, Side, Rooms, A1-A2, Length, Margin, Box) -->
-    { memberchk(room(R,_,Sides,_), Rooms), wall_place(Side, Sides, At), side_axis(Side, Axis),
-      Low is A1 + Margin, High is A2 - Length - Margin },
-    interval_sample(Low, High, 1, Start),
-    { segment(Axis, At, Start, Length, Box) }.
+wall_range(R, Side, Rooms, A1-A2, Length, Margin, Axis-At, Low-High) :-
+    memberchk(room(R,_,Sides,_), Rooms), wall_place(Side, Sides, At), side_axis(Side, Axis),
+    Low is A1 + Margin, High is A2 - Length - Margin.
 
 windows_sample([], _, _, []) --> [].
 windows_sample([window(R,Side)|Panes], Atoms, Rooms, [window(Box,R)|Windows]) -->
@@ -271,7 +275,9 @@ windows_sample([window(R,Side)|Panes], Atoms, Rooms, [window(Box,R)|Windows]) --
       Most is A2 - A1 - 2*Margin,
       window_range(Type, A1-A2, Most, Low-High) },
     interval_sample(Low, High, 1, Length),
-    wall_sample(R, Side, Rooms, A1-A2, Length, Margin, Box),
+    { wall_range(R, Side, Rooms, A1-A2, Length, Margin, Axis-At, First-Last) },
+    interval_sample(First, Last, 1, Start),
+    { segment(Axis, At, Start, Length, Box) },
     windows_sample(Panes, Atoms, Rooms, Windows).
 
 %   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, Most at most; all of it without a clause.

@@ -17,6 +17,7 @@ A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a roo
 :- use_module(opening_sizes).
 :- use_module(openings).
 :- use_module(plans).
+:- use_module(swings).
 :- use_module('../linear/sample').
 :- use_module('../language/sizes').
 :- use_module(totals).
@@ -114,33 +115,37 @@ outer_wall(Walls, R, S, At, A-B) :-
 
 own_openings(Atoms, Types, Walls, Seed, Json) :-
     joins(Atoms, Joins), findall(window(R,S), member(window(R,S), Atoms), Panes),
-    openings_sample(Joins, Atoms-Types, Walls, Doors, Seed, Seed1),
-    openings_sample(Panes, Atoms-Types, Walls, Windows, Seed1, _),
+    clear_doors(openings_sample(Joins, Atoms-Types, Walls, []), Doors, Seed, Seed1),
+    openings_sample(Panes, Atoms-Types, Walls, [], Windows, Seed1, _),
     answer_record(plan([],Doors,Windows), Record),
     as_json(Record, Json).
 
-openings_sample([], _, _, []) --> [].
-openings_sample([A|As], Known, Walls, [Opening|Openings]) -->
-    opening_sample(A, Known, Walls, Opening),
-    openings_sample(As, Known, Walls, Openings).
+%   openings_sample(+Openings, +Known, +Walls, +Before, -Boxes)//: those Before have their places.
 
-opening_sample(door(R,Q,_), Atoms-Types, Walls, Door) -->
+openings_sample([], _, _, _, []) --> [].
+openings_sample([A|As], Known, Walls, Before, [Opening|Openings]) -->
+    opening_sample(A, Known, Walls, Before, Opening),
+    openings_sample(As, Known, Walls, [Opening|Before], Openings).
+
+opening_sample(door(R,Q,_), Atoms-Types, Walls, Before, Door) -->
     { memberchk(wall(R,Side,Q,At,A,B), Walls), side_axis(Side, Axis), memberchk(R-T, Types), memberchk(Q-U, Types) },
-    joint_sample(R-Q, Atoms, T-U, Axis-At, A-B, Door).
-opening_sample(Way, _, Walls, door(Box,R,outside)) -->
+    joint_sample(R-Q, Atoms, T-U, Axis-At, A-B, Before, Door).
+opening_sample(Way, _, Walls, Before, door(Box,R,outside)) -->
     { outer_way(Way, R, Side), once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), outer_margin(door_margin, Margin) },
-    segment_sample(Side, At, Span, Width, Margin, Box).
-opening_sample(window(R,Side), Atoms-Types, Walls, window(Box,R)) -->
+    { segment_range(Side, Span, Width, Margin, Axis, Range) },
+    start_sample(Axis-At, Width, Range, Before, Start),
+    { segment(Axis, At, Start, Width, Box) }.
+opening_sample(window(R,Side), Atoms-Types, Walls, _, window(Box,R)) -->
     { window_wall(Atoms, Walls, R, Side, At, A-B), memberchk(R-Type, Types), outer_margin(window_margin, Margin),
       Most is B - A - 2*Margin,
       window_range(Type, A-B, Most, Low-High) },
     interval_sample(Low, High, 1, Length),
-    segment_sample(Side, At, A-B, Length, Margin, Box).
+    { segment_range(Side, A-B, Length, Margin, Axis, First-Last) },
+    interval_sample(First, Last, 1, Start),
+    { segment(Axis, At, Start, Length, Box) }.
 
 window_wall(Atoms, Walls, R, Side, At, A-B) :- memberchk(toward(R,Side,Q), Atoms), !, memberchk(wall(R,Side,Q,At,A,B), Walls).
 window_wall(_, Walls, R, Side, At, Span) :- once(outer_wall(Walls, R, Side, At, Span)).
 
-segment_sample(Side, At, A-B, Length, Margin, Box) -->
-    { side_axis(Side, Axis), Low is A + Margin, High is B - Length - Margin },
-    interval_sample(Low, High, 1, Start),
-    { segment(Axis, At, Start, Length, Box) }.
+segment_range(Side, A-B, Length, Margin, Axis, Low-High) :-
+    side_axis(Side, Axis), Low is A + Margin, High is B - Length - Margin.

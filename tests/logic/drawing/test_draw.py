@@ -6,7 +6,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import reduce
 from itertools import combinations, product
 from pathlib import Path
@@ -337,7 +337,7 @@ def test_a_leaf_is_as_long_as_its_door_hangs_on_a_jamb_and_swings_into_a_room(ho
         assert (x1 - first[0]) / scale + house.rooms[0].x == pytest.approx(leaf.tip[0])
         assert (y1 - first[1]) / scale + house.rooms[0].y == pytest.approx(leaf.tip[1])
     for one, other in combinations(leaves, 2):
-        assert one.room != other.room or overlap(one.swing, other.swing) <= 1e-6
+        assert one.room != other.room or not any(in_swing(other, point) for point in swing_points(one))
 
 
 def test_a_leaf_sweeps_over_furniture_only_where_each_other_way_would_too() -> None:
@@ -365,14 +365,27 @@ def test_a_leaf_sweeps_over_furniture_only_where_each_other_way_would_too() -> N
 
 def sweeps_over_furniture(house: House, leaf: Leaf) -> bool:
     """Return True if one of many points of the quarter circle lies on a piece."""
-    (x, y), (tip_x, tip_y), (jamb_x, jamb_y) = leaf.hinge, leaf.tip, leaf.jamb
     boxes = [piece.box for piece in house.room(leaf.room).pieces]
+    return any(
+        west < x < east and north < y < south
+        for x, y in swing_points(leaf)
+        for west, north, east, south in boxes
+    )
+
+
+def swing_points(leaf: Leaf) -> Iterator[tuple[float, float]]:
+    """Yield points of the quarter circle that a leaf sweeps over."""
+    (x, y), (tip_x, tip_y), (jamb_x, jamb_y) = leaf.hinge, leaf.tip, leaf.jamb
     for k, m in product(range(1, 20), range(31)):
         u, v = k / 20 * math.cos(m * math.pi / 60), k / 20 * math.sin(m * math.pi / 60)
-        at = x + u * (tip_x - x) + v * (jamb_x - x), y + u * (tip_y - y) + v * (jamb_y - y)
-        if any(west < at[0] < east and north < at[1] < south for west, north, east, south in boxes):
-            return True
-    return False
+        yield x + u * (tip_x - x) + v * (jamb_x - x), y + u * (tip_y - y) + v * (jamb_y - y)
+
+
+def in_swing(leaf: Leaf, point: tuple[float, float]) -> bool:
+    """Return True if a leaf sweeps over a point, other than at its edge."""
+    west, north, east, south = leaf.swing
+    inside = west + 1e-6 < point[0] < east - 1e-6 and north + 1e-6 < point[1] < south - 1e-6
+    return inside and math.dist(leaf.hinge, point) < math.dist(leaf.hinge, leaf.tip) - 1e-6
 
 
 @settings(max_examples=30)
