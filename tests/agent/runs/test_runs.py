@@ -5,6 +5,7 @@ import io
 import json
 import os
 import pickle
+import shutil
 import signal
 import time
 from dataclasses import replace
@@ -55,6 +56,22 @@ SEARCH = SearchConfig(
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 
 
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory) -> Path:
+    """Return the folder of a run that has ended, made once."""
+    folder = tmp_path_factory.mktemp("ended") / "run"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(runs, "SAVE_EVERY", 0.0)
+        run(HOUSES, CONFIG, folder, name="pqn", command="vitruvius train ...")
+    return folder
+
+
+@pytest.fixture
+def folder(ended: Path, tmp_path: Path) -> Path:
+    """Return a copy of it, for a test to change."""
+    return shutil.copytree(ended, tmp_path / "run")
+
+
 @pytest.fixture(autouse=True)
 def keeping_at_once(monkeypatch):
     """Save all after every report."""
@@ -89,15 +106,14 @@ def test_train_takes_any_task_and_any_field_of_the_simulator_and_keeps_them(tmp_
     assert Path("run/report.html").read_bytes() == report(Path("run"))
 
 
-def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):
-    made, history = run(HOUSES, CONFIG, tmp_path / "run", name="pqn", command="vitruvius train ...")
-    record = json.loads((tmp_path / "run/config.json").read_text())
+def test_a_folder_has_all_that_is_needed_to_repeat_the_run(ended):
+    record = json.loads((ended / "config.json").read_text())
     assert checkpoint.config_of(record["algorithm"], record["config"]) == CONFIG
     assert record["houses"] == {"number": 4, "hash": bank_hash(HOUSES)}
-    found = checkpoint.load(tmp_path / "run/agent.safetensors")
+    found = checkpoint.load(ended / "agent.safetensors")
     assert (found.steps, found.houses, found.command) == (1536, bank_hash(HOUSES), "vitruvius train ...")
-    assert made.steps == history[-1].steps == metrics(tmp_path / "run")[-1]["steps"] == 1536
-    assert [path.name[:19] for path in (tmp_path / "run/tensorboard").iterdir()] == ["events.out.tfevents"]
+    assert metrics(ended)[-1]["steps"] == 1536
+    assert [path.name[:19] for path in (ended / "tensorboard").iterdir()] == ["events.out.tfevents"]
 
 
 def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
@@ -203,25 +219,23 @@ def test_a_run_that_is_ended_is_saved_at_the_next_report(number, end, tmp_path, 
     assert made.steps == 1536
 
 
-def test_a_run_goes_on_with_more_steps(tmp_path):
-    run(HOUSES, CONFIG, tmp_path / "run")
-    made, history = run(HOUSES, replace(CONFIG, steps=2500), tmp_path / "run", resume=True)
+def test_a_run_goes_on_with_more_steps(folder):
+    made, history = run(HOUSES, replace(CONFIG, steps=2500), folder, resume=True)
     assert made.steps == 2560
     assert [now.steps for now in history] == list(range(128, 2561, 128))
 
 
-def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(tmp_path):
-    run(HOUSES, CONFIG, tmp_path / "run")
-    before = {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
+def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(folder):
+    before = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
     with pytest.raises(RequestError, match="holds a run already"):
-        run(HOUSES, CONFIG, tmp_path / "run")
+        run(HOUSES, CONFIG, folder)
     with pytest.raises(RequestError, match="another config cannot go on here: q_lambda"):
-        run(HOUSES, replace(CONFIG, q_lambda=0.3), tmp_path / "run", resume=True)
+        run(HOUSES, replace(CONFIG, q_lambda=0.3), folder, resume=True)
     with pytest.raises(RequestError, match="pqn cannot go on as dqn"):
-        run(HOUSES, replace(PRESETS["dqn"], num_envs=8), tmp_path / "run", resume=True)
+        run(HOUSES, replace(PRESETS["dqn"], num_envs=8), folder, resume=True)
     with pytest.raises(RequestError, match="other houses"):
-        run(HOUSES[:2], CONFIG, tmp_path / "run", resume=True)
-    assert before == {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
+        run(HOUSES[:2], CONFIG, folder, resume=True)
+    assert before == {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 @pytest.mark.parametrize("name", ["agent.safetensors", "metrics.jsonl", "state.pt.gz"])
@@ -237,22 +251,20 @@ def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
     with folder.alone(resume=False), pytest.raises(RequestError, match="another run is at work here"):
         run(HOUSES, CONFIG, tmp_path / "run", resume=True)
     assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
-    run(HOUSES, CONFIG, tmp_path / "run")  # a run that ended leaves the folder free
+    run(HOUSES, replace(CONFIG, steps=128), tmp_path / "run")  # a run that ended leaves the folder free
 
 
-def test_a_damaged_state_is_refused_in_one_line(tmp_path):
-    run(HOUSES, CONFIG, tmp_path / "run")
-    state = tmp_path / "run/state.pt.gz"
+def test_a_damaged_state_is_refused_in_one_line(folder):
+    state = folder / "state.pt.gz"
     for content in (b"", b"nothing", state.read_bytes()[:-500]):
         state.write_bytes(content)
         with pytest.raises(CheckpointError, match=r"state.pt.gz: cannot be read") as caught:
-            run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+            run(HOUSES, CONFIG, folder, resume=True)
         assert "\n" not in str(caught.value)
 
 
-def test_a_state_of_another_content_is_refused_in_one_line(tmp_path):
-    run(HOUSES, CONFIG, tmp_path / "run")
-    state = tmp_path / "run/state.pt.gz"
+def test_a_state_of_another_content_is_refused_in_one_line(folder):
+    state = folder / "state.pt.gz"
     (good,) = torch.load(io.BytesIO(gzip.decompress(state.read_bytes())), weights_only=True)
     strange = [
         7,
@@ -269,16 +281,15 @@ def test_a_state_of_another_content_is_refused_in_one_line(tmp_path):
         torch.save(value, content)
         state.write_bytes(gzip.compress(content.getvalue()))
         with pytest.raises((CheckpointError, RequestError)) as caught:
-            run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+            run(HOUSES, CONFIG, folder, resume=True)
         assert "\n" not in str(caught.value)
     state.write_bytes(gzip.compress(pickle.dumps(print)))
     with pytest.raises(CheckpointError, match="cannot be read"):
-        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+        run(HOUSES, CONFIG, folder, resume=True)
 
 
-def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refused(tmp_path):
-    run(HOUSES, CONFIG, tmp_path / "run")
-    file = tmp_path / "run/metrics.jsonl"
+def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refused(folder):
+    file = folder / "metrics.jsonl"
     lines = file.read_bytes().splitlines(keepends=True)
     strange = [
         b"\xff\xfe\n",
@@ -287,12 +298,12 @@ def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refus
         lines[0].replace(b'"steps": 128', b'"steps": null'),
     ]
     file.write_bytes(b"".join([*strange, *lines, bytes(100_000)]))
-    _, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    _, history = run(HOUSES, CONFIG, folder, resume=True)
     assert [now.steps for now in history] == list(range(128, 1537, 128))
     assert file.read_bytes().splitlines(keepends=True) == lines
     file.write_bytes(strange[0])
     with pytest.raises(CheckpointError, match=r"metrics.jsonl: holds no report up to step 1,536"):
-        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+        run(HOUSES, CONFIG, folder, resume=True)
 
 
 def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypatch):
