@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import torch
 
+from tests.agent.algorithms.cases import QUICK
 from vitruvius.agent.algorithms.build import learner_of, network_of, policy_of
 from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.banks import benchmark
@@ -34,12 +35,6 @@ pytestmark = pytest.mark.second_part("each preset learns for a while")
 
 FILE = Path(__file__).parents[1] / "golden" / "agent.json"
 STEPS, ENVIRONMENTS = 1500, 8
-SMALL: dict[str, dict[str, Any]] = {
-    "dqn": {"buffer_size": 8000, "learning_starts": 1000, "batch_size": 128},
-    "paper": {"buffer_size": 8000, "batch_size": 100, "num_minibatches": 5},
-}
-"""Changes with which a preset learns something in so few steps."""
-
 RECORDED = [preset for preset, config in PRESETS.items() if not config.reads_maps]
 """Presets with a record. The choices of the other presets depend on the rounding of a processor."""
 
@@ -115,7 +110,7 @@ def learnt(preset: str) -> dict[str, Any]:
     """Return what a preset learns in ``STEPS`` of each environment: losses and the digest of the weights."""
     torch.set_num_threads(1)
     config = PRESETS[preset]
-    config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
+    config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **QUICK[config.algorithm])
     envs = environments(config.targets, config.world, backend=config.backend)
     torch.set_float32_matmul_precision(config.precision)
     learner = learner_of(config, envs)

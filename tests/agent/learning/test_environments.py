@@ -98,7 +98,8 @@ def test_what_a_body_senses_besides_changes_nothing_for_layers_and_pictures(fiel
 
 def test_the_presets_learn_in_the_simulators_presets():
     assert {name: simulator(preset) for name, preset in PRESETS.items()} == {
-        name: {"paper": PAPER, "pqn-free": DRIVE}.get(name, DEFAULT) for name in PRESETS
+        name: {"default": DEFAULT, "drive": DRIVE, "paper": PAPER}[preset.world]
+        for name, preset in PRESETS.items()
     }
 
 

@@ -16,13 +16,11 @@ import pytest
 import torch
 
 from tests import processes
+from tests.agent.algorithms.cases import SMALL
 from tests.programs import PATIENCE
 from tests.sample_houses import random_house
 from vitruvius.agent.algorithms.build import algorithm_of
-from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
-from vitruvius.agent.algorithms.pqn.config import PQNConfig
 from vitruvius.agent.algorithms.pqn.learner import PQN
-from vitruvius.agent.algorithms.search.config import SearchConfig
 from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.banks import bank_hash
 from vitruvius.agent.learning.learner import Diverged
@@ -40,20 +38,7 @@ from vitruvius.sim.environment.arguments import BANK
 pytestmark = pytest.mark.second_part("runs are killed and go on")
 
 HOUSES = [random_house(seed) for seed in range(4)]
-CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
-RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
-COMPLETION = CompletionConfig(targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4))
-SEARCH = SearchConfig(
-    targets="secondary",
-    num_envs=4,
-    num_steps=16,
-    steps=384,
-    channels=(4, 4),
-    buffer_size=16,
-    batch_size=2,
-    passes=2.0,
-)
-REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
+CONFIG = SMALL["pqn"]
 
 
 @pytest.fixture(scope="module")
@@ -147,10 +132,9 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 @pytest.mark.parametrize(
     ("config", "houses"),
     [
-        *((config, HOUSES) for config in (CONFIG, RECURRENT, REPLAY, COMPLETION, SEARCH)),
-        (CONFIG, HouseRotation(HOUSES, 2, 50)),
+        *(pytest.param(config, HOUSES, id=name) for name, config in SMALL.items()),
+        pytest.param(CONFIG, HouseRotation(HOUSES, 2, 50), id="pqn-in-rotation"),
     ],
-    ids=["pqn", "pqn-recurrent", "dqn", "map-completion", "search", "pqn-in-rotation"],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config, houses):
     """This is so for each algorithm; what was learned after the last saved state is learned again."""
@@ -174,7 +158,7 @@ def test_houses_in_rotation_are_named_and_maps_of_them_are_not_learnt(tmp_path):
     assert (made.houses, len(made.learnt_in)) == (bank_hash(HOUSES), 4)
     assert json.loads((tmp_path / "run/config.json").read_text())["houses"]["number"] == 4
     with pytest.raises(RequestError, match="map-completion learns in houses that stay: give a house file"):
-        run(rotation, COMPLETION, tmp_path / "maps")
+        run(rotation, SMALL["map-completion"], tmp_path / "maps")
     with pytest.raises(RequestError, match="seed 2000000000 of a stream: learn in houses of seeds below"):
         run(HouseStream(2, seed=2 * 10**9), CONFIG, tmp_path / "stream")
     with pytest.raises(RequestError, match="a state of another rotation"):

@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 import torch
 
+from tests.agent.algorithms import cases
 from tests.agent.evaluation.cases import short_episodes
 from tests.sample_houses import random_house
 from vitruvius.agent.algorithms.build import network_of, policy_of
-from vitruvius.agent.algorithms.dqn.config import DQNConfig
-from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
-from vitruvius.agent.algorithms.paper.config import PaperConfig
 from vitruvius.agent.algorithms.pqn.config import PQNConfig
-from vitruvius.agent.algorithms.search.config import SearchConfig
-from vitruvius.agent.algorithms.table import PRESETS
+from vitruvius.agent.algorithms.table import PRESETS, TABLE
 from vitruvius.agent.baselines.driving import roadmap
 from vitruvius.agent.baselines.table import DRIVING_BASELINES
 from vitruvius.agent.evaluation import protocol
@@ -85,14 +82,11 @@ def test_evaluate_writes_its_page_and_says_what_the_ratio_is_to(learnt, tmp_path
     assert "ratio to the true path" in (tmp_path / "out" / "report.html").read_text()
 
 
-RECURRENT = partial(PQNConfig, network="recurrent")
-
-
-@pytest.mark.parametrize("config", [PQNConfig, DQNConfig, RECURRENT], ids=["pqn", "dqn", "recurrent"])
-def test_a_network_has_an_action_for_each_command(config):
+@pytest.mark.parametrize("name", [name for name, config in cases.SMALL.items() if config.drives])
+def test_a_network_has_an_action_for_each_command(name):
     three = ('drive={"commands":[[0,3],[0,-3],[0.7,0]]}',)
     for sim, count in ((), len(COMMANDS)), (three, 3):
-        made = config(world="drive", avoidance="none", sim=sim)
+        made = replace(cases.SMALL[name], world="drive", avoidance="none", sim=sim)
         assert actions(made) == count
         assert sensor(made).drive == Drive(commands=COMMANDS[:count])
         envs = make_envs(HOUSES[:1], 50, preset=sensor(made), backend=made.backend)
@@ -118,12 +112,11 @@ def quick() -> Checkpoint:
             lambda: PQNConfig(world="drive"),
             "world drive: the layer shield is of bodies on a lattice: add",
         ),
-        (
-            lambda: PaperConfig(world="drive", avoidance="none"),
-            "world drive: paper is of bodies on a lattice: try pqn-free",
+        *(
+            (partial(kind, world="drive"), f"world drive: {kind.algorithm} is of bodies on a lattice: try")
+            for kind, _ in TABLE
+            if not kind.drives
         ),
-        (lambda: CompletionConfig(world="drive"), "world drive: map-completion is of bodies on a lattice"),
-        (lambda: SearchConfig(world="drive"), "world drive: search is of bodies on a lattice"),
         (
             lambda: actions(replace(SMALL, sim=('drive={"commands":[[0,3]]}',))),
             "world drive: 1 commands: three at least, the third one forward",
