@@ -165,7 +165,11 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
 
     @ti.func
     def describe(memory: ti.template(), blocks: ti.template(), ages: ti.template(), state, base, n, cy, cx):
-        """Write the blocks of a window whose first place is a node."""
+        """Write the blocks of a window whose first place is a node.
+
+        A block's number counts its four cells in base ``LEVELS``: those occupied, those ever seen, and those
+        seen since the last pick-up. Its age is 0 if it was never seen, or else 1 and 16 for each doubling.
+        """
         for k in range(ti.static(BLOCKS * BLOCKS)):
             y, x = cy - 2 + 2 * (k // ti.static(BLOCKS)), cx - 2 + 2 * (k % ti.static(BLOCKS))
             count, latest, age = 0, 0, 0
@@ -185,7 +189,8 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
     def measure(memory: ti.template(), ways: ti.template(), state, base, n, cy, cx):
         """Write the distances of a window's places from the body.
 
-        Returns a node of the body, and 1 (i32) if a block within reach may hide a target.
+        Returns a node of the body, and 1 (i32) if a block within reach may hide a target. The front of the
+        distance field moves by a block with each level; its lists lie as those of ``Candidates.collect``.
         """
         first, hides = n * ti.static(PLACES * PLACES), 0
         for k in range(ti.static(PLACES * PLACES)):
@@ -203,27 +208,7 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
                     memory.queue[these + moved] = ti.cast(tile, occupancy.number)
                     moved += 1
                     field.connect(memory, base, tile)
-                open_ = memory.tiles[field.at(base, OPEN, tile)]
-                while latest != 0:
-                    block = ti.cast(ti.math.popcnt((latest & -latest) - ti.u64(1)), ti.i32)
-                    latest &= latest - ti.u64(1)
-                    node = field.node(tile, block)
-                    if open_ >> ti.cast(block, ti.u64) & ti.u64(1) != 0:
-                        hides |= ti.cast(candidates.odds(memory, base, tile, block, state.since) > 0, ti.i32)
-                    # The place in this block, if any; if places begin at odd nodes, it is the block's second
-                    # node.
-                    x, y = occupancy.across(node) + (cx & 1), occupancy.down(node) + (cy & 1)
-                    i, j = (x - cx) & mask, (y - cy) & mask
-                    inside = i < PLACES * pitch and j < PLACES * pitch
-                    if (i | j) & ti.static(pitch - 1) == 0 and inside:  # noqa: SIM102 - it computes both
-                        if occupancy.open(memory, base, occupancy.at(x, y)):
-                            away = ti.max(
-                                ti.abs(occupancy.apart(x, state.x >> 1)),
-                                ti.abs(occupancy.apart(y, state.y >> 1)),
-                            )
-                            way = ti.max(2 * level - 1, away)
-                            at = first + (j // pitch) * PLACES + i // pitch
-                            ways[at] = ti.cast(ti.min(way, UNREACHED >> 1), ti.u16)
+                hides |= reach(memory, ways, state, base, first, tile, latest, level, cy, cx)
             tail = 0
             for k in range(moved):
                 tail = field.spread(memory, base, those, ti.cast(memory.queue[these + k], ti.i32), tail)
@@ -231,6 +216,36 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
             level += 1
         ways[first + ti.static(PLACES // 2 * PLACES + PLACES // 2)] = ti.u16(0)
         return here, hides
+
+    @ti.func
+    def reach(memory: ti.template(), ways: ti.template(), state, base, first, tile, latest, level, cy, cx):
+        """Write the distances of places in the blocks (bits) of a tile that the front has just reached.
+
+        Returns 1 (i32) if one of these blocks may hide a target.
+        """
+        hides, open_ = 0, memory.tiles[field.at(base, OPEN, tile)]
+        while latest != 0:
+            # The lowest bit that is set: the ones below it count its place, then it is cleared.
+            block = ti.cast(ti.math.popcnt((latest & -latest) - ti.u64(1)), ti.i32)
+            latest &= latest - ti.u64(1)
+            node = field.node(tile, block)
+            if open_ >> ti.cast(block, ti.u64) & ti.u64(1) != 0:
+                hides |= ti.cast(candidates.odds(memory, base, tile, block, state.since) > 0, ti.i32)
+            # The place in this block, if any; if places begin at odd nodes, it is the block's second node.
+            x, y = occupancy.across(node) + (cx & 1), occupancy.down(node) + (cy & 1)
+            i, j = (x - cx) & mask, (y - cy) & mask
+            inside = i < PLACES * pitch and j < PLACES * pitch
+            if (i | j) & ti.static(pitch - 1) == 0 and inside:  # noqa: SIM102 - it computes both
+                if occupancy.open(memory, base, occupancy.at(x, y)):
+                    away = ti.max(
+                        ti.abs(occupancy.apart(x, state.x >> 1)), ti.abs(occupancy.apart(y, state.y >> 1))
+                    )
+                    # A level is a block, two nodes; the first begins within the body.
+                    way = ti.max(2 * level - 1, away)
+                    ways[first + (j // pitch) * PLACES + i // pitch] = ti.cast(
+                        ti.min(way, UNREACHED >> 1), ti.u16
+                    )
+        return hides
 
     @kernel
     def read(

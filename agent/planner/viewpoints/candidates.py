@@ -17,8 +17,12 @@ NOT_COMPUTED = (1 << 16) - 1
 class Candidates:
     """Lists of the places within reach on a map.
 
-    The first part of ``queue`` has the viewpoints and their distances. From ``listed`` on it has candidates,
-    from ``front`` on the distance field's tiles.
+    Three lists share an environment's part of ``queue``, which is free while no path is searched:
+
+    - from 0 on, two numbers for each viewpoint: its node and its distance;
+    - from ``listed`` on, the blocks of candidates;
+    - from ``front`` on, the tiles that the front of the distance field reaches now, and after as many numbers
+      as there are tiles, those that it reaches next.
     """
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, belief: Belief) -> None:
@@ -54,6 +58,25 @@ class Candidates:
         return base >> ti.static(2 * (self.pitch.bit_length() - 1))
 
     @ti.func
+    def viewpoint(self, memory: ti.template(), base, k):
+        """Return the node of the k-th viewpoint of the list, and its distance."""
+        at = base + 2 * k
+        return ti.cast(memory.queue[at], ti.i32), ti.cast(memory.queue[at + 1], ti.i32)
+
+    @ti.func
+    def list_viewpoint(self, memory: ti.template(), base, k, node, distance):
+        """Make a node the k-th viewpoint of the list."""
+        memory.queue[base + 2 * k] = ti.cast(node, self.occupancy.number)
+        memory.queue[base + 2 * k + 1] = ti.cast(distance, self.occupancy.number)
+
+    @ti.func
+    def unlist(self, memory: ti.template(), base, listed, kept: ti.template()):
+        """Clear the weights of the ``listed`` candidates, except for the bit ``kept``."""
+        for k in range(listed):
+            i = self.first(base) + ti.cast(memory.queue[base + self.listed + k], ti.i32)
+            memory.candidates[i] = memory.candidates[i] & ti.cast(kept, ti.u8)
+
+    @ti.func
     def collect(self, memory: ti.template(), state, base):
         """Compute the distances of all blocks from the body; list the candidates and viewpoints within reach.
 
@@ -73,8 +96,7 @@ class Candidates:
         these, those = base + self.front, base + self.front + self.field.number
         self.field.begin(memory, base)
         tail, body = self.field.source(memory, base, these, px, py)
-        memory.queue[base] = ti.cast(body, self.occupancy.number)
-        memory.queue[base + 1] = ti.cast(0, self.occupancy.number)
+        self.list_viewpoint(memory, base, 0, body, 0)
         number, level = 1, 0
         while tail > 0:
             moved = 0
@@ -87,6 +109,7 @@ class Candidates:
                     self.field.connect(memory, base, tile)
                     latest &= memory.tiles[self.field.at(base, OPEN, tile)]
                 while latest != 0:
+                    # The lowest bit that is set: the ones below it count its place, then it is cleared.
                     block = ti.cast(ti.math.popcnt((latest & -latest) - ti.u64(1)), ti.i32)
                     latest &= latest - ti.u64(1)
                     node = self.field.node(tile, block)
@@ -114,8 +137,7 @@ class Candidates:
                         worth = last / self.steps(distance)
                         if (last < NOT_COMPUTED) & (worth > hoped):
                             likely, hoped = number, worth
-                        memory.queue[base + 2 * number] = ti.cast(node, self.occupancy.number)
-                        memory.queue[base + 2 * number + 1] = ti.cast(distance, self.occupancy.number)
+                        self.list_viewpoint(memory, base, number, node, distance)
                         number += 1
             tail = 0
             for k in range(moved):

@@ -76,15 +76,8 @@ class Viewpoints:
         gains are right. If no viewpoint shows enough, the result is the nearest candidate and -1; without a
         candidate, -1 for both.
         """
-        first, part = self.candidates.first(base), self.candidates.part(base)
-        px, py, heading = state.x, state.y, state.heading
         nearest, within, total, likely, number, listed = self.candidates.collect(memory, state, base)
-        for k in range(3):
-            here, shown = self.occupancy.at(px >> 1, py >> 1), 1
-            if ti.static(self.drives):
-                shown = ti.cast((k == 1) | (state.aligned > 0), ti.i32)
-            if shown:
-                total -= self.gain(memory, tables, base, here, (heading + k + 7) & 7, 1)[1]
+        total -= self.try_here(memory, tables, state, base)
         most = ti.cast(ti.min(total, ti.static(CERTAIN * self.config.gain_most)), ti.f32)
         least = ti.static(CERTAIN * self.config.gain_least)
         goal, look, best = nearest, -1, 0.0
@@ -92,53 +85,74 @@ class Viewpoints:
             # The likeliest best viewpoint comes first (-1), so that fewer must be computed.
             head, going = ti.select((likely >= 0) & (finer == 0), -1, 0), 1
             while (head < number) & going:
-                k = ti.select(head < 0, likely, head)
+                node, distance = self.candidates.viewpoint(memory, base, ti.select(head < 0, likely, head))
                 head += 1
-                node, distance = (
-                    ti.cast(memory.queue[base + 2 * k], ti.i32),
-                    ti.cast(memory.queue[base + 2 * k + 1], ti.i32),
-                )
-                x, y = self.occupancy.across(node), self.occupancy.down(node)
                 way = self.candidates.steps(distance)
                 # Viewpoints come in order of their distance, to a step or two: none from here on can be
                 # better than the best.
                 if most <= ti.max(best * way, least):
                     going = 0
-                elif self.bound(memory, base, x, y, most, finer) > best * way:
-                    gains = ti.Vector([0.0] * 8)
-                    for octant in ti.static(range(8)):
-                        gains[octant] = self.gain(memory, tables, base, node, octant, 0)[0]
-                    bearing, highest = heading, 0.0
-                    if distance > 0:
-                        bearing = self.bearing(
-                            2 * self.occupancy.apart(x, px >> 1) - (px & 1),
-                            2 * self.occupancy.apart(y, py >> 1) - (py & 1),
-                        )
-                    for h in ti.static(range(8)):
-                        shows = gains[h] + gains[(h + 1) % 8] + gains[(h + 7) % 8]
-                        highest, gain = ti.max(highest, shows), ti.min(most, shows)
-                        turns = self.turns(heading, bearing) + self.turns(bearing, h)
-                        worth = gain / (way + ti.cast(turns, ti.f32))
-                        there = (distance == 0) & (turns == 0)
-                        if (gain >= least) & (worth > best) & (not there):
-                            best, goal, look, within = worth, node, h, distance
-                    if (x | y) & (self.pitch - 1) == 0:
-                        memory.gains[part + self.candidates.place(x, y)] = ti.cast(
-                            ti.min(highest, float(NOT_COMPUTED - 1)), ti.u16
-                        )
-        for k in range(listed):
-            i = first + ti.cast(memory.queue[base + self.candidates.listed + k], ti.i32)
-            memory.candidates[i] = memory.candidates[i] & ti.cast(TRIED, ti.u8)
+                elif self.bound(memory, base, node, most, finer) > best * way:
+                    worth, heading = self.best_look(memory, tables, base, state, node, distance, most, best)
+                    if heading >= 0:
+                        best, goal, look, within = worth, node, heading, distance
+        self.candidates.unlist(memory, base, listed, TRIED)
         return goal, look, within + self.config.path_slack
 
     @ti.func
-    def bound(self, memory: ti.template(), base, x, y, most, finer):
+    def try_here(self, memory: ti.template(), tables: ti.template(), state, base):
+        """Mark the candidates that the body sees now as tried; return the weight of those newly tried."""
+        here, tried = self.occupancy.at(state.x >> 1, state.y >> 1), 0
+        for k in range(3):
+            # A body that drives looks along its own octant (k = 1) alone, except if it is aligned.
+            shown = 1
+            if ti.static(self.drives):
+                shown = ti.cast((k == 1) | (state.aligned > 0), ti.i32)
+            if shown:
+                tried += self.gain(memory, tables, base, here, (state.heading + k + 7) & 7, 1)[1]
+        return tried
+
+    @ti.func
+    def best_look(
+        self, memory: ti.template(), tables: ti.template(), base, state, node, distance, most, best
+    ):
+        """Keep the gain of a viewpoint; return the worth of its best heading, and that heading.
+
+        A view is three octants, its gain at most ``most``, and its worth the gain per step of the way there,
+        turns included. Without a heading of more worth than ``best``, the result is ``best`` and -1.
+        """
+        x, y = self.occupancy.across(node), self.occupancy.down(node)
+        gains = ti.Vector([0.0] * 8)
+        for octant in ti.static(range(8)):
+            gains[octant] = self.gain(memory, tables, base, node, octant, 0)[0]
+        bearing, highest, look, way = state.heading, 0.0, -1, self.candidates.steps(distance)
+        if distance > 0:  # the body arrives at about this heading
+            bearing = self.bearing(
+                2 * self.occupancy.apart(x, state.x >> 1) - (state.x & 1),
+                2 * self.occupancy.apart(y, state.y >> 1) - (state.y & 1),
+            )
+        for h in ti.static(range(8)):
+            shows = gains[h] + gains[(h + 1) % 8] + gains[(h + 7) % 8]
+            highest, gain = ti.max(highest, shows), ti.min(most, shows)
+            turns = self.turns(state.heading, bearing) + self.turns(bearing, h)
+            worth = gain / (way + ti.cast(turns, ti.f32))
+            there = (distance == 0) & (turns == 0)
+            if (gain >= ti.static(CERTAIN * self.config.gain_least)) & (worth > best) & (not there):
+                best, look = worth, h
+        if (x | y) & (self.pitch - 1) == 0:  # the body's own node may lie between the viewpoints
+            memory.gains[self.candidates.part(base) + self.candidates.place(x, y)] = ti.cast(
+                ti.min(highest, float(NOT_COMPUTED - 1)), ti.u16
+            )
+        return best, look
+
+    @ti.func
+    def bound(self, memory: ti.template(), base, node, most, finer):
         """Return a bound on what the best view from a node may show, of ``most`` in all.
 
         The bound is 0 if no gain is to be computed in this pass. Viewpoints between others, without a kept
         gain, are left for the ``finer`` pass.
         """
-        part = self.candidates.part(base)
+        part, x, y = self.candidates.part(base), self.occupancy.across(node), self.occupancy.down(node)
         last, bound = ti.cast(memory.gains[part + self.candidates.place(x, y)], ti.f32), most
         if (x | y) & (self.pitch - 1) != 0:
             bound = ti.select(finer, 0.0, most)
