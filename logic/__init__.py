@@ -19,11 +19,11 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Door, FreeWall, Piece, Rect, Room, Window
 from vitruvius.logic.house.star import Star, StarRoom
 from vitruvius.logic.why.answer import Why
+from vitruvius.logic.workers.check import check
 from vitruvius.logic.workers.explain import explain_house
 from vitruvius.logic.workers.generate import count_layouts, generate, lint
 from vitruvius.logic.workers.nearest import Broken, Nearest, nearest
 from vitruvius.logic.workers.nearest_plan import NearestPlan, nearest_plan
-from vitruvius.logic.workers.standards import check
 from vitruvius.logic.workers.stream import HouseStream
 
 __all__ = [

@@ -16,7 +16,7 @@ from vitruvius.logic.generation.exact_areas import ExactAreasMaker
 from vitruvius.logic.generation.feasibility import Feasibility
 from vitruvius.logic.generation.given_plan import GivenPlanMaker
 from vitruvius.logic.generation.maker import Maker
-from vitruvius.logic.generation.promised import labelled, promised, with_openings
+from vitruvius.logic.generation.promises import labelled, promises_of, with_openings
 from vitruvius.logic.generation.shared_walls import SharedWallsMaker
 from vitruvius.logic.generation.star import StarMaker
 from vitruvius.logic.generation.units import UnitsMaker
@@ -171,7 +171,7 @@ class Builder:
         if key not in self._promises:
             pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture, pieces)
-            self._promises[key] = promised(
+            self._promises[key] = promises_of(
                 program, *found, self.grammar.shares_walls, stated=bool(request.brief or request.plan)
             )
         stated = self._promises[key]

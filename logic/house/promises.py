@@ -159,10 +159,6 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     Two pieces never stand at opposite walls without a third one between them.
     """
 
-    def beside(self, other: "Promises") -> "Promises":
-        """Return these promises, completed by those of ``other``."""
-        return msgspec.structs.replace(other, **given(self))
-
     def suits(self, room: str, piece: str) -> bool:
         """Return True if a room of this type may have a piece of this type, alone or as a companion."""
         if room not in self.counts:
@@ -189,13 +185,6 @@ OLD_PROMISES = msgspec.json.decode(
 They judge files without promises. Since that day each house carries the promises of its rules, so these
 never change.
 """
-
-
-def given(promises: Promises) -> dict[str, Any]:
-    """Return the fields of promises that differ from the defaults."""
-    silent = msgspec.structs.asdict(Promises())
-    said = msgspec.structs.asdict(promises)
-    return {name: value for name, value in said.items() if value != silent[name]}
 
 
 def read_promises(stated: Mapping[str, Any], others: Promises) -> Promises:

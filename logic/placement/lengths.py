@@ -64,9 +64,9 @@ def disagreements(
 def metres(placer: Placer, types: Iterable[str], pieces: Iterable[str] = ()) -> dict[str, Any]:
     """Return the lengths and areas that clauses state for these room types and pieces.
 
-    Units are metres and square metres: see ``promised.pl``.
+    Units are metres and square metres: see ``promises.pl``.
     """
-    return placer.ask("grammar_metres", LENGTHS, list(types), list(pieces))
+    return placer.ask("promised_metres", LENGTHS, list(types), list(pieces))
 
 
 def size_clauses(placer: Placer) -> list[tuple[str, str, str, int, int]]:

@@ -15,7 +15,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
         reports.pl         whether they can be used
         faults.pl          why not, in the words of their author: paths.pl: a clause step by step; nonlinear.pl
         laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
-        promised.pl        what houses keep of the lengths, as they are written
+        promises.pl        what houses promise of the lengths, as the grammar writes them
     linear/            constraints and random numbers
         grid.pl            metres, or cells of a grid
         sample.pl          random numbers
@@ -73,7 +73,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(shared_walls/totals, [total_area/1]).
 :- use_module(language/origins).
 :- use_module(room/plan).
-:- reexport(language/promised).
+:- reexport(language/promises).
 :- reexport(shared_walls/moved).
 :- reexport(shared_walls/own_plan).
 :- reexport(shared_walls/plans).

@@ -14,7 +14,7 @@ from vitruvius import settings
 from vitruvius.agent import banks
 from vitruvius.cli import COMMANDS, main
 from vitruvius.logic import House, RequestError, load
-from vitruvius.logic.workers.standards import standard
+from vitruvius.logic.workers.check import promises_by
 from vitruvius.options import Option, options_of, require
 from vitruvius.sim.environment.arguments import house_list
 
@@ -126,7 +126,7 @@ def test_what_comes_by_the_standard_input_is_read_as_the_file_is(given) -> None:
         with given(PLANS.read_bytes()):
             assert read("-") == load(PLANS)
     with given(b'{"passage": 9.0}'):
-        assert standard("-")(load(PLANS)[0]).passage == 9
+        assert promises_by("-")(load(PLANS)[0]).passage == 9
     with given(b'preset = "pqn"\nlearning_rate = 0.5\n'):
         _, config, _ = settings.read(Path("-"))
     assert config.learning_rate == 0.5

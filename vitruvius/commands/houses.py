@@ -55,12 +55,12 @@ class Check:
         from vitruvius.logic import HouseSet, check, load
         from vitruvius.logic.dataset.sets import MANIFEST
         from vitruvius.logic.spelling import unknown
-        from vitruvius.logic.workers.standards import promises_of, standard
+        from vitruvius.logic.workers.check import promises_by, promises_of
 
         say_warnings()
         houses = load(self.file)
         of = houses if isinstance(houses, HouseSet) else None
-        judged_by = promises_of if self.promises is None else standard(self.promises)
+        judged_by = promises_of if self.promises is None else promises_by(self.promises)
         checked, pieces = list[Violations](), set[str]()
         for index, house in enumerate(progress(of.verified() if of else houses, len(houses), "houses")):
             pieces |= {each.type for room in house.rooms for each in room.pieces}

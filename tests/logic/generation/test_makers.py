@@ -301,7 +301,7 @@ def test_all_sizes_are_looked_at_where_walls_are_shared_and_areas_are_of_single_
 def test_promises_are_those_of_the_program_or_in_a_brief_of_its_maker(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(building, "promised", lambda program, *_, stated: f"promises of {program}")
+    monkeypatch.setattr(building, "promises_of", lambda program, *_, stated: f"promises of {program}")
     programs = iter(("one", "two", "three", "four"))
 
     class OneMaker:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from tests.logic.workers import in_process
 from tests.plans import flat
@@ -22,9 +22,8 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.parts import Piece, Room
 from vitruvius.logic.house.promises import OLD_PROMISES, Promises, Thickness
-from vitruvius.logic.house.promises import given as stated
 from vitruvius.logic.request.request import Request
-from vitruvius.logic.workers.standards import promises_of, standard
+from vitruvius.logic.workers.check import promises_by, promises_of
 
 ROOMS = {"home": 5, "family": 4, "clinic": 6}
 """Numbers of rooms, as few as show most of what a grammar states."""
@@ -43,6 +42,12 @@ LENGTHS = {
     ),
 }
 """Copies of these grammars have other lengths, in one of their files."""
+
+
+def stated(promises: Promises) -> dict[str, Any]:
+    """Return the fields of promises that differ from the defaults."""
+    defaults = asdict(Promises())
+    return {name: value for name, value in asdict(promises).items() if value != defaults[name]}
 
 
 def copy(grammar: str, folder: Path) -> Path:
@@ -301,13 +306,13 @@ def test_a_misspelt_or_impossible_promise_is_an_error_that_says_where(
 ) -> None:
     (tmp_path / "standard.json").write_text(content)
     with pytest.raises(HouseFileError, match=re.escape(words)) as error:
-        standard(tmp_path / "standard.json")
+        promises_by(tmp_path / "standard.json")
     assert str(error.value).startswith(str(tmp_path / "standard.json"))
     if content == '{"door_clearence": 0.9}':
         with pytest.raises(RequestError, match=re.escape(words)):
             check(flat(), json.loads(content))
     with pytest.raises(HouseFileError, match="no such JSON file of promises, and there is no grammar"):
-        standard(tmp_path / "absent")
+        promises_by(tmp_path / "absent")
 
 
 lengths = st.floats(1e-5, 60.0)

@@ -1,6 +1,6 @@
-:- module(promised, [grammar_metres/4]).
+:- module(promises, [promised_metres/4]).
 
-/** <module> What a grammar's clauses say of lengths and areas, as it is written: houses keep it, whatever their grid */
+/** <module> The lengths and areas that houses promise: those of the grammar's clauses, whatever the grid of a house */
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
@@ -11,7 +11,7 @@
 :- use_module(lengths).
 :- use_module(sizes).
 
-%!  grammar_metres(+Names, +Types, +Pieces, -Json) is det.
+%!  promised_metres(+Names, +Types, +Pieces, -Json) is det.
 %
 %   Json gives [Name,Metres] of the lengths of these Names; [Type,Least,Most] of the `areas` of rooms of these Types, square metres, of
 %   those that are stated, and the same of `wholes` with their parts; the `total` area of the house, [Least,Most] or null; [Type,Metres] of
@@ -19,7 +19,7 @@
 %   are rows/2 of linear.pl, with the first length as variable 0: all rows of the width and the depth of the `house`, and [Name,Rows] of
 %   the width and the depth of `rooms` and of the length and the depth of Pieces.
 
-grammar_metres(Names, Types, Pieces, Json) :-
+promised_metres(Names, Types, Pieces, Json) :-
     findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),
     findall([T,Least,Most], ( member(T, Types), stated_area(room_area(T, Least, Most), Least, Most) ), Areas),
     findall([T,Least,Most], ( member(T, Types), stated_area(whole_area(T, Least, Most), Least, Most) ), Wholes),

@@ -17,7 +17,7 @@ from vitruvius.logic.spelling import unknown
 from vitruvius.logic.workers.messages import Open, Promise, Promised
 from vitruvius.logic.workers.solver import Solver
 
-Standard = Promises | Mapping[str, Any] | str | Path
+Chosen = Promises | Mapping[str, Any] | str | Path
 """Promises that judge houses: all of them, some by name, a JSON file of some, or a grammar."""
 
 DEFAULT = "original"
@@ -30,20 +30,20 @@ SECONDS = 60.0
 """Seconds in which to find the promises of a grammar."""
 
 
-def check(house: House, promises: Standard | None = None) -> list[str]:
+def check(house: House, promises: Chosen | None = None) -> list[str]:
     """Check a house.
 
     Return its violations in words, with rooms, pieces and lengths, or ``[]`` if there are none.
 
     Without ``promises`` the house's own promises judge it: see ``promises_of``. ``promises`` may be the name
     of a grammar, as ``"home"``, or replace some promises, as ``{"door_clearance": 0.9, "passage": 0.9}``: see
-    ``standard``. Raises ``RequestError``, a ``ValueError``, for an unknown promise.
+    ``promises_by``. Raises ``RequestError``, a ``ValueError``, for an unknown promise.
     """
     if not isinstance(house, House):
         raise TypeError(
             f"check() takes one House, not {type(house).__name__}: vitruvius.load(file) gives a list of them"
         )
-    return violations(house, promises_of(house) if promises is None else standard(promises)(house))
+    return violations(house, promises_of(house) if promises is None else promises_by(promises)(house))
 
 
 def promises_of(house: House) -> Promises:
@@ -62,7 +62,7 @@ def promises_of(house: House) -> Promises:
     return msgspec.structs.replace(old, opens={}) if {"brief", "plan"} & made.request.keys() else old
 
 
-def standard(named: Standard) -> Callable[[House], Promises]:
+def promises_by(named: Chosen) -> Callable[[House], Promises]:
     """Return a function from a house to the promises that judge it.
 
     ``named`` is promises, a mapping or a JSON file that replaces some of the house's promises, or a grammar's
@@ -77,7 +77,7 @@ def standard(named: Standard) -> Callable[[House], Promises]:
     if str(named) in shipped() or Path(named).is_dir():
         rules = find(named)
         return lambda house: _of_grammar(str(rules.directory), rules.hash, len(house.counted))
-    return standard(_read(Path(named)))
+    return promises_by(_read(Path(named)))
 
 
 def _read(file: Path) -> dict[str, Any]:

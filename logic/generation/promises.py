@@ -13,7 +13,7 @@ from vitruvius.logic.layout.program import Program
 from vitruvius.logic.request.own_plan import OwnPlan
 
 
-def promised(
+def promises_of(
     program: Program,
     extremes: Mapping[str, Any],
     metres: Mapping[str, Any],
