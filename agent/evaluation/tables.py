@@ -48,7 +48,7 @@ NOTE = (
 """Note on the columns and rows of all tables."""
 
 
-DRIVE_NOTE = (
+DRIVING_NOTE = (
     "All policies meet the same starts and targets, and drive. Targets: picked up in an episode. Ratio: to "
     "the true path in the same house. Both are interquartile means, with 95 % intervals over training runs "
     f"and houses. Success: the share of episodes with a first target within {SUCCESS_STEPS} steps, or at "

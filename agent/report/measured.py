@@ -12,7 +12,7 @@ from vitruvius.agent.evaluation.learnt_in import warnings
 from vitruvius.agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
 from vitruvius.agent.evaluation.scores import Figure, ModeScores, PolicyScores, ScoredBank
 from vitruvius.agent.evaluation.statistics import Estimate, interquartile_mean
-from vitruvius.agent.evaluation.tables import DRIVE_NOTE, LABELS, SCORE_NOTE, capital, human_name
+from vitruvius.agent.evaluation.tables import DRIVING_NOTE, LABELS, SCORE_NOTE, capital, human_name
 from vitruvius.agent.report.page import Cell, Section, details, inline, table
 from vitruvius.agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
 from vitruvius.logic import load
@@ -106,7 +106,7 @@ def section(files: Sequence[Path], folder: Path) -> Section:
     for path in files:
         file = scores.load(path)
         bank = file.bank
-        notes[DRIVE_NOTE if file.backend == "free" else SCORE_NOTE] = None
+        notes[DRIVING_NOTE if file.backend == "free" else SCORE_NOTE] = None
         houses = f"{bank.houses} houses" + (f" of {bank.file}" if bank.file else "")
         words = f"{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}."
         parts.append(f"<p>{markup(words)}</p>")

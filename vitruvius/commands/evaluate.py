@@ -21,8 +21,11 @@ from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from vitruvius.agent.evaluation.scores import ScoredBank
+    from vitruvius.agent.evaluation.result import Result
+    from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile
+    from vitruvius.agent.evaluation.tables import Table
     from vitruvius.agent.runs.checkpoint import Checkpoint
+    from vitruvius.logic import House
 
 
 @dataclass(frozen=True)
@@ -104,65 +107,36 @@ class Evaluate:
 
     def run(self) -> int:
         """Evaluate, and print the tables or the JSON."""
-        from vitruvius.agent.learning.simulator import allow_named, require_asked_task, require_task
-        from vitruvius.sim.allowed import is_class_name
-
-        for path in self.agents:
-            located(path)
-        allow_named([*self.allow, *filter(is_class_name, [self.backend])])
-        for targets in self.targets:
-            require_asked_task(targets)
-            banks.require_places(targets, self.houses)
-        whole("--seed", self.seed, 0, MOST_SEED)
-        drives = self.backend == "free"
-        if drives and self.beside:
-            raise RequestError("--beside: people played on a lattice of steps: take the backend continuous")
-        if self.episodes < 1:
-            raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
+        self._require_options()
         import torch
-        from rich.console import Console
 
-        from vitruvius.agent.baselines.table import PAPERS
         from vitruvius.agent.evaluation.learnt_in import learnt_in, warnings, with_others
-        from vitruvius.agent.evaluation.plots import ratio_plot
-        from vitruvius.agent.evaluation.protocol import measure, require_motion, tasks_of
+        from vitruvius.agent.evaluation.protocol import tasks_of
         from vitruvius.agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
-        from vitruvius.agent.evaluation.tables import DRIVE_NOTE, NOTE, print_tables, tables
-        from vitruvius.agent.play.beside import BESIDE_NOTE, people_tables, replayable
-        from vitruvius.agent.progress import progress
-        from vitruvius.agent.report.folder import require_report, write_report
-        from vitruvius.agent.runs import checkpoint
-        from vitruvius.logic.files.writing import require_folder, write_whole
+        from vitruvius.agent.learning.simulator import require_task
+        from vitruvius.agent.play.beside import people_tables, replayable
+        from vitruvius.logic.files.writing import require_folder
 
         require_folder(self.out)
         if self.beside:
             replayable(self.beside)  # reports an invalid file before the evaluation starts
         torch.set_num_threads(1)  # batches are a few hundred: a second thread only costs
-        agents = by_name(self.agents)
-        require_motion(agents, self.backend)
-        for name in () if drives else PAPERS:
-            agents.setdefault(name, [checkpoint.load(name)])
+        agents = self._agents()
         houses = banks.named(self.houses)
         modes = self.targets or tasks_of(agents)
         for mode in modes:
             require_task(mode)
         bank = ScoredBank(banks.bank_hash(houses), str(self.houses), len(houses))
-        if self.out:
-            require_report(self.out, self.replace)
-        if self.out and not self.replace:
-            self._require_same(self.out / "evaluation.json", bank, modes)
+        self._require_folder(bank, modes)
         conditions = self.seed, self.backend, self.world, self.episodes
         others = {path: external(path, houses, modes, *conditions) for path in self.scores}
         known = with_others(learnt_in(agents, houses), agents, {path: load(path) for path in self.scores})
-        told = warnings(known, len(houses))
-        for each in told:
+        warned = warnings(known, len(houses))
+        for each in warned:
             say(f"warning: {each}")
-        with engine(self.engine, self.address) as cluster, progress("measuring") as report:
-            how = {"backend": self.backend, "world": self.world, "episodes": self.episodes}
-            results = list(measure(agents, houses, modes, self.seed, report, **how, cluster=cluster))
+        results = self._results(agents, houses, modes)
         for path, policies in others.items():
             results = [joined(result, policies.get(result.mode, {}), path) for result in results]
-
         content = ScoreFile(
             bank,
             self.seed,
@@ -174,32 +148,96 @@ class Evaluate:
             scores=[str(path) for path in self.scores],
             learnt_in=known,
         )
-        shown = [table for result in results for table in tables(result)]
-        notes = [*told, DRIVE_NOTE if drives else NOTE]
-        if self.beside:
-            shown += people_tables(self.beside, houses, agents)
-            notes.append(BESIDE_NOTE)
-        note = "\n\n".join(notes)
-        title = f"{bank.file}, hash {bank.hash[:12]}, seed {self.seed}"
+        people = [*people_tables(self.beside, houses, agents)] if self.beside else []
+        self._show(content, results, warned, people)
+        return 0
+
+    def _require_options(self) -> None:
+        """Raise an error for a wrong option, before torch is imported."""
+        from vitruvius.agent.learning.simulator import allow_named, require_asked_task
+        from vitruvius.sim.allowed import is_class_name
+
+        for path in self.agents:
+            located(path)
+        allow_named([*self.allow, *filter(is_class_name, [self.backend])])
+        for targets in self.targets:
+            require_asked_task(targets)
+            banks.require_places(targets, self.houses)
+        whole("--seed", self.seed, 0, MOST_SEED)
+        if self.backend == "free" and self.beside:
+            raise RequestError("--beside: people played on a lattice of steps: take the backend continuous")
+        if self.episodes < 1:
+            raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
+
+    def _agents(self) -> dict[str, list["Checkpoint"]]:
+        """Return the runs of each agent by name, the paper's agents included."""
+        from vitruvius.agent.baselines.table import PAPERS
+        from vitruvius.agent.evaluation.protocol import require_motion
+        from vitruvius.agent.runs import checkpoint
+
+        agents = by_name(self.agents)
+        require_motion(agents, self.backend)
+        for name in () if self.backend == "free" else PAPERS:
+            agents.setdefault(name, [checkpoint.load(name)])
+        return agents
+
+    def _results(
+        self, agents: dict[str, list["Checkpoint"]], houses: list["House"], modes: Sequence[str]
+    ) -> list["Result"]:
+        """Return the result of each mode."""
+        from vitruvius.agent.evaluation.protocol import measure
+        from vitruvius.agent.progress import progress
+
+        with engine(self.engine, self.address) as cluster, progress("measuring") as report:
+            how = {"backend": self.backend, "world": self.world, "episodes": self.episodes}
+            return list(measure(agents, houses, modes, self.seed, report, **how, cluster=cluster))
+
+    def _show(
+        self, content: "ScoreFile", results: list["Result"], warned: list[str], people: list["Table"]
+    ) -> None:
+        """Print tables or JSON, and write the files of ``--out``."""
+        from rich.console import Console
+
+        from vitruvius.agent.evaluation.plots import ratio_plot
+        from vitruvius.agent.evaluation.tables import DRIVING_NOTE, NOTE, print_tables, tables
+        from vitruvius.agent.play.beside import BESIDE_NOTE
+        from vitruvius.agent.report.folder import write_report
+        from vitruvius.logic.files.writing import write_whole
+
+        shown = [*(table for result in results for table in tables(result)), *people]
+        notes = [
+            *warned,
+            DRIVING_NOTE if self.backend == "free" else NOTE,
+            *[BESIDE_NOTE] * bool(self.beside),
+        ]
+        title = f"{content.bank.file}, hash {content.bank.hash[:12]}, seed {self.seed}"
         if self.json:
             print_answer("evaluate", content)
         else:
             console = Console(markup=False)
             print_tables(shown, console)
-            console.print(f"\n{title}\n\n{note}")
+            console.print("\n\n".join([f"\n{title}", *notes]))
         if self.out:
             page = [
                 f"# Evaluation\n\n{title}",
-                *told,
+                *warned,
                 f"![Ratios to the {results[0].yardstick}](evaluation.png)",
+                *(table.markdown() for table in shown),
             ]
-            page += [table.markdown() for table in shown]
             write_whole(self.out / "evaluation.json", content.json())
             write_whole(self.out / "evaluation.png", ratio_plot(results))
             write_whole(self.out / "evaluation.md", "\n\n".join([*page, *notes, ""]).encode())
             write_report(self.out)
             say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
-        return 0
+
+    def _require_folder(self, bank: "ScoredBank", modes: Sequence[str]) -> None:
+        """Raise an error if the folder of ``--out`` holds something else than this evaluation."""
+        from vitruvius.agent.report.folder import require_report
+
+        if self.out:
+            require_report(self.out, self.replace)
+        if self.out and not self.replace:
+            self._require_same(self.out / "evaluation.json", bank, modes)
 
     def _require_same(self, file: Path, bank: "ScoredBank", modes: Sequence[str]) -> None:
         """Raise ``RequestError`` if a file holds another evaluation; the same one may be repeated."""
