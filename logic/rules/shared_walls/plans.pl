@@ -177,6 +177,6 @@ plan_system(Atoms, Json) :-
     ( middle(All, impossible(_)) -> Real = false ; Real = true ),
     as_json(Record.put(real, Real), Json).
 plan_system(Atoms, Json) :-
-    wall_system(Atoms, _, System),
+    wall_system(Atoms, [], _, System),
     solver_verdicts(System, Record),
     as_json(Record, Json).

@@ -1,4 +1,4 @@
-:- module(walls, [walls_placed//4, wall_system/3, whole_system/4, brief_system/4, exact_system/4, of_brief/1, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
+:- module(walls, [walls_placed//4, wall_system/4, whole_system/4, brief_system/4, exact_system/4, of_brief/1, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
 
 /** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
 
@@ -38,32 +38,52 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
-%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. A part of the sizes that areas allow is left out,
-%   unless `thorough` is among the Atoms. With `thorough` or a brief, Answer may be open(Reasons): neither was found.
+%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. Without `thorough` among the Atoms, a part of the
+%   sizes that areas allow is left out. With `thorough` or a brief, Answer may be open(Reasons): neither was found.
 
-walls_placed(Atoms, _, _, Answer) -->
-    { memberchk(thorough, Atoms), !, exact_system(Atoms, plan(Lines,Rooms), System, Items) },
-    thoroughly_decided(Lines, Rooms, System, Items, Found),
-    (   { Found == open }
-    ->  { findall(_-Why, ( member(_-Why, System) ; member(item(_,_,_,Why,_,_), Items) ), All), refuted(All, infeasible(Reasons)), Answer = open(Reasons) }
-    ;   decided_answer(Found, Atoms, Rooms, Items, Answer) ).
-walls_placed(Atoms, _, Proof, Answer) -->
-    { of_brief(Atoms), !, brief_system(Atoms, plan(Lines,Rooms), System, Items) },
-    items_decided(Proof, Lines, Rooms, System, Items, Found),
-    decided_answer(Found, Atoms, Rooms, Items, Answer).
+walls_placed(Atoms, _, _, Answer)         --> { memberchk(thorough, Atoms) }, !, thoroughly_placed(Atoms, Answer).
+walls_placed(Atoms, _, Proof, Answer)     --> { of_brief(Atoms) }, !, brief_placed(Atoms, Proof, Answer).
 walls_placed(Atoms, Given, Proof, Answer) -->
-    { whole_system(Atoms, Given, Plan, System), Plan = plan(_,Rooms) },
-    (   plan_sample(real-3, Atoms, Plan, System)
-    ->  plan_openings(Atoms, Rooms, Answer)
-    ;   { exact_conflict(Proof, System, Conflict) }
-    ->  { refuted(Conflict, Answer) }
-    ;   plan_sample(rational-0, Atoms, Plan, System)       % CLP(R) was wrong
-    ->  plan_openings(Atoms, Rooms, Answer)
-    ;   { refuted(System, Answer) } ).                     % no whole numbers satisfy them, or no plan is of that area
+    { whole_system(Atoms, Given, Plan, System) },
+    plan_placed(Atoms, Plan, System, Proof, Answer).
 
-decided_answer(placed, Atoms, Rooms, _, Answer)              --> plan_openings(Atoms, Rooms, Answer).
-decided_answer(refuted(Conflict), _, _, _, Answer)           --> { refuted(Conflict, Answer) }.
-decided_answer(open, Atoms, _, Items, open(Reasons))         --> { findall(A, ( member(A, Atoms), A = edge(_,_,_) ; chosen_step(Items, A) ), Reasons) }.
+%   plan_placed(+Atoms, +Plan, +System, +Proof, -Answer)//: CLP(R) is quick, but rounds, so that it may miss a solution. Therefore rational
+%   arithmetic confirms a conflict, and samples where it finds none.
+
+plan_placed(Atoms, Plan, System, _, Answer) -->
+    plan_sample(real-3, Atoms, Plan, System), !,
+    plan_answer(Plan, Atoms, Answer).
+plan_placed(_, _, System, Proof, Answer) -->
+    { exact_conflict(Proof, System, Conflict), !, refuted(Conflict, Answer) }.
+plan_placed(Atoms, Plan, System, _, Answer) -->
+    plan_sample(rational-0, Atoms, Plan, System), !,
+    plan_answer(Plan, Atoms, Answer).
+plan_placed(_, _, System, _, Answer) -->      % no whole numbers satisfy the System, or no plan has the stated area
+    { refuted(System, Answer) }.
+
+plan_answer(plan(_,Rooms), Atoms, Answer) --> plan_openings(Atoms, Rooms, Answer).
+
+brief_placed(Atoms, Proof, Answer) -->
+    { brief_system(Atoms, plan(Lines,Rooms), System, Items) },
+    items_decided(Proof, Lines, Rooms, System, Items, Found),
+    brief_answer(Found, Atoms, Rooms, Items, Answer).
+
+brief_answer(placed, Atoms, Rooms, _, Answer)      --> plan_openings(Atoms, Rooms, Answer).
+brief_answer(refuted(Conflict), _, _, _, Answer)   --> { refuted(Conflict, Answer) }.
+brief_answer(open, Atoms, _, Items, open(Reasons)) -->
+    { findall(A, ( member(A, Atoms), A = edge(_,_,_) ; chosen_step(Items, A) ), Reasons) }.
+
+thoroughly_placed(Atoms, Answer) -->
+    { exact_system(Atoms, plan(Lines,Rooms), System, Items) },
+    thoroughly_decided(Lines, Rooms, System, Items, Found),
+    thorough_answer(Found, Atoms, Rooms, System, Items, Answer).
+
+%   thorough_answer(+Found, ...)//: where the search was open, any constraint and any item may be a reason.
+
+thorough_answer(open, _, _, System, Items, open(Reasons)) --> !,
+    { findall(_-Why, ( member(_-Why, System) ; member(item(_,_,_,Why,_,_), Items) ), All),
+      refuted(All, infeasible(Reasons)) }.
+thorough_answer(Found, Atoms, Rooms, _, Items, Answer)    --> brief_answer(Found, Atoms, Rooms, Items, Answer).
 
 plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
     (   { totals(Atoms, Rooms, Totals), Totals \== [] }
@@ -73,7 +93,7 @@ plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
 
 %!  brief_system(+Atoms, -Plan, -System, -Items) is det.
 %
-%   As wall_system/3 for the rooms of a brief, with the items of their areas (brief.pl).
+%   As wall_system/4 for the rooms of a brief, with the items of their areas (brief.pl).
 
 brief_system(Atoms, Plan, System, Items) :-
     wall_system(Atoms, [], Plan, Walls),
@@ -118,7 +138,7 @@ chosen_step(Items, Step) :- member(Item, Items), item_range(Item, from(_,Low)-up
 
 %!  whole_system(+Atoms, +Given, -Plan, -System) is det.
 %
-%   As wall_system/3, with what is known of areas that are sums (totals.pl).
+%   As wall_system/4, with what is known of areas that are sums (totals.pl).
 
 whole_system(Atoms, Given, Plan, System) :-
     wall_system(Atoms, Given, Plan, Walls),
@@ -132,43 +152,61 @@ whole_system(Atoms, Given, Plan, System) :-
 %   rooms_sized(+Rooms, +Atoms, -Sized): each R-sized(..), see room_sized/3.
 
 rooms_sized([], _, []).
-rooms_sized([Room|Rooms], Atoms, [R-Sized|Others]) :- Room = room(R,_,_,_), room_sized(Atoms, Room, Sized), rooms_sized(Rooms, Atoms, Others).
+rooms_sized([Room|Rooms], Atoms, [R-Sized|Others]) :-
+    Room = room(R,_,_,_),
+    room_sized(Atoms, Room, Sized),
+    rooms_sized(Rooms, Atoms, Others).
 
 refuted(Conflict, infeasible(Reasons)) :-
     findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
     sort(Found, Reasons).
 
-%!  wall_system(+Atoms, -Plan, -System) is det.
+%!  wall_system(+Atoms, +Given, -Plan, -System) is det.
 %
-%   Plan is plan(Lines,Rooms), Lines a list of Name-Place; System are all constraints of it, those with the fewest unknowns
-%   first: in that order CLP(R) is least often wrong.
-
-wall_system(Atoms, Plan, System) :- wall_system(Atoms, [], Plan, System).
+%   Plan is plan(Lines,Rooms): Lines are Name-Place of all lines, Rooms those of the house, or its units. System are all constraints of
+%   the plan. Those with the fewest unknowns come first, since CLP(R) is least often wrong in that order.
 
 wall_system(Atoms, Given, plan(Lines,All), System) :-
     findall(Line, member(edge(_,_,Line), Atoms), Names0), sort(Names0, Names),
     pairs_keys(Lines, Names),
     list_to_assoc(Lines, Places),
     thickness(T, Thick),
-    forall_given(Given, Places),
-    maplist(get_assoc_of(Places), [outline(west),outline(east),outline(north),outline(south)], [West0,East,North0,South]),
-    maplist(first_unless_known, [West0,North0]), maplist(wall_face(T), [West0,North0], [West,North]),
+    lines_given(Given, Places),
+    outline_box(Places, T, Box),
     findall(Type-R, member(room(R,Type), Atoms), Types), placed_rooms(Types, Atoms, Places, T, Rooms),
     findall(unit-B, member(unit(B,_), Atoms), Units0), placed_rooms(Units0, Atoms, Places, T, Units),
     append(Rooms, Units, All),
-    ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
+    whole_size(Units, Box, Given, Atoms, Whole),
     placed_voids(Atoms, Places, T, Voids),
     phrase(( all_rooms(Rooms, Atoms), all_voids(Voids, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms),
              all_same_sizes(Atoms, Rooms) ), Each),
-    ( memberchk(bounded, Atoms) -> foldl(within(West-East, North-South), Rooms, Each, Within) ; Within = Each ),
+    rooms_within(Atoms, Box, Rooms, Each, Within),
     findall(court(L,M), member(court(L,M), Atoms), Courts),
     foldl(court_between(Places), Courts, Within, Inside),
     append([Thick,Whole,Inside], Constraints),
     fewest_unknowns_first(Constraints, System).
 
-%   within(+Along, +Down, +Room, +Constraints, -More): the room lies between the lines of the outline.
+%   outline_box(+Places, +Thickness, -Box): Box is box(West,East,North,South), the inner faces of the outer walls. The first rooms begin at
+%   0, so an unknown line in the west or north is a wall's thickness before it.
 
-within(West-East, North-South, room(_,_,sides(X1,X2,Y1,Y2),edges(W,E,N,S)), Constraints,
+outline_box(Places, T, box(West,East,North,South)) :-
+    maplist(get_assoc_of(Places), [outline(west),outline(east),outline(north),outline(south)], [West0,East,North0,South]),
+    maplist(first_unless_known, [West0,North0]),
+    maplist(wall_face(T), [West0,North0], [West,North]).
+
+%   whole_size(+Units, +Box, +Given, +Atoms, -Constraints): the size of the house or, where units are placed, of each unit.
+
+whole_size([], box(West,East,North,South), _, _, Constraints) :- !, house_system(East-West, South-North, Constraints).
+whole_size(Units, _, Given, Atoms, Constraints)               :- unit_sizes(Given, Atoms, Units, Constraints).
+
+%   rooms_within(+Atoms, +Box, +Rooms, +Constraints, -More): where the atom `bounded` says so, all rooms lie within the outline.
+
+rooms_within(Atoms, Box, Rooms, Constraints, More) :-
+    (   memberchk(bounded, Atoms)
+    ->  foldl(within(Box), Rooms, Constraints, More)
+    ;   More = Constraints ).
+
+within(box(West,East,North,South), room(_,_,sides(X1,X2,Y1,Y2),edges(W,E,N,S)), Constraints,
        [(West =< X1)-[bounded,W],(X2 =< East)-[bounded,E],(North =< Y1)-[bounded,N],(Y2 =< South)-[bounded,S]|Constraints]).
 
 %   court_between(+Places, +Court, +Constraints, -More): a narrower court is a slit.
@@ -178,12 +216,14 @@ court_between(Places, court(L,M), Constraints, [(X+Apart =< Y)-[court(L,M)]|Cons
     in_unit(0.5, Least), maplist(length_of, [inner_wall,outer_wall], [Inner,Outer]), Apart is Least + 2*Outer - Inner.
 court_between(_, _, Constraints, Constraints).
 
-forall_given([], _).
-forall_given([at(Line,Face)|Given], Places) :- !,
+%   lines_given(+Given, +Places): the Given faces of walls say where their lines are.
+
+lines_given([], _).
+lines_given([at(Line,Face)|Given], Places) :- !,
     length_of(inner_wall, T),
     ( T =\= 0, memberchk(Line, [outline(west),outline(north)]) -> X is Face - T ; X = Face ),
-    get_assoc(Line, Places, X), forall_given(Given, Places).
-forall_given([_|Given], Places) :- forall_given(Given, Places).
+    get_assoc(Line, Places, X), lines_given(Given, Places).
+lines_given([_|Given], Places) :- lines_given(Given, Places).
 
 get_assoc_of(Places, Line, X) :- get_assoc(Line, Places, X).
 
