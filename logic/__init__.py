@@ -1,6 +1,7 @@
 """Houses from rules: generate, check, explain, load, save."""
 
 from vitruvius.logic.dataset.reading import HouseSet, load
+from vitruvius.logic.dataset.stream import HouseStream
 from vitruvius.logic.errors import (
     Finding,
     GrammarError,
@@ -20,11 +21,12 @@ from vitruvius.logic.house.parts import Door, FreeWall, Piece, Rect, Room, Windo
 from vitruvius.logic.house.star import Star, StarRoom
 from vitruvius.logic.why.answer import Why
 from vitruvius.logic.workers.check import check
+from vitruvius.logic.workers.count import count_layouts
 from vitruvius.logic.workers.explain import explain_house
-from vitruvius.logic.workers.generate import count_layouts, generate, lint
+from vitruvius.logic.workers.generate import generate
+from vitruvius.logic.workers.lint import lint
 from vitruvius.logic.workers.nearest import Broken, Nearest, nearest
 from vitruvius.logic.workers.nearest_plan import NearestPlan, nearest_plan
-from vitruvius.logic.workers.stream import HouseStream
 
 __all__ = [
     "Broken",

@@ -7,7 +7,8 @@ import shlex
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from html import escape
-from typing import ParamSpec, TypeVar
+from inspect import Parameter
+from typing import Any, ParamSpec, TypeVar, get_args, get_type_hints
 
 MAX_LETTERS, MAX_NAMES, MAX_LISTED = 100, 2_000, 200
 """Limits: letters of a compared name, number of compared names, number of names that a message lists."""
@@ -64,11 +65,13 @@ def article(noun: str) -> str:
 def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Return a decorator for functions whose ``TypeError`` for a wrong keyword suggests the right one.
 
-    The suggestion is that of ``meant``, else the most similar keyword.
+    The suggestion is that of ``meant``, else the most similar keyword. Keywords that a function takes by a
+    ``TypedDict`` become part of its signature.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:
-        names = [name for name in inspect.signature(function).parameters if name != "self"]
+        signature = _unpacked(function)
+        names = [name for name in signature.parameters if name != "self"]
 
         @wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -80,9 +83,21 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
                 )
             return function(*args, **kwargs)
 
+        vars(call)["__signature__"] = signature
         return call
 
     return decorated
+
+
+def _unpacked(function: Callable[..., Any]) -> inspect.Signature:
+    """Return a function's signature with the keywords of a ``TypedDict`` one by one; all may be left out."""
+    own = inspect.signature(function)
+    *others, last = own.parameters.values()
+    if last.kind is not last.VAR_KEYWORD or not (keys := get_args(last.annotation)):
+        return own
+    stated = get_type_hints(keys[0]).items()
+    more = [Parameter(name, Parameter.KEYWORD_ONLY, default=..., annotation=kind) for name, kind in stated]
+    return own.replace(parameters=[*others, *more])
 
 
 def quoted(path: object) -> str:

@@ -15,7 +15,8 @@ from tests.programs import PATIENCE, finished
 from vitruvius.logic import RequestError, generate, load, save
 from vitruvius.logic.dataset.splits import TEST
 from vitruvius.logic.grammar import SHIPPED
-from vitruvius.logic.request.request import Request, whole
+from vitruvius.logic.request.counts import whole
+from vitruvius.logic.request.house_request import HouseRequest
 
 pytestmark = pytest.mark.second_part("processes of their own without a home, files, streams, memory")
 
@@ -239,4 +240,6 @@ def test_a_number_that_is_refused_is_told_the_bound_that_it_breaks(asked: dict, 
 
 def test_every_seed_of_the_banks_is_one_that_the_generator_takes() -> None:
     assert whole("seed", TEST.stop - 1, 0) == TEST.stop - 1
-    assert Request.read({"rooms": 1, "types": {"bedroom": np.int64(1)}}).to_dict()["types"] == {"bedroom": 1}
+    assert HouseRequest.read({"rooms": 1, "types": {"bedroom": np.int64(1)}}).to_dict()["types"] == {
+        "bedroom": 1
+    }

@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 import tyro
 
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.request.request import whole
+from vitruvius.logic.request.counts import whole
 
 MOST_SEED = 2**62 - 1
 """Largest seed: environments and houses count up from it, and their seeds have 64 bits."""

@@ -14,13 +14,12 @@ from msgspec import structs
 
 from benchmarks.briefs.bank import BriefEntry
 from benchmarks.briefs.score import Answer
-from benchmarks.common.houses import INFERENCES
 from benchmarks.common.processes import LIBC
 from vitruvius.logic.errors import LimitReached, Unsatisfiable
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.brief import Brief
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 PATIENCE = 20
 """Clock seconds per second of processor time that an attempt may take, because the machine has other work."""
@@ -92,22 +91,22 @@ class StageClock:
 
 def attempt(builder: Builder, brief: Brief, houses: int = 1, seed: int = 0) -> Attempt:
     """Return houses of a brief, or the proof that there is none."""
-    return attempt_at(builder, Request(len(brief.rooms), brief=brief), houses, seed)
+    return attempt_at(builder, HouseRequest(len(brief.rooms), brief=brief), houses, seed)
 
 
-def attempt_at(builder: Builder, request: Request, houses: int = 1, seed: int = 0) -> Attempt:
+def attempt_at(builder: Builder, request: HouseRequest, houses: int = 1, seed: int = 0) -> Attempt:
     """Answer a request of any kind as ``attempt`` answers a brief."""
     clock, found, because, limit = StageClock(), [], None, ""
     with clock.of(builder):
         try:
-            found.append(house_or_proof(builder, request, seed, 0, INFERENCES))
+            found.append(house_or_proof(builder, request, seed, 0))
         except Unsatisfiable as error:
             because = tuple(reason.text for reason in error.reasons)
         except LimitReached as error:
             limit = str(error)
     seconds, refuted = process_time() - clock.began, builder.account.tried[1]
     for index in range(1, houses if found else 0):
-        found.append(builder.house(request, seed, index, INFERENCES))
+        found.append(builder.house(request, seed, index))
     records = tuple(structs.replace(house, provenance=None).to_dict() for house in found)
     return Attempt(seconds, clock.stages, refuted, records, because, limit)
 

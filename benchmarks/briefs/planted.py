@@ -19,7 +19,6 @@ from benchmarks.briefs.make import Json
 from benchmarks.briefs.run import ALONE, warm
 from benchmarks.briefs.score import judged
 from benchmarks.briefs.tightened import tightened
-from benchmarks.common.houses import INFERENCES
 from benchmarks.common.processes import say
 from benchmarks.common.rows import read_rows, write_rows
 from vitruvius.logic.errors import RequestError
@@ -27,7 +26,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.request.brief import alone
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 BRIEF, GIVEN = "brief", ("grammar", "plan")
 """Kinds of requests: a brief of a random tiling, and a grammar and a plan of a generated house."""
@@ -122,12 +121,15 @@ class PlantedStudy:
     def _of_a_house(self, number: int, kinds: list[str]) -> Iterator[PlantedRow]:
         base, rooms = BASES[number % len(BASES)]
         builder = Builder(find(base))
-        house = builder.house(Request(rooms), SEED, number, INFERENCES)
+        house = builder.house(HouseRequest(rooms), SEED, number)
         with TemporaryDirectory() as folder:
             strict = Builder(find(tightened(builder, house, Path(folder) / "mine")))
             types = Counter(room.type for room in house.rooms)
             exact = {type_: (times, times) for type_, times in types.items()}
-            requests = {"grammar": Request(rooms, exact), "plan": Request(rooms, plan=read_plan(house))}
+            requests = {
+                "grammar": HouseRequest(rooms, exact),
+                "plan": HouseRequest(rooms, plan=read_plan(house)),
+            }
             for kind in kinds:
                 found = within(self.seconds, partial(attempt_at, strict, requests[kind]))
                 proved = found.because is not None

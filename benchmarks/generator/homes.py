@@ -13,7 +13,6 @@ import numpy as np
 from clingo import Symbol
 
 from benchmarks import SECTIONS
-from benchmarks.common.houses import INFERENCES
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
@@ -30,7 +29,7 @@ from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.layout.program import Nogood
 from vitruvius.logic.placement.plan import Plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 WARM = 20
 """Number of houses that are made before any is timed, because the first searches of a program take longer."""
@@ -54,7 +53,7 @@ class CountingMaker(SharedWallsMaker):
 
     def unfurnished(
         self,
-        request: Request,
+        request: HouseRequest,
         rng: np.random.Generator,
         inferences: int,
         nogoods: list[Nogood],
@@ -156,13 +155,13 @@ class Homes:
 
     def measured(self, builder: Builder, rooms: int) -> Measured:
         """Return the measurements of houses of one size; house ``i`` has seed 0 and index ``i``."""
-        size, request = Measured(rooms), Request(rooms)
+        size, request = Measured(rooms), HouseRequest(rooms)
         for index in range(WARM):
-            builder.house(request, 1, index, INFERENCES)
+            builder.house(request, 1, index)
         builder.maker = counting = CountingMaker(builder)
         for index in range(self.houses):
             began = process_time()
-            size.houses.append(builder.house(request, 0, index, INFERENCES))
+            size.houses.append(builder.house(request, 0, index))
             size.seconds.append(process_time() - began)
             size.topologies.add(counting.topology)
         size.unfurnished, size.plans, size.refuted = counting.seconds, counting.plans, counting.refuted
@@ -177,11 +176,11 @@ def larger_rows(grammar: str, houses: int) -> Iterator[list[str]]:
     """
     builder, times = Builder(find(grammar)), dict[int, float]()
     for rooms in LARGER[grammar]:
-        request, seconds, violations = Request(rooms), list[float](), 0
-        builder.house(request, 1, 0, INFERENCES)
+        request, seconds, violations = HouseRequest(rooms), list[float](), 0
+        builder.house(request, 1, 0)
         for index in range(houses):
             began = process_time()
-            house = builder.house(request, 0, index, INFERENCES)
+            house = builder.house(request, 0, index)
             seconds.append(process_time() - began)
             violations += bool(check(house))
         times[rooms] = median(seconds)

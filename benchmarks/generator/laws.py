@@ -20,7 +20,7 @@ from vitruvius.logic.placement import prolog
 from vitruvius.logic.placement.layout import Layout, RoomLayout
 from vitruvius.logic.placement.lengths import stated_lengths
 from vitruvius.logic.placement.placer import Infeasible, Misfit
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 CHAINS = Path(__file__).with_name("chains.pl")
 
@@ -87,7 +87,7 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
     assert isinstance(maker, StarMaker)
     for index in range(samples):
         rng = np.random.default_rng([rooms, index])
-        request = Request.read({"rooms": rooms, "types": {}, "furniture": {}})
+        request = HouseRequest.read({"rooms": rooms, "types": {}, "furniture": {}})
         layout = maker.layout(request, rng)
         try:
             plan = builder.placer.place(layout, rng, 10**8, minimal=False)

@@ -27,7 +27,7 @@ from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.placement import prolog
 from vitruvius.logic.placement.layout import Layout
 from vitruvius.logic.placement.plan import StarPlan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
 ROOMS = [int(number) for number in os.environ.get("VITRUVIUS_ROOMS", "1 2 4 8 16 32 64 128").split()]
@@ -54,7 +54,7 @@ def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
 def builder() -> Builder:
     made = Builder(find(GRAMMAR))
     for index in range(8):  # The costs of a program's first search and conflict are paid once here.
-        made.house(Request(min(32, max(ROOMS))), 1, index, INFERENCES)
+        made.house(HouseRequest(min(32, max(ROOMS))), 1, index)
     return made
 
 
@@ -114,13 +114,13 @@ def test_loading(benchmark: Any) -> None:
 @study("both stages: a furnished house")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_house(benchmark: Any, builder: Builder, rooms: int) -> None:
-    measure(benchmark, builder, rooms, lambda index: builder.house(Request(rooms), 0, index, INFERENCES))
+    measure(benchmark, builder, rooms, lambda index: builder.house(HouseRequest(rooms), 0, index))
 
 
 @study("stage 1: clingo samples a layout")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
-    request, maker = Request(rooms), builder.maker
+    request, maker = HouseRequest(rooms), builder.maker
     assert isinstance(maker, StarMaker)
     measure(benchmark, builder, rooms, lambda index: maker.layout(request, np.random.default_rng([0, index])))
 
@@ -146,7 +146,7 @@ def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.Monk
     with monkeypatch.context() as patch:
         patch.setattr(builder.placer, "place", observed)
         for index in range(count):
-            builder.house(Request(rooms), 0, index, INFERENCES)
+            builder.house(HouseRequest(rooms), 0, index)
     return placed
 
 

@@ -27,7 +27,7 @@ from vitruvius.logic.layout.terms import parts
 from vitruvius.logic.placement import prolog
 from vitruvius.logic.placement.plan import Plan
 from vitruvius.logic.request.brief import alone
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 WIDE = [Number(mm) for mm in (1, 99_999, 1, 99_999)]
 
@@ -92,7 +92,7 @@ def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[s
     assert isinstance(maker, SharedWallsMaker)
     for seed in seeds:
         rng = np.random.default_rng(seed)
-        plan, *_ = maker.unfurnished(Request(rooms), rng, INFERENCES, [])
+        plan, *_ = maker.unfurnished(HouseRequest(rooms), rng, INFERENCES, [])
         for number in range(rooms):
             room = given_room(plan, number)
             if not builder.programs.has_furniture(room.type):
@@ -109,7 +109,7 @@ class AskedMaker(BriefMaker):
 
     systems: list[dict[str, Any]]
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         self.systems.append(prolog.ask("plan_system", layout))
         return super()._walls(request, layout, seed, inferences)
 
@@ -126,7 +126,9 @@ def brief_systems(builder: Builder, rooms: Sequence[int]) -> Iterator[dict[str, 
             maker = AskedMaker(builder.grammar, builder.loaded, alone(entry.read))
             maker.systems = []
             with suppress(NoLayout, LimitReached):
-                maker.made(Request(entry.rooms, brief=maker.brief), np.random.default_rng(seed), INFERENCES)
+                maker.made(
+                    HouseRequest(entry.rooms, brief=maker.brief), np.random.default_rng(seed), INFERENCES
+                )
             yield from maker.systems
 
 

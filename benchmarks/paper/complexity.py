@@ -25,7 +25,7 @@ from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.placement import prolog
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 TYPES = ("bedroom", "bathroom", "kitchen", "hall")
 """Types of rooms in turn, so that a house has one room of each type before it has two: the original allows
@@ -112,9 +112,10 @@ class Complexity:
 
 def measured(cell: StudyCell) -> dict[str, Any]:
     """Measure a cell: CPU seconds of each house, number of houses within the limit, and the machine."""
-    builder = _warm(cell.inferences)
+    builder = _warm()
     types = list(islice(cycle(TYPES), cell.rooms))
-    request = Request(cell.rooms, {type_: (number, number) for type_, number in Counter(types).items()})
+    wanted = {type_: (number, number) for type_, number in Counter(types).items()}
+    request = HouseRequest(cell.rooms, wanted, inferences=cell.inferences)
     seconds, tries = [], []
     for index in range(cell.houses):
         prolog.run("set_random", prolog.Term("seed", 1000 * cell.rooms + index), module="system")
@@ -123,7 +124,7 @@ def measured(cell: StudyCell) -> dict[str, Any]:
             made = prolog.ask("tries_until_placed", types, cell.inferences, module="original_rooms")
             tries.append(made)
         else:
-            made = _is_made(builder, request, index, cell.inferences)
+            made = _is_made(builder, request, index)
         if made:
             seconds.append(process_time() - began)
     found = {
@@ -138,18 +139,18 @@ def measured(cell: StudyCell) -> dict[str, Any]:
 
 
 @cache
-def _warm(inferences: int) -> Builder:
+def _warm() -> Builder:
     """Return the builder of this process, after the costs of its programs' first searches."""
     builder = Builder(find("paper"))
     prolog.load(Path(__file__).with_name("original_rooms.pl").resolve())
     for index in range(8):
-        builder.house(Request(4), 1, index, inferences)
+        builder.house(HouseRequest(4), 1, index)
     return builder
 
 
-def _is_made(builder: Builder, request: Request, index: int, inferences: int) -> bool:
+def _is_made(builder: Builder, request: HouseRequest, index: int) -> bool:
     try:
-        builder.house(request, 0, index, inferences)
+        builder.house(request, 0, index)
     except LimitReached:
         return False
     return True

@@ -23,7 +23,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 INFERENCES = 2_000_000
 """Largest number of Prolog's inferences for a house; most houses take some hundred thousand."""
@@ -173,8 +173,8 @@ def answered(folder: Path, rooms: int, seed: int) -> tuple[str, str]:
     try:
         grammar = find(folder)
         builder = Builder(grammar, 0.0, LoadedGrammar(grammar))
-        request = Request.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": 0.0})
-        house = house_or_proof(builder, request, seed=seed, index=0, inferences=INFERENCES)
+        request = HouseRequest(rooms, inferences=INFERENCES)
+        house = house_or_proof(builder, request, seed=seed, index=0)
     except Unsatisfiable as error:
         return ("proof" if error.reasons else "proof without a reason"), str(error)
     except LimitReached as error:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import msgspec
+from msgspec.structs import replace
 
 from vitruvius.logic.dataset.formats import FILES, lines, read
 from vitruvius.logic.dataset.parquet import MAX_FILE_BYTES
@@ -15,13 +15,10 @@ from vitruvius.logic.errors import GrammarError, HouseFileError, LimitReached
 from vitruvius.logic.grammar import Grammar, find, find_shipped
 from vitruvius.logic.house.house import House
 from vitruvius.logic.opener import DAMAGED, STANDARD, opened, reason
+from vitruvius.logic.request.counts import whole
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import require_series, whole
-from vitruvius.logic.workers.series import HouseSeries
-
-INFERENCES, SECONDS = 100_000_000, 60.0
-"""Limits for a house without a set: Prolog inferences and seconds."""
+from vitruvius.logic.request.house_request import HouseRequest
+from vitruvius.logic.workers.pool import outcomes
 
 
 class Again(NamedTuple):
@@ -59,7 +56,7 @@ def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = No
     ``GrammarError`` if the rules differ from those of the row, and the errors of ``generate``.
     """
     wanted = {whole("--row", place, 0) for place in places}
-    kept: dict[tuple[str, str], HouseSeries] = {}
+    kept: dict[tuple[str, str], HouseRequest] = {}
     number = -1
     try:
         found, of = rows_of(path)
@@ -69,13 +66,13 @@ def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = No
             columns = columns_of(row)
             key = columns.grammar_hash, columns.request
             if key not in kept:
-                require_series(columns.asked)
-                if "plan" in columns.asked:
-                    read_plan(msgspec.convert(columns.asked["plan"], OwnPlan))
+                limits = {"inferences": of.inferences, "seconds": of.seconds} if of else {}
+                request = HouseRequest.read(columns.asked, **limits)
+                if request.plan:
+                    read_plan(request.plan)
                 rules = _rules(columns, path, of, grammar)
-                limits = (of.inferences, of.seconds) if of else (INFERENCES, SECONDS)
-                kept[key] = HouseSeries(rules, columns.asked, *limits)
-            [made] = kept[key].outcomes(columns.seed, range(columns.index, columns.index + 1))
+                kept[key] = replace(request, grammar=str(rules.directory))
+            [made] = outcomes(kept[key], columns.seed, range(columns.index, columns.index + 1))
             yield Again(columns, made, _differs(columns, made, of))
     except DAMAGED as error:
         raise HouseFileError(f"{path}: cannot be read: {reason(error)}") from None

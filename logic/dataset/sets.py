@@ -12,6 +12,7 @@ import hashlib
 import os
 import re
 from collections.abc import Iterator
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeVar
@@ -26,9 +27,9 @@ from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.grammar import Grammar, find, shipped
 from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.opener import content_of, from_json
-from vitruvius.logic.request.request import MOST, request_at, require_series, whole
+from vitruvius.logic.request.counts import MOST, whole
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import unknown
-from vitruvius.logic.workers.series import HouseSeries
 
 Kind = TypeVar("Kind")
 
@@ -65,14 +66,14 @@ class Shard(NamedTuple):
     """Path of its file, relative to the set's folder."""
 
 
-class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Set(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
     """Record that determines all rows of a set and their division into files."""
 
     format: Literal["vitruvius-set-1"]
     grammar: str
     grammar_hash: str
     request: dict[str, Any]
-    """Request in the form of ``HouseSeries.request``."""
+    """Request in the form of ``HouseRequest.to_dict``."""
     seed: int
     """Position of the seed in each split's range of seeds; for training houses it is the seed itself."""
     start: int
@@ -92,7 +93,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for values that no set has."""
-        require_series(self.request)
+        self.asked  # noqa: B018 - raises for a request that makes no sense
         splits = [split for split in self.houses if split not in SPLITS]
         if splits or not self.houses:
             raise ValueError(unknown("split", splits[0], SPLITS) if splits else "it has no split")
@@ -101,11 +102,13 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             whole(f"the houses of {split}", number, 1, MOST - self.start)
         whole("shards", self.shards, len(self.houses), min(MAX_SHARDS, sum(self.houses.values())))
         whole("seed", self.seed, 0, min(len(SPLITS[split]) for split in self.houses) - 1)
-        whole("inferences", self.inferences, 1)
-        if not 0 < self.seconds < 1e6:
-            raise ValueError(f"seconds must be above 0 and below a million, not {self.seconds!r}")
         if self.grammar in ("", ".", "..") or set(self.grammar) & set("/\\\0"):
             raise ValueError(f"{self.grammar!r} is no name of a grammar")
+
+    @cached_property
+    def asked(self) -> HouseRequest:
+        """Request of the set's houses, by a grammar that only its name and hash state."""
+        return HouseRequest.read(self.request, inferences=self.inferences, seconds=self.seconds)
 
     def seed_of(self, split: str) -> int:
         """Return the seed of a split's houses."""
@@ -113,7 +116,7 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def row_source(self, seed: int, index: int) -> Row:
         """Return the columns that determine a house."""
-        return source(self.grammar, self.grammar_hash, request_at(index, self.request), seed, index)
+        return source(self.grammar, self.grammar_hash, self.asked.at(index).to_dict(), seed, index)
 
     def divided(self) -> list[Shard]:
         """Return all shards. Each split has a number of shards in proportion to its houses, at least one."""
@@ -130,15 +133,15 @@ class Set(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 shards.append(Shard(len(shards), split, self.seed_of(split), indices, Path(DATA, name)))
         return shards
 
-    def series(self, folder: Path) -> HouseSeries:
-        """Return the series of the set's houses, with the rules in the set or identical shipped rules.
+    def request_in(self, folder: Path) -> HouseRequest:
+        """Return the request of the set's houses, with its ``rules``."""
+        return msgspec.structs.replace(self.asked, grammar=str(self.rules(folder).directory))
+
+    def rules(self, folder: Path) -> Grammar:
+        """Return the rules in the set, or identical shipped rules.
 
         Raises ``GrammarError`` if these rules differ from those that generated the set.
         """
-        return HouseSeries(self.rules(folder), self.request, self.inferences, self.seconds)
-
-    def rules(self, folder: Path) -> Grammar:
-        """Return the rules of ``series``."""
         if self.grammar in shipped() and (own := find(self.grammar)).hash == self.grammar_hash:
             return own
         own = find(inside(folder, f"{GRAMMAR}/{self.grammar}"))

@@ -5,13 +5,14 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
-from vitruvius.logic.dataset.card import described
+from vitruvius.logic.dataset import card
 from vitruvius.logic.dataset.formats import in_groups, read, written
 from vitruvius.logic.dataset.rows import LIMIT, Row, house_of, house_row, limit_row
 from vitruvius.logic.dataset.sets import SET, Held, Manifest, Set, Shard, finish, read_set
 from vitruvius.logic.errors import HouseFileError, Killed, MissingProgram, RequestError
 from vitruvius.logic.house.house import House
-from vitruvius.logic.workers.series import HouseSeries
+from vitruvius.logic.request.house_request import HouseRequest
+from vitruvius.logic.workers.pool import described, late, outcomes
 
 Mapper = Callable[[Callable[[Shard], Held], list[Shard]], Iterable[Held]]
 """Function with the signature of the built-in ``map``."""
@@ -24,7 +25,7 @@ def make(
     folder: Path,
     of: Set,
     shard: Shard,
-    series: HouseSeries,
+    request: HouseRequest,
     workers: int = 1,
     replace: bool = False,
     report: Callable[[int], None] = lambda rows: None,
@@ -47,7 +48,7 @@ def make(
             return False
     try:
         with written(path, of.files) as write:
-            for group in in_groups(_rows(of, shard, series, workers)):
+            for group in in_groups(_rows(of, shard, request, workers)):
                 write(group)
                 report(len(group))
     except FileNotFoundError:
@@ -63,19 +64,19 @@ def make_on_node(folder: Path, of: Set, replace: bool, shard: Shard) -> bool:
     """
     if read_set(folder) != of:
         raise MissingProgram(f"{folder}: the set is not there: the folder must be one that all nodes share")
-    series = of.series(folder)
-    versions, _ = series.described()
+    request = of.request_in(folder)
+    versions, _ = described(request)
     for name, version in of.versions.items():
         if (own := versions.get(name)) != version:
             raise MissingProgram(f"houses of the set are made by {name} {version}, not {own}")
-    return make(folder, of, shard, series, replace=replace)
+    return make(folder, of, shard, request, replace=replace)
 
 
-def _rows(of: Set, shard: Shard, series: HouseSeries, workers: int) -> Iterator[Row]:
+def _rows(of: Set, shard: Shard, request: HouseRequest, workers: int) -> Iterator[Row]:
     """Yield the rows of a shard. A house whose process was killed is generated again."""
     kills, indices = 0, shard.indices
     while indices:
-        for made in series.outcomes(shard.seed, indices, workers):
+        for made in outcomes(request, shard.seed, indices, workers):
             if isinstance(made, Killed):
                 if (kills := kills + 1) == KILLS:
                     raise made
@@ -84,7 +85,7 @@ def _rows(of: Set, shard: Shard, series: HouseSeries, workers: int) -> Iterator[
             if isinstance(made, House):
                 yield house_row(made)
             else:
-                yield limit_row(of.row_source(shard.seed, index), _why(str(made), series.late(index)))
+                yield limit_row(of.row_source(shard.seed, index), _why(str(made), late(request, index)))
 
 
 def _why(said: str, late: str) -> str:
@@ -148,5 +149,5 @@ def complete(folder: Path, of: Set, each: Mapper = map) -> Manifest | None:
     rows = sum(each.rows for each in files)
     digest = hashlib.sha256((folder / SET).read_bytes()).hexdigest()
     manifest = Manifest("vitruvius-manifest-1", digest, rows - limits, limits, files)
-    finish(folder, described(of, manifest))
+    finish(folder, card.described(of, manifest))
     return manifest

@@ -12,10 +12,10 @@ from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.layout.terms import granted, parts, requirements, shared_requirements
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 
-def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:
+def barred_units(programs: Programs, request: HouseRequest) -> dict[Symbol, HouseRequest]:
     """Return the units of a house that are infeasible at all lengths: requirements ``barred``, and the units.
 
     These are units with a number of rooms, and units with a number of rooms of one requested type.
@@ -25,12 +25,12 @@ def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:
 
 
 @cache
-def _barred(programs: Programs, size: int, types: tuple[str, ...]) -> list[tuple[Symbol, Request]]:
+def _barred(programs: Programs, size: int, types: tuple[str, ...]) -> list[tuple[Symbol, HouseRequest]]:
     """Return the infeasible units with this number of rooms."""
-    program, _ = programs.unit_for(Request(size, dict.fromkeys(types, (0, 0))))
+    program, _ = programs.unit_for(HouseRequest(size, dict.fromkeys(types, (0, 0))))
     if not program.possible():
-        return [(Function("barred", [Number(size)]), Request(size))]
-    units = [Request(size, {type_: (n, n)}) for type_ in types for n in range(size + 1)]
+        return [(Function("barred", [Number(size)]), HouseRequest(size))]
+    units = [HouseRequest(size, {type_: (n, n)}) for type_ in types for n in range(size + 1)]
     asked = [(unit, requirements("among", unit.types)) for unit in units]
     return [
         (Function("barred", [Number(size), *required.arguments[:2]]), unit)
@@ -48,7 +48,7 @@ class UnitsFeasibility(Feasibility):
         self._programs = loaded.programs
 
     def house(
-        self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
+        self, request: HouseRequest, unfurnishable: Iterable[str] = (), laws: bool = False
     ) -> tuple[Relaxed, list[Statement]]:
         """Return the program of the units, and all statements that may be left out of it."""
         required, barred = shared_requirements(request), barred_units(self._programs, request)
@@ -65,11 +65,11 @@ class UnitsFeasibility(Feasibility):
         return relaxed, statements
 
 
-def option_reasons(request: Request) -> list[Reason]:
+def option_reasons(request: HouseRequest) -> list[Reason]:
     """Return a request's choices of room types, as on the command line."""
     return [option("--type", name, request.types) for name in sorted(request.types)]
 
 
-def no_unit(unit: Request) -> Reason:
+def no_unit(unit: HouseRequest) -> Reason:
     """Return the statement that there is no such unit."""
     return Reason(f"no unit has {unit}")

@@ -24,7 +24,7 @@ from vitruvius.logic.layout.terms import ASKED_DOORS, brief_facts, wall_facts
 from vitruvius.logic.placement.lengths import brief_lengths, metres
 from vitruvius.logic.placement.plan import Pieces, Plan
 from vitruvius.logic.request.brief import Brief
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import numbered
 
 MAX_UNDECIDED_LAYOUTS = 1
@@ -72,7 +72,7 @@ class BriefMaker(SharedWallsMaker):
         if not (brief.is_alone or brief.other_doors):
             self._few_doors = loaded.programs_of(rules, [*symbols, ASKED_DOORS])
 
-    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
         """Return a furnished house: see ``Maker.made``.
 
         The house has no doors beyond those of the brief, if the grammar's rules permit that.
@@ -83,19 +83,19 @@ class BriefMaker(SharedWallsMaker):
         return self._made_by(self._all_doors, request, rng, inferences)
 
     def _made_by(
-        self, programs: Programs, request: Request, rng: np.random.Generator, inferences: int
+        self, programs: Programs, request: HouseRequest, rng: np.random.Generator, inferences: int
     ) -> House:
         self._programs = programs
         self._undecided, self._thorough = (), self.feasibility.thorough
         return super().made(request, rng, inferences)
 
-    def stated(self, request: Request) -> Program:
+    def stated(self, request: HouseRequest) -> Program:
         """Return the program of the last house if there is one, since no other program has its facts."""
         return self._one_house or super().stated(request)
 
     def _layout(
         self,
-        request: Request,
+        request: HouseRequest,
         rng: np.random.Generator,
         nogoods: list[Nogood],
         unfurnishable: Collection[str],
@@ -115,11 +115,11 @@ class BriefMaker(SharedWallsMaker):
         self._undecided, self._thorough = (), True
         return super()._layout(request, rng, nogoods, unfurnishable)
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         """Place walls as for any plan, but thoroughly once ``_layout`` has no other layouts."""
         return self._placer.walls(layout, seed, inferences, thorough=self._thorough)
 
-    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
         if self._undecided:
             return LimitReached(
                 f"{numbered(len(self._undecided), 'arrangement')} of the brief's rooms could not be decided, "
@@ -128,7 +128,7 @@ class BriefMaker(SharedWallsMaker):
         return super()._no_layout(request, unfurnishable)
 
     def complete(
-        self, request: Request, rng: np.random.Generator, inferences: int
+        self, request: HouseRequest, rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[Pieces], int]:
         """Return a plan as for any request, with the names of the brief."""
         plan, pieces, left = super().complete(request, rng, inferences)
@@ -137,5 +137,5 @@ class BriefMaker(SharedWallsMaker):
             plan.rooms[place] = structs.replace(plan.rooms[place], **as_named)
         return plan, pieces, left
 
-    def _searches_freely(self, request: Request) -> bool:
+    def _searches_freely(self, request: HouseRequest) -> bool:
         return True

@@ -28,8 +28,9 @@ from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.program import Program
 from vitruvius.logic.placement.lengths import metres
 from vitruvius.logic.request.brief import Brief
+from vitruvius.logic.request.counts import known
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import Request, known
 from vitruvius.logic.spelling import unknown
 
 OF_GIVEN: dict[type, type[BriefMaker] | type[GivenPlanMaker]] = {Brief: BriefMaker, OwnPlan: GivenPlanMaker}
@@ -83,26 +84,24 @@ class Builder:
         self.placer.load()
         self.account.begin()
 
-    def house(
-        self, request: Request, seed: int, index: int, inferences: int, thorough: bool = False
-    ) -> House:
+    def house(self, request: HouseRequest, seed: int, index: int, thorough: bool = False) -> House:
         """Generate house ``index``, a function of the grammar, the request, the seed and the index.
 
         ``thorough`` considers all sizes that areas allow, and requires ``decides_areas``.
 
         Raises ``RequestError`` for an unknown type, ``NoLayout`` if there is provably no such house, and
-        ``LimitReached`` after this number of Prolog inferences.
+        ``LimitReached`` after the request's number of Prolog inferences.
         """
         self.account.begin()
         try:
             maker = self._thorough_maker(request) if thorough else self.maker_of(request)
-            made = maker.made(request, np.random.default_rng([seed, index]), inferences)
+            made = maker.made(request, np.random.default_rng([seed, index]), request.inferences)
         except OutOfInferences:
-            late = f"house {index} reached its limit of {inferences} inferences: raise it with --inferences"
-            raise LimitReached(f"{late}. {self.account}") from None
+            late = f"house {index} reached its limit of {request.inferences} inferences"
+            raise LimitReached(f"{late}: raise it with --inferences. {self.account}") from None
         return msgspec.structs.replace(made, provenance=self._provenance(request, seed, index))
 
-    def decides_areas(self, request: Request) -> bool:
+    def decides_areas(self, request: HouseRequest) -> bool:
         """Return True if houses of a request can have all sizes that the areas of their rooms allow.
 
         That holds without a grid, a given plan, units, and areas of several rooms together.
@@ -112,16 +111,16 @@ class Builder:
             several or request.plan or request.cell or self.loaded.depths or not self.grammar.shares_walls
         )
 
-    def _thorough_maker(self, request: Request) -> Maker:
+    def _thorough_maker(self, request: HouseRequest) -> Maker:
         if request.brief:
             return BriefMaker(self.grammar, self.loaded, request.brief, thorough=True)
         return ExactAreasMaker(self.grammar, self.loaded)
 
-    def maker_class(self, request: Request) -> type[Maker]:
+    def maker_class(self, request: HouseRequest) -> type[Maker]:
         """Return the class that generates the houses of a request; ``logic.why.kinds`` has its witness."""
         return OF_GIVEN.get(type(request.given), type(self.maker))
 
-    def maker_of(self, request: Request) -> Maker:
+    def maker_of(self, request: HouseRequest) -> Maker:
         """Return the object that generates the houses of a request, with a plan or a brief if it has one."""
         if request.given and not self.grammar.shares_walls:
             raise RequestError(
@@ -136,7 +135,7 @@ class Builder:
             self._of_given = given, OF_GIVEN[type(given)](self.grammar, self.loaded, given)
         return self._of_given[1]
 
-    def require_known(self, request: Request) -> None:
+    def require_known(self, request: HouseRequest) -> None:
         """Raise ``RequestError`` for types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
         if request.rooms > self.loaded.most_rooms and not request.given:
@@ -161,7 +160,7 @@ class Builder:
             pieces = [furniture[type_]] if type_ else furniture.values()
             known("piece", piece, {each for room in pieces for each in room})
 
-    def promises(self, request: Request) -> Promises:
+    def promises(self, request: HouseRequest) -> Promises:
         """Return the promises of the houses of a request."""
         maker = self.maker_of(request)
         program = maker.stated(request)
@@ -180,7 +179,7 @@ class Builder:
         labels = {room.label for room in request.brief.rooms if room.label} if request.brief else ()
         return labelled(stated, labels) if labels else stated
 
-    def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
+    def _provenance(self, request: HouseRequest, seed: int, index: int) -> Provenance:
         return Provenance(
             grammar=self.grammar.name,
             grammar_hash=self.grammar.hash,

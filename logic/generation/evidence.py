@@ -7,14 +7,14 @@ from clingo import Symbol
 
 from vitruvius.logic.generation.feasibility import Feasibility
 from vitruvius.logic.generation.movable_doors import Refuted
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 
 @dataclass
 class NoLayout(Exception):
     """Stage 1 found no layout of a request outside the layouts that are proved infeasible."""
 
-    request: Request
+    request: HouseRequest
     feasibility: Feasibility
     """Rules to prove it by."""
     unfurnishable: Collection[str] = ()
@@ -31,5 +31,5 @@ class NoUnits(NoLayout):
 
     unit: Feasibility = field(kw_only=True)
     """Rules of one unit."""
-    barred: Mapping[Symbol, Request] = field(kw_only=True)
+    barred: Mapping[Symbol, HouseRequest] = field(kw_only=True)
     """Infeasible units: see ``barred_units``."""

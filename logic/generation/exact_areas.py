@@ -16,7 +16,7 @@ from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.terms import wall_facts
 from vitruvius.logic.placement.lengths import brief_lengths
 from vitruvius.logic.placement.plan import Plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import numbered
 
 
@@ -32,10 +32,10 @@ class ExactAreasMaker(SharedWallsMaker):
         symbols = [fact for fact, _ in facts]
         self._programs = loaded.programs_of(grammar, symbols)
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         return self._placer.walls(layout, seed, inferences, thorough=True)
 
-    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
         if self._undecided:
             return LimitReached(
                 f"{numbered(len(self._undecided), 'arrangement')} of the rooms could not be decided, and all "

@@ -32,8 +32,9 @@ from vitruvius.logic.layout.terms import (
 )
 from vitruvius.logic.placement.layout import Layout, RoomLayout
 from vitruvius.logic.placement.placer import Infeasible, Placer
+from vitruvius.logic.request.counts import Range, as_option
 from vitruvius.logic.request.fixed_rooms import FixedRoom
-from vitruvius.logic.request.request import Range, Request, as_option
+from vitruvius.logic.request.house_request import HouseRequest
 
 HouseFacts = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
 """Facts of stage 1 about a house's walls and areas, each with the clauses that state it."""
@@ -75,7 +76,7 @@ class Feasibility:
         """Furniture that stage 1 refutes by itself."""
 
     def house(
-        self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
+        self, request: HouseRequest, unfurnishable: Iterable[str] = (), laws: bool = False
     ) -> tuple[Relaxed, list[Statement]]:
         """Return the program of a house's rooms, and all statements that may be left out of it.
 
@@ -101,7 +102,7 @@ class Feasibility:
             statements.append(relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms)))
         return relaxed, statements
 
-    def is_furnishable(self, request: Request, type_: str, most: float = math.inf) -> bool:
+    def is_furnishable(self, request: HouseRequest, type_: str, most: float = math.inf) -> bool:
         """Return True if a room of this type can have its requested furniture; see ``Question.layout``."""
         asked = type_, tuple(request.furniture_of(type_))
         if asked not in self._furnishable:
@@ -113,7 +114,7 @@ class Feasibility:
                 self._furnishable[asked] = question.possible(statements, most)
         return self._furnishable[asked]
 
-    def unfurnishable(self, request: Request, type_: str) -> tuple[Question, list[Statement]]:
+    def unfurnishable(self, request: HouseRequest, type_: str) -> tuple[Question, list[Statement]]:
         """Return ``furniture`` of a type that ``is_furnishable`` refuted, once without grounding it again."""
         asked = type_, tuple(request.furniture_of(type_))
         return self._refuted.pop(asked, None) or self.furniture(request, type_)
@@ -125,7 +126,7 @@ class Feasibility:
         return any("doorway(" in rule.text and not of_others.search(rule.text) for rule in rules)
 
     def furniture(
-        self, request: Request, type_: str, laws: bool = False, room: Refuted | None = None
+        self, request: HouseRequest, type_: str, laws: bool = False, room: Refuted | None = None
     ) -> tuple[Question, list[Statement]]:
         """Return the question whether a room can be furnished, and the statements that a proof may leave out.
 
@@ -186,7 +187,7 @@ class Feasibility:
         places = {clause: self.placer.reason(*place) for clause, place in origins.items()}
         return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
-    def of_rooms(self, relaxed: Relaxed, request: Request) -> Question:
+    def of_rooms(self, relaxed: Relaxed, request: HouseRequest) -> Question:
         """Return the question about a house's rooms and the places of their walls, or their areas."""
         if self._placed or not self.facts:
             return Question(relaxed)
@@ -200,7 +201,7 @@ class Feasibility:
         return Question(relaxed, too_small_or_large)
 
     def _conflict(
-        self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]
+        self, request: HouseRequest, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]
     ) -> Conflict | None:
         """Return the conflict in a room with this furniture, without some clauses, or None if it fits."""
         kind = Function(type_)

@@ -25,7 +25,7 @@ from vitruvius.logic.placement.layout import RoomLayout
 from vitruvius.logic.placement.placer import Placer
 from vitruvius.logic.placement.plan import Pieces
 from vitruvius.logic.placement.prolog import Term
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article, numbered
 
 WALLS = {
@@ -243,7 +243,7 @@ def furnished(
     placer: Placer,
     rng: np.random.Generator,
     inferences: int,
-    request: Request | None = None,
+    request: HouseRequest | None = None,
     how: dict[int, Furnished] | None = None,
 ) -> list[Pieces]:
     """Furnish the rooms of an unfurnished plan. Return the pieces of each room, in the house's frame.

@@ -25,8 +25,8 @@ from vitruvius.logic.layout.terms import granted, own_requirements
 from vitruvius.logic.placement.given_plan import inner_span, openings, plan_faults, within_walls
 from vitruvius.logic.placement.lengths import metres as lengths_of
 from vitruvius.logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import Request
 
 PATIENCE = 5
 """Number of failures of a room at sampled places of its doors, after which other places are searched."""
@@ -59,17 +59,17 @@ class GivenPlanMaker(SharedWallsMaker):
         """Return the conflicts of the plan with the grammar's lengths."""
         return plan_faults(loaded.placer, plan, sorted(loaded.furniture), loaded.openings)
 
-    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
         """Return a furnished house in the plan: see ``Maker.made``."""
         self._failures, self._refuted, self._too_small = 0, [], {}
         return super().made(request, rng, inferences)
 
-    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
         return NoLayout(request, self.feasibility, unfurnishable, refuted=self._refuted)
 
     def _furnished(
         self,
-        request: Request,
+        request: HouseRequest,
         plan: Plan,
         layout: list[Symbol],
         nogoods: list[Nogood],
@@ -90,7 +90,7 @@ class GivenPlanMaker(SharedWallsMaker):
 
     def _moved(
         self,
-        request: Request,
+        request: HouseRequest,
         plan: Plan,
         layout: list[Symbol],
         place: int,
@@ -144,7 +144,7 @@ class GivenPlanMaker(SharedWallsMaker):
             return Rect(start, wall.place, length, 0.0)
         return Rect(wall.place, start, 0.0, length)
 
-    def _anywhere(self, request: Request, plan: Plan, place: int) -> list[Refuted]:
+    def _anywhere(self, request: HouseRequest, plan: Plan, place: int) -> list[Refuted]:
         """Return proofs that a room has no furniture at its size, wherever its doors and windows are.
 
         The list is empty if the room may have furniture.
@@ -161,7 +161,7 @@ class GivenPlanMaker(SharedWallsMaker):
             self._too_small[place, room.type] = refuted if never else []
         return self._too_small[place, room.type]
 
-    def _may_be_furnished(self, request: Request, room: Refuted) -> bool:
+    def _may_be_furnished(self, request: HouseRequest, room: Refuted) -> bool:
         """Return True if a layout fits in a room, or if this is unknown after ``MOST_LAYOUTS`` layouts."""
         question, statements = self.feasibility.furniture(request, room.room.room.type, room=room)
         try:
@@ -171,7 +171,7 @@ class GivenPlanMaker(SharedWallsMaker):
 
     def _refutation(
         self,
-        request: Request,
+        request: HouseRequest,
         plan: Plan,
         layout: list[Symbol],
         place: int,
@@ -200,7 +200,7 @@ class GivenPlanMaker(SharedWallsMaker):
             if each.name == kind and not numbers.isdisjoint(each.arguments[: 1 if kind == "drawn" else 2])
         )
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         """Return the plan's own rooms with their types, and doors and windows in their walls."""
         types = {atom.arguments[0].number: str(atom.arguments[1]) for atom in layout if atom.name == "room"}
         thick = self._placer.wall_thickness

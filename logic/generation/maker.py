@@ -10,7 +10,7 @@ from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.house.house import House
 from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.program import Program
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 
 class Maker(ABC):
@@ -25,13 +25,13 @@ class Maker(ABC):
         self._placer, self._programs = loaded.placer, loaded.programs
 
     @abstractmethod
-    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
         """Return a furnished house, a function of the rules, the request and the random numbers.
 
         Raises ``NoLayout`` if there is provably none, ``OutOfInferences`` after this number of Prolog
         inferences, and ``LimitReached`` at other limits.
         """
 
-    def stated(self, request: Request) -> Program:
+    def stated(self, request: HouseRequest) -> Program:
         """Return a program of houses of the request, whose facts are the grammar's."""
         return self._programs.rooms_for(request)[0]

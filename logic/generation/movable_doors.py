@@ -19,7 +19,7 @@ from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.layout.terms import granted
 from vitruvius.logic.placement.placer import Placer
 from vitruvius.logic.placement.prolog import Term
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
 MOST_LAYOUTS = 500
@@ -84,7 +84,7 @@ class LooseRoom(Frame):
         programs: Programs,
         placer: Placer,
         rng: np.random.Generator,
-        request: Request,
+        request: HouseRequest,
         windows: bool,
     ) -> list[Symbol] | None:
         """Return a layout that fits for some places of the doors, or None if provably none does.

@@ -26,7 +26,7 @@ from vitruvius.logic.layout.program import Nogood, Program, TooMany
 from vitruvius.logic.layout.terms import granted, room_requirements, to_furnish
 from vitruvius.logic.placement.placer import Infeasible
 from vitruvius.logic.placement.plan import Pieces, Plan, UnitRange
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
 MOST_TRIES = 200
@@ -66,7 +66,7 @@ class SharedWallsMaker(Maker):
     _undecided: Sequence[Nogood] = ()
     """Nogoods of layouts whose areas were neither found nor refuted."""
 
-    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
         if request.fixed:
             raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
@@ -77,7 +77,7 @@ class SharedWallsMaker(Maker):
         return plan.house(pieces, self.grammar.topology_name)
 
     def complete(
-        self, request: Request, rng: np.random.Generator, inferences: int
+        self, request: HouseRequest, rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[Pieces], int]:
         """Return a plan, the pieces of each of its rooms, and the inferences left.
 
@@ -113,7 +113,7 @@ class SharedWallsMaker(Maker):
 
     def unfurnished(
         self,
-        request: Request,
+        request: HouseRequest,
         rng: np.random.Generator,
         inferences: int,
         nogoods: list[Nogood],
@@ -133,8 +133,8 @@ class SharedWallsMaker(Maker):
 
     def _solved(
         self,
-        solve: Callable[[Request, list[Symbol], int, int], S],
-        request: Request,
+        solve: Callable[[HouseRequest, list[Symbol], int, int], S],
+        request: HouseRequest,
         rng: np.random.Generator,
         inferences: int,
         nogoods: list[Nogood],
@@ -156,13 +156,13 @@ class SharedWallsMaker(Maker):
             if inferences <= 0:
                 raise OutOfInferences
 
-    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
         """Return the error for a request without a layout outside the nogoods."""
         return NoLayout(request, self.feasibility, unfurnishable)
 
     def _furnished(
         self,
-        request: Request,
+        request: HouseRequest,
         plan: Plan,
         layout: list[Symbol],
         nogoods: list[Nogood],
@@ -178,7 +178,7 @@ class SharedWallsMaker(Maker):
 
     def _layout(
         self,
-        request: Request,
+        request: HouseRequest,
         rng: np.random.Generator,
         nogoods: list[Nogood],
         unfurnishable: Collection[str],
@@ -193,16 +193,16 @@ class SharedWallsMaker(Maker):
         self._placer.account.sampled()
         return layout
 
-    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
+    def _program(self, request: HouseRequest) -> tuple[Program, list[Symbol], list[Symbol]]:
         """Return the program of the rooms, and the assumptions that hold and that do not."""
         if self._one_house is not None:
             return self._one_house, [granted(each) for each in room_requirements(request)], []
         return *self._programs.rooms_for(request), []
 
-    def _searches_freely(self, request: Request) -> bool:
+    def _searches_freely(self, request: HouseRequest) -> bool:
         return DISSECTION in self.grammar.topology and request.rooms >= FREE_FROM
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         """Return walls, doors and windows with their places: see ``Placer.walls``."""
         return self._placer.walls(layout, seed, inferences)
 

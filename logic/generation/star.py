@@ -25,7 +25,7 @@ from vitruvius.logic.placement.layout import Layout
 from vitruvius.logic.placement.placer import Infeasible, Misfit
 from vitruvius.logic.placement.plan import StarPlan
 from vitruvius.logic.placement.prolog import Term
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
 MOST_MISFITS = 200
@@ -41,7 +41,7 @@ class StarMaker(Maker):
     making: Layout | None = None
     """Layout of the last house."""
 
-    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
         nogoods = Nogoods()
         self._programs.begin()
@@ -67,7 +67,9 @@ class StarMaker(Maker):
                 again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
                 layout = again or self.layout(request, rng, nogoods)
 
-    def layout(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods | None" = None) -> Layout:
+    def layout(
+        self, request: HouseRequest, rng: np.random.Generator, nogoods: "Nogoods | None" = None
+    ) -> Layout:
         """Sample a layout of stage 1 outside the nogoods. Raises ``NoLayout`` if none is left."""
         nogoods = nogoods or Nogoods()
         while True:
@@ -76,7 +78,7 @@ class StarMaker(Maker):
             if furnished is not None:
                 return furnished
 
-    def _sample_rooms(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
+    def _sample_rooms(self, request: HouseRequest, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
         """Return a layout without furniture, and without the room types that cannot have any."""
         program, assumed = self._programs.rooms_for(request)
         without = [
@@ -103,7 +105,7 @@ class StarMaker(Maker):
 
     def _refurnished(
         self,
-        request: Request,
+        request: HouseRequest,
         layout: Layout,
         numbers: Iterable[int],
         rng: np.random.Generator,
@@ -133,7 +135,7 @@ class StarMaker(Maker):
             rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
         return Layout(rooms, layout.corners)
 
-    def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
+    def _learn_misfit(self, proof: Misfit, layout: Layout, request: HouseRequest, nogoods: "Nogoods") -> None:
         """Exclude an infeasible order of the rooms. Raises ``LimitReached`` after many failures."""
         of_area = self._loaded.has_area and not request.fixed
         self._placer.account.refuted([Function("house_area")] if of_area else ())
@@ -153,7 +155,7 @@ class StarMaker(Maker):
                 f"{MOST_MISFITS} times {self._misfit(request)}. {self._placer.account.refutations}"
             )
 
-    def _misfit(self, request: Request) -> str:
+    def _misfit(self, request: HouseRequest) -> str:
         """Return a message about rooms that do not fit, with advice."""
         area = "the sampled rooms did not leave the main room the area that is left of house_area/2"
         if not request.fixed:
@@ -173,7 +175,7 @@ def _sized(layout: Layout, sizes: Iterable[Sequence[Any]]) -> Layout:
     )
 
 
-def house(plan: StarPlan, layout: Layout, request: Request) -> House:
+def house(plan: StarPlan, layout: Layout, request: HouseRequest) -> House:
     """Return the house of a layout with the places from stage 2."""
     floor: Rect = _moved(plan.floor, *plan.corner) if request.fixed else plan.floor
     planned = [room and _moved(room, *plan.corner) for room in plan.rooms] if request.fixed else plan.rooms

@@ -9,7 +9,7 @@ units.
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from vitruvius.logic.layout.program import Nogood, Program
 from vitruvius.logic.placement.placer import Infeasible
 from vitruvius.logic.placement.plan import Pieces, Plan, UnitRange
 from vitruvius.logic.placement.prolog import Term
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import numbered
 
 SIDES = ("west", "east", "north", "south")
@@ -60,7 +60,7 @@ class Unit:
     """
 
     number: int
-    request: Request
+    request: HouseRequest
     axis: str
     depth: float
     public: int
@@ -120,7 +120,7 @@ class UnitMaker(SharedWallsMaker):
 
     def _layout(
         self,
-        request: Request,
+        request: HouseRequest,
         rng: np.random.Generator,
         nogoods: list[Nogood],
         unfurnishable: Collection[str],
@@ -131,18 +131,18 @@ class UnitMaker(SharedWallsMaker):
         excluded = nogoods if nogoods is self._infeasible else [*self._infeasible, *nogoods]
         return super()._layout(request, rng, excluded, unfurnishable)
 
-    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
         return Impossible(None if self._place else self.unit)
 
-    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
+    def _program(self, request: HouseRequest) -> tuple[Program, list[Symbol], list[Symbol]]:
         program, assumed = self._programs.unit_for(request)
         known = self.unit.known([atom.arguments[0] for atom in program.atoms("step", 1)])
         return program, [*assumed, *known[True]], known[False]
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         return self._placer.walls(layout, seed, inferences, self._place)
 
-    def _range(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> UnitRange:
+    def _range(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> UnitRange:
         return self._placer.unit_range(layout, self.unit.axis, self.unit.depth, inferences)
 
 
@@ -160,7 +160,7 @@ class UnitsMaker(SharedWallsMaker):
         self._depths = loaded.depths or (0.0, 0.0)
 
     def complete(
-        self, request: Request, rng: np.random.Generator, inferences: int
+        self, request: HouseRequest, rng: np.random.Generator, inferences: int
     ) -> tuple[Plan, list[Pieces], int]:
         """Return a plan of all rooms, first the public ones, then unit by unit, and each room's pieces."""
         depths, refuted = self._sampled_depths(rng), list[Nogood]()
@@ -183,7 +183,7 @@ class UnitsMaker(SharedWallsMaker):
             f"other depths (unit_depth/1). {self._placer.account.refutations}"
         )
 
-    def stated(self, request: Request) -> Program:
+    def stated(self, request: HouseRequest) -> Program:
         """Return the program of the units."""
         return self._programs.units_for(request, barred_units(self._programs, request))[0]
 
@@ -192,7 +192,7 @@ class UnitsMaker(SharedWallsMaker):
         low, high = self._depths
         return defaultdict[Symbol, float](lambda: float(rng.uniform(low, high)))
 
-    def _alike(self, unit: Unit, layout: Sequence[Symbol], request: Request) -> Iterator[Nogood]:
+    def _alike(self, unit: Unit, layout: Sequence[Symbol], request: HouseRequest) -> Iterator[Nogood]:
         """Yield nogoods that exclude every unit of a house that resembles this unit of a layout.
 
         Units with other numbers are excluded, too.
@@ -209,7 +209,7 @@ class UnitsMaker(SharedWallsMaker):
                 }
 
     def _units(
-        self, request: Request, rng: np.random.Generator, refuted: Sequence[Nogood]
+        self, request: HouseRequest, rng: np.random.Generator, refuted: Sequence[Nogood]
     ) -> list[Symbol] | None:
         """Return a layout of units, or None if there is none outside the refuted layouts."""
         program, assumed = self._programs.units_for(request, barred_units(self._programs, request))
@@ -265,7 +265,7 @@ class UnitsMaker(SharedWallsMaker):
         return plan, pieces, inferences
 
 
-def _units_of(layout: Sequence[Symbol], request: Request, depths: Mapping[Symbol, float]) -> list[Unit]:
+def _units_of(layout: Sequence[Symbol], request: HouseRequest, depths: Mapping[Symbol, float]) -> list[Unit]:
     """Return the units of a layout, with equal depths in each group, and the request of each."""
     stated = defaultdict[tuple[str, int], list[Any]](list)
     for atom in layout:
@@ -280,7 +280,7 @@ def _units_of(layout: Sequence[Symbol], request: Request, depths: Mapping[Symbol
         (side, public), (axis, group) = stated["way", number][0], stated["deep", number][0]
         types = {type_.name: (share.number, share.number) for type_, share in stated["share", number]}
         inner = frozenset(other.name for (other,) in stated["inner", number])
-        asked = replace(request, rooms=rooms, types=types)
+        asked = structs.replace(request, rooms=rooms, types=types)
         units.append(Unit(number, asked, axis.name, depths[group], public.number, side.name, inner))
     return units
 

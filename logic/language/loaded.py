@@ -45,7 +45,7 @@ from vitruvius.logic.placement.lengths import (
 )
 from vitruvius.logic.placement.placer import Placer
 from vitruvius.logic.placement.prolog import Term
-from vitruvius.logic.request.request import MOST_ROOMS
+from vitruvius.logic.request.counts import MOST_ROOMS
 from vitruvius.logic.spelling import closest
 
 MOST_INSTANCES = 50_000

@@ -21,7 +21,7 @@ from vitruvius.logic.layout.terms import (
     room_requirements,
     shared_requirements,
 )
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
 GIVEN = {"in_a_row": 4, "fuller": 2}
@@ -97,7 +97,7 @@ class Programs:
             left_out=self._grammar.left_out,
         )
 
-    def house(self, request: Request, seed: int) -> Program:
+    def house(self, request: HouseRequest, seed: int) -> Program:
         """Return the program of one house's rooms, with a random search by a seed: see ``program.FREE``."""
         self._account.at(GROUNDING, f"grounding the rules for {request.rooms} rooms (clingo)")
         stages = [*HOUSE, *parts(self._walls), *parts(room_requirements(request))]
@@ -172,20 +172,22 @@ class Programs:
         """Return True if a room of this type may have furniture."""
         return bool(self._furniture[type_])
 
-    def rooms_for(self, request: Request, arguments: tuple[str, ...] = ()) -> tuple[Program, list[Symbol]]:
+    def rooms_for(
+        self, request: HouseRequest, arguments: tuple[str, ...] = ()
+    ) -> tuple[Program, list[Symbol]]:
         """Return the program of a request's rooms, and the atoms to assume."""
         required = room_requirements(request)
         return self.rooms(request.rooms, tuple(required), arguments), [granted(each) for each in required]
 
     def units_for(
-        self, request: Request, barred: Iterable[Symbol] = (), arguments: tuple[str, ...] = ()
+        self, request: HouseRequest, barred: Iterable[Symbol] = (), arguments: tuple[str, ...] = ()
     ) -> tuple[Program, list[Symbol]]:
         """Return the program of the units of a request's house, and the atoms to assume."""
         required = [*shared_requirements(request), *barred]
         program = self.units(request.rooms, tuple(required), arguments)
         return program, [granted(each) for each in required]
 
-    def unit_for(self, request: Request) -> tuple[Program, list[Symbol]]:
+    def unit_for(self, request: HouseRequest) -> tuple[Program, list[Symbol]]:
         """Return the program of a unit's rooms for any numbers of these types, and the atoms to assume."""
         numbers = range(request.rooms + 1)
         each_number = [dict.fromkeys(request.types, (number, number)) for number in numbers]
@@ -196,7 +198,7 @@ class Programs:
     def furniture_for(
         self,
         type_: str,
-        request: Request,
+        request: HouseRequest,
         arguments: tuple[str, ...] = (),
         rng: np.random.Generator | None = None,
     ) -> tuple[Program, list[Symbol]]:
@@ -204,18 +206,18 @@ class Programs:
         required = self.required_in(type_, request)
         return self.furniture(type_, required, arguments, rng), [granted(each) for each in required]
 
-    def required_in(self, type_: str, request: Request) -> tuple[Symbol, ...]:
+    def required_in(self, type_: str, request: HouseRequest) -> tuple[Symbol, ...]:
         """Return the requirements of a request for the furniture of a room of this type."""
         asked = request.pieces_of(type_)
         return tuple(
             requirements("has", {name: n for name, n in asked.items() if name in self._furniture[type_]})
         )
 
-    def all_furniture(self, request: Request) -> list[Program]:
+    def all_furniture(self, request: HouseRequest) -> list[Program]:
         """Return the programs that furnish rooms for a request, one for each type."""
         return [self.furniture_for(type_, request)[0] for type_ in sorted(self._furniture)]
 
-    def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool | None]]:
+    def counts(self, request: HouseRequest, seconds: float) -> Iterator[tuple[str, int, bool | None]]:
         """Yield the running counts of layouts of the rooms, and of the furniture of each room type.
 
         Each item is a name, the number so far, and its state: True if complete, False if the share of the
@@ -225,7 +227,9 @@ class Programs:
         named = [(str(request), self.rooms_for(request, EVERY))]
         if sizes := self.unit_sizes(request.rooms):
             named = [(f"units of {request}", self.units_for(request, arguments=EVERY))]
-            named += [(f"a unit of {size} rooms", self.rooms_for(Request(size), EVERY)) for size in sizes]
+            named += [
+                (f"a unit of {size} rooms", self.rooms_for(HouseRequest(size), EVERY)) for size in sizes
+            ]
         named += [(type_, self.furniture_for(type_, request, EVERY)) for type_ in sorted(self._furniture)]
         for place, (name, (program, assumed)) in enumerate(named):
             self._account.at(LAYOUT, f"counting layouts: {name} (clingo)")
@@ -240,7 +244,7 @@ class Programs:
         """
         own = tuple(f"{file}:" for file in self._grammar.own)
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}
-        for program in (self.rooms(1), *self.all_furniture(Request(1))):
+        for program in (self.rooms(1), *self.all_furniture(HouseRequest(1))):
             for remark in program.remarks:
                 if remark.startswith(own) and "does not occur in any rule head" not in remark:
                     error = placed_error(remark)

@@ -10,9 +10,10 @@ from vitruvius.logic.layout.program import Part
 from vitruvius.logic.request.brief import LEAST_SIDE, Brief, length_range, tolerance_of
 from vitruvius.logic.request.brief_lines import area_ranges, void_numbers
 from vitruvius.logic.request.brief_lines import requirements as brief_lines
+from vitruvius.logic.request.counts import MOST, Range
 from vitruvius.logic.request.fixed_rooms import FixedRoom
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import MOST, Range, Request
 
 STEP = 500
 """Precision of the depth of a unit in stage 1, millimetres."""
@@ -46,14 +47,14 @@ def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
     ]
 
 
-def room_requirements(request: Request) -> list[Symbol]:
+def room_requirements(request: HouseRequest) -> list[Symbol]:
     """Return all requirements of a request on the rooms of a house."""
     own = own_requirements(request.plan) if request.plan else {}
     brief = [each for _, some in brief_requirements(request.brief) for each in some] if request.brief else []
     return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own, *brief]
 
 
-def shared_requirements(request: Request) -> list[Symbol]:
+def shared_requirements(request: HouseRequest) -> list[Symbol]:
     """Return all requirements on the rooms of a house of units: see ``rules/shared_walls/units.lp``."""
     return requirements("shared", request.types)
 

@@ -7,10 +7,10 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.proofs.giving_way import giving_way, unlike_stated_sizes
 from vitruvius.logic.proofs.proof import Prover
 from vitruvius.logic.proofs.units import no_house
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 
-def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
+def house_or_proof(builder: Builder, request: HouseRequest, seed: int, index: int) -> House:
     """Return the house of ``Builder.house``. Raises ``Unsatisfiable`` if it finds no layout.
 
     Typical rules that contradict the request's statements about rooms give way. A proof that uses the areas
@@ -22,7 +22,7 @@ def house_or_proof(builder: Builder, request: Request, seed: int, index: int, in
     thorough = False
     while True:
         try:
-            return builder.house(request, seed, index, inferences, thorough)
+            return builder.house(request, seed, index, thorough)
         except NoLayout as found:
             if rules := giving_way(found):
                 builder, thorough = builder.giving_way(rules), False

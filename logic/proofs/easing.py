@@ -6,8 +6,9 @@ here is a proof, since a search that ends at its limit shows nothing.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import cache
+
+from msgspec.structs import replace
 
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED
@@ -15,7 +16,7 @@ from vitruvius.logic.layout.account import LAYOUT
 from vitruvius.logic.layout.conditional import ABSENT
 from vitruvius.logic.layout.program import TooMany
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 FIRST, LARGER = 2_000, 4
 """Number of conflicts of clingo in the first round, and the factor for each further round."""
@@ -24,7 +25,7 @@ FEWER = (0.9, 0.75, 0.5)
 """Fractions of the requested number of rooms that are tried, too."""
 
 
-def easing(builder: Builder, request: Request) -> Iterator[str]:
+def easing(builder: Builder, request: HouseRequest) -> Iterator[str]:
     """Yield changes that make a layout easy to find: without a statement of the user, or with fewer rooms.
 
     Rules of shipped grammars are not named. The search goes on until some change is found.
@@ -41,7 +42,7 @@ def easing(builder: Builder, request: Request) -> Iterator[str]:
             if _has_layout(relaxed, others, conflicts // LARGER if _is_copied(each) else conflicts):
                 found = True
                 yield f"without {each.reason}"
-        if not (found or request.plan or request.fixed):
+        if not (found or request.given or request.fixed):
             fewer = (round(share * request.rooms) for share in FEWER)
             for other in (replace(request, rooms=rooms) for rooms in fewer if rooms):
                 if _has_layout(*feasibility.house(other), conflicts):

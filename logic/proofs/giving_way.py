@@ -17,7 +17,7 @@ from vitruvius.logic.placement.lengths import DOOR_WIDTH, metres, typical_length
 from vitruvius.logic.proofs.least import least
 from vitruvius.logic.proofs.proof import asked
 from vitruvius.logic.request.brief import bounds, tolerance_of
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 MAX_REFUTED = 60
 """Number of layouts that stage 2 refutes in a search for typical lengths that contradict a request."""
@@ -32,7 +32,7 @@ Span = tuple[float, float]
 """Least and greatest value, metres or square metres."""
 
 
-def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
+def unlike_stated_sizes(builder: Builder, request: HouseRequest) -> list[Reason]:
     """Return the typical sizes, areas and door width that exclude the sizes, areas and doors of a request."""
     types = builder.loaded.extremes["rooms"]
     areas = {name: (least, most) for name, least, most in metres(builder.placer, types)["areas"]}
@@ -53,7 +53,7 @@ def unlike_stated_sizes(builder: Builder, request: Request) -> list[Reason]:
     return [each for clause, each in typical_lengths(builder.placer, types).items() if clause in unlike]
 
 
-def _stated(request: Request) -> Iterator[tuple[str, tuple[Span, ...], Span | None]]:
+def _stated(request: HouseRequest) -> Iterator[tuple[str, tuple[Span, ...], Span | None]]:
     """Yield the type, the sides and the area of each room whose type a request states."""
     for room in request.plan.rooms if request.plan else ():
         if room.type:
@@ -117,7 +117,7 @@ def _of_units(found: NoUnits) -> list[Reason]:
     return min(filter(None, ways), key=len, default=[])
 
 
-def _of_unit(found: NoUnits, unit: Request) -> list[Reason]:
+def _of_unit(found: NoUnits, unit: HouseRequest) -> list[Reason]:
     """Return typical rules without which there is a unit."""
     relaxed, statements = found.unit.house(unit)
     must = [each for each in statements if not each.reason.typical]
@@ -129,7 +129,7 @@ def _of_unit(found: NoUnits, unit: Request) -> list[Reason]:
         return [each.reason for each in typical]
 
 
-def _is_about(statement: Statement, request: Request) -> bool:
+def _is_about(statement: Statement, request: HouseRequest) -> bool:
     """Return True unless the statement is about the size of a type that no room of the request has."""
     types = {room.type for room in request.given.rooms} if request.given else {""}
     clause = statement.clause
@@ -179,7 +179,7 @@ def _in_conflict(
     return left_out
 
 
-def without(builder: Builder, request: Request, gave_way: Collection[str]) -> Builder:
+def without(builder: Builder, request: HouseRequest, gave_way: Collection[str]) -> Builder:
     """Return the builder without the typical rules that a house file cites as having given way to a request.
 
     Without citations, as for a row of a set, leave out the rules that contradict the request's counts.

@@ -19,8 +19,8 @@ from vitruvius.logic.placement.lengths import typical_lengths
 from vitruvius.logic.placement.prolog import Term
 from vitruvius.logic.proofs.answer import unsatisfiable
 from vitruvius.logic.proofs.giving_way import giving_way
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan, Wall
-from vitruvius.logic.request.request import Request
 
 R = TypeVar("R", Door, Window)
 
@@ -34,7 +34,7 @@ class LoosePlanMaker(GivenPlanMaker):
     def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
         return []
 
-    def moved(self, request: Request, rng: np.random.Generator) -> OwnPlan | None:
+    def moved(self, request: HouseRequest, rng: np.random.Generator) -> OwnPlan | None:
         """Return the plan with its lines moved by the least sum over some layouts. Raises ``NoLayout``."""
         best, least = None, float("inf")
         lines = _lines(self.plan)
@@ -61,7 +61,7 @@ class LoosePlanMaker(GivenPlanMaker):
         return self._placer.ask("own_plan_moved", layout, Term("lines", *lines), rooms, walls)
 
 
-def moved_plan(builder: Builder, request: Request, seed: int) -> OwnPlan | None:
+def moved_plan(builder: Builder, request: HouseRequest, seed: int) -> OwnPlan | None:
     """Return the plan with its walls moved by the least sum; see ``LoosePlanMaker.moved``.
 
     Typical rules give way, including all typical lengths. Raises ``Unsatisfiable`` if no lengths help.

@@ -2,9 +2,9 @@
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from clingo import Symbol
+from msgspec.structs import replace
 
 from vitruvius.logic.errors import LimitReached, Reason, Unsatisfiable, VitruviusError
 from vitruvius.logic.generation.evidence import NoLayout
@@ -22,7 +22,8 @@ from vitruvius.logic.layout.terms import (
     to_furnish,
 )
 from vitruvius.logic.proofs.least import AnyOf, least, least_of_brief, least_of_plan
-from vitruvius.logic.request.request import MOST_ROOMS, Request
+from vitruvius.logic.request.counts import MOST_ROOMS
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
 NEAR = 8
@@ -93,7 +94,7 @@ class Prover:
         advice = f"There {is_there} a house {', or '.join(ways)}." if ways else ""
         return Unsatisfiable(self._of.grammar.name, str(request), unique, advice, types)
 
-    def conflict(self, request: Request) -> list[Reason]:
+    def conflict(self, request: HouseRequest) -> list[Reason]:
         """Return the reasons why there are no such rooms, among them choices of the request.
 
         Typical rules are among them only if the others permit such rooms.
@@ -106,12 +107,12 @@ class Prover:
         return [each.reason for each in least(question, statements)]
 
     def _number_of_rooms(
-        self, request: Request, unfurnishable: Iterable[str], conflict: Collection[Reason]
+        self, request: HouseRequest, unfurnishable: Iterable[str], conflict: Collection[Reason]
     ) -> tuple[bool, int | None]:
         """Return True if another number of rooms would end the conflict, and a number with a house."""
         named = False
         first, then = _others(request, far=not self._of.grammar.shares_walls)
-        for rooms in (*first, *then):
+        for rooms in (each for each in (*first, *then) if each >= len(request.fixed)):
             # These take longer, and rarely end a conflict that the first numbers do not end.
             if rooms in then and conflict and not named:
                 break
@@ -132,7 +133,7 @@ class Prover:
                     return named, rooms
         return named, None
 
-    def _has_house(self, request: Request, question: Question, statements: list[Statement]) -> bool:
+    def _has_house(self, request: HouseRequest, question: Question, statements: list[Statement]) -> bool:
         """Return True if a house is soon found under all statements, with rooms that can be furnished."""
         while (layout := _soon(question, statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
@@ -144,7 +145,7 @@ class Prover:
                 statements.append(barring)
         return False
 
-    def _room(self, request: Request, type_: str) -> list[Reason]:
+    def _room(self, request: HouseRequest, type_: str) -> list[Reason]:
         """Return the reasons why no room of this type can be furnished."""
         question, statements = self._of.unfurnishable(request, type_)
         alone = Question(question.relaxed)
@@ -155,7 +156,7 @@ class Prover:
             raise VitruviusError(f"{article(type_)} was proved infeasible, but can be furnished")
         return [each.reason for each in least(question, statements)]
 
-    def _rooms(self, request: Request, refuted: Sequence[Refuted]) -> list[Reason]:
+    def _rooms(self, request: HouseRequest, refuted: Sequence[Refuted]) -> list[Reason]:
         """Return the reasons why a room of a plan cannot be furnished with any of these doors."""
         if not refuted:
             return []
@@ -197,7 +198,7 @@ def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] |
         return None
 
 
-def _others(request: Request, far: bool) -> tuple[list[int], list[int]]:
+def _others(request: HouseRequest, far: bool) -> tuple[list[int], list[int]]:
     """Return other numbers of rooms to try first, and to try later, each sorted by distance.
 
     The numbers are near the request's number and near the sum of its types. With ``far``, all are tried
@@ -216,7 +217,7 @@ def _others(request: Request, far: bool) -> tuple[list[int], list[int]]:
     return nearest(first), nearest(some - first)
 
 
-def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
+def _without_each(request: HouseRequest) -> Iterator[tuple[Reason, HouseRequest]]:
     """Yield each choice of the request, and the request without that choice."""
     for name in request.types:
         fewer = {other: wanted for other, wanted in request.types.items() if other != name}

@@ -8,7 +8,7 @@ from vitruvius.logic.generation.shared_walls import SharedWallsMaker
 from vitruvius.logic.generation.star import StarMaker
 from vitruvius.logic.generation.units import UnitsMaker
 from vitruvius.logic.house.house import House
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.shared_walls import PlanWitness
 from vitruvius.logic.why.star import StarWitness
 from vitruvius.logic.why.units import UnitsWitness
@@ -23,11 +23,11 @@ WITNESSES: dict[type[Maker], type[Witness]] = {
 }
 
 
-def witness_of(builder: Builder, house: House, inferences: int) -> Witness:
+def witness_of(builder: Builder, house: House) -> Witness:
     """Return the witness of a house, which generates the house again from its provenance.
 
     Raises as ``Witness`` does.
     """
     assert house.provenance is not None
-    request = Request.read(house.provenance.request)
-    return WITNESSES[builder.maker_class(request)](builder, house, inferences)
+    request = HouseRequest.read(house.provenance.request)
+    return WITNESSES[builder.maker_class(request)](builder, house)

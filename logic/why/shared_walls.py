@@ -58,9 +58,9 @@ class PlanWitness(Witness):
             layout, search = self._making.furniture[room].layout, lambda: self._search_in(room)
             yield from self._piece(target, layout, part, self._support_in(room), search, until)
 
-    def _made_again(self, made: Provenance, inferences: int) -> House:
+    def _made_again(self, made: Provenance) -> House:
         maker = self._maker = self._builder.maker_of(self._request)
-        arguments = self._request, made.seed, made.index, inferences
+        arguments = self._request, made.seed, made.index
         self._builder.house(*arguments)
         # The programs of rooms with these doors are now known, so that they store all atoms the second time.
         for making in self._makings(maker):

@@ -37,12 +37,12 @@ class StarWitness(Witness):
         else:
             yield from self._room(target, layout, part, until)
 
-    def _made_again(self, made: Provenance, inferences: int) -> House:
+    def _made_again(self, made: Provenance) -> House:
         programs = self._builder.programs
         self._rooms, _ = programs.rooms_for(self._request)
         for program in (self._rooms, *programs.all_furniture(self._request)):
             program.models = []
-        again = self._builder.house(self._request, made.seed, made.index, inferences)
+        again = self._builder.house(self._request, made.seed, made.index)
         self._layout: Layout = self._builder.maker.making
         return again
 

@@ -24,7 +24,7 @@ from vitruvius.logic.placement.bounds import room_bounds
 from vitruvius.logic.placement.layout import RoomLayout
 from vitruvius.logic.placement.placer import located
 from vitruvius.logic.proofs.answer import unsatisfiable
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 from vitruvius.logic.why.alternatives import Search, Tried
 from vitruvius.logic.why.answer import Alternative, Bound, Choice, Length, Why
@@ -37,15 +37,15 @@ Lengths = tuple[tuple[Length, ...], tuple[Bound, ...]]
 class Witness(ABC):
     """House that is generated again, with all atoms that held in the process."""
 
-    def __init__(self, builder: Builder, house: House, inferences: int) -> None:
+    def __init__(self, builder: Builder, house: House) -> None:
         """Generate the house again from its provenance. Raises ``HouseFileError`` if the result differs."""
         made = house.provenance
         assert made is not None
-        self._builder, self._request, self._house = builder, Request.read(made.request), house
+        self._builder, self._request, self._house = builder, HouseRequest.read(made.request), house
         self._origin = f"{made.grammar}, seed {made.seed}, house {made.index}"
         again, why = None, "it was edited"
         try:
-            again = self._made_again(made, inferences)
+            again = self._made_again(made)
         except NoLayout as found:
             why = str(unsatisfiable(found))
         except RequestError as error:
@@ -76,7 +76,7 @@ class Witness(ABC):
         """
 
     @abstractmethod
-    def _made_again(self, made: Provenance, inferences: int) -> House:
+    def _made_again(self, made: Provenance) -> House:
         """Return the house that is generated again, and store its origin."""
 
     def _answer(

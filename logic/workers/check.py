@@ -13,6 +13,7 @@ from vitruvius.logic.grammar import find, shipped
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.promises import OLD_PROMISES, Promises, read_promises
 from vitruvius.logic.opener import content_of, from_json
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import unknown
 from vitruvius.logic.workers.messages import Open, Promise, Promised
 from vitruvius.logic.workers.solver import Solver
@@ -104,6 +105,6 @@ def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
     worker = Solver(Open(grammar=directory))
     try:
         worker.loaded()
-        return worker.asked(Promise(request={"rooms": rooms}), Promised, SECONDS, late).promises
+        return worker.asked(Promise(request=HouseRequest(rooms)), Promised, SECONDS, late).promises
     finally:
         worker.end()

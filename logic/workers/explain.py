@@ -11,9 +11,6 @@ from vitruvius.logic.why.answer import Why
 from vitruvius.logic.workers.messages import Explain, Explained, Open
 from vitruvius.logic.workers.solver import answers
 
-INFERENCES = 100_000_000
-"""Largest number of Prolog inferences to generate the house again."""
-
 MAKING = 60.0
 """Seconds in which to generate the house again and derive the part.
 
@@ -61,7 +58,7 @@ def explained(
         rules = find(grammar) if grammar else find_shipped(made.grammar)
     except GrammarError as error:
         raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
-    question = Explain(target=target, house=house.to_dict(), inferences=INFERENCES, searching=seconds)
+    question = Explain(target=target, house=house.to_dict(), searching=seconds)
     opening = Open(grammar=str(rules.directory), cell=float(made.request.get("cell", 0.0)))
     late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
     others = tried = found = 0

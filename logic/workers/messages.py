@@ -6,6 +6,8 @@ import msgspec
 
 from vitruvius.logic.errors import Finding
 from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.request.house_request import HouseRequest
+from vitruvius.logic.request.own_plan import OwnPlan
 from vitruvius.logic.why.answer import Why
 
 
@@ -40,25 +42,24 @@ class Open(Question, frozen=True, tag=True):
 
 
 class MakeHouse(Question, frozen=True, tag=True):
-    """Request for house ``index`` of a request, which is that of ``Request.to_dict``. Answer: ``Made``."""
+    """Request for house ``index`` of a request. Answer: ``Made``."""
 
-    request: dict[str, Any]
+    request: HouseRequest
     seed: int
     index: int
-    inferences: int
 
 
 class MovePlan(Question, frozen=True, tag=True):
     """Request for the smallest change of a plan that satisfies the grammar's lengths. Answer: ``Moved``."""
 
-    request: dict[str, Any]
+    request: HouseRequest
     seed: int
 
 
 class CountLayouts(Question, frozen=True, tag=True):
     """Request to count layouts. Answers: ``Counted`` several times in ``share`` seconds, then ``Done``."""
 
-    request: dict[str, Any]
+    request: HouseRequest
     share: float
 
 
@@ -70,7 +71,6 @@ class Explain(Question, frozen=True, tag=True):
 
     target: str
     house: dict[str, Any]
-    inferences: int
     searching: float
     """Seconds for the search for alternatives, after the house is generated again."""
 
@@ -81,13 +81,13 @@ class Ease(Question, frozen=True, tag=True):
     Answers: ``Eased`` for each as found, then ``Done``.
     """
 
-    request: dict[str, Any]
+    request: HouseRequest
 
 
 class Promise(Question, frozen=True, tag=True):
-    """Request for the promises of the houses of a request (``Request.to_dict``). Answer: ``Promised``."""
+    """Request for the promises of the houses of a request. Answer: ``Promised``."""
 
-    request: dict[str, Any]
+    request: HouseRequest
 
 
 class Lint(Question, frozen=True, tag=True):
@@ -129,9 +129,9 @@ class Made(msgspec.Struct, frozen=True, tag=True):
 
 
 class Moved(msgspec.Struct, frozen=True, tag=True):
-    """Plan in the form of ``Request.to_dict``, or None if no places of the walls satisfy the lengths."""
+    """Plan with moved walls, or None if no places of the walls satisfy the lengths."""
 
-    plan: dict[str, Any] | None
+    plan: OwnPlan | None
 
 
 class Counted(msgspec.Struct, frozen=True, tag=True):

@@ -8,18 +8,20 @@ that there is none is a new conflict.
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
+
+from msgspec.structs import replace
 
 from vitruvius.logic.errors import LimitReached, Unsatisfiable
 from vitruvius.logic.house.house import House
-from vitruvius.logic.plain import plain
 from vitruvius.logic.proofs.least import Hitting
-from vitruvius.logic.request.brief import Brief, alone, read_brief
+from vitruvius.logic.request.arguments import Counted, house_request
+from vitruvius.logic.request.brief import Brief
 from vitruvius.logic.request.brief_lines import Requirement, Where, requirements
 from vitruvius.logic.request.eased import is_length, off_by, widened, without
-from vitruvius.logic.request.request import Count
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import keywords, numbered
-from vitruvius.logic.workers.generate import generate
+from vitruvius.logic.workers.pool import houses
 
 MOST_CONFLICTS = 60
 """Largest number of conflicts of a brief that the search considers."""
@@ -58,15 +60,7 @@ class Nearest(NamedTuple):
 
 @keywords(pieces="furniture", rules="grammar", timeout="seconds")
 def nearest(
-    brief: str | Path | Mapping[str, Any] | Brief,
-    *,
-    types: Mapping[str, Count] | None = None,
-    furniture: Mapping[str, Count] | None = None,
-    grammar: str | Path | None = None,
-    seed: int = 0,
-    index: int = 0,
-    inferences: int = 100_000_000,
-    seconds: float = 60.0,
+    brief: str | Path | Mapping[str, Any] | Brief, *, seed: int = 0, index: int = 0, **stated: Unpack[Counted]
 ) -> Nearest:
     """Return the nearest brief that has houses, which is the given brief if it has houses.
 
@@ -77,28 +71,23 @@ def nearest(
     Arguments are those of ``generate``; ``seconds`` limits each house or proof on the way. Raises as
     ``generate`` does: ``Unsatisfiable`` if the grammar itself is contradictory.
     """
+    return nearest_brief(house_request(brief=brief, **stated), seed, index)
 
-    def house(some: Brief, inferences: int = inferences) -> House:
-        return next(
-            generate(
-                brief=some,
-                types=types,
-                furniture=furniture,
-                grammar=grammar,
-                seed=seed,
-                start=index,
-                inferences=inferences,
-                seconds=seconds,
-            )
-        )
+
+def nearest_brief(request: HouseRequest, seed: int, index: int) -> Nearest:
+    """Return the nearest brief to the request's with which house ``index`` exists: see ``nearest``."""
+    wanted = request.brief
+    assert wanted
+
+    def house(some: Brief, inferences: int = request.inferences) -> House:
+        asked = replace(request, brief=some, inferences=inferences)
+        return next(houses(asked, seed, range(index, index + 1)))
 
     def house_of(some: Brief) -> House | None:
         with suppress(Unsatisfiable, LimitReached):
-            return house(some, min(inferences, EASING))
+            return house(some, min(request.inferences, EASING))
         return None
 
-    wanted = read_brief(plain(brief))
-    wanted = wanted if grammar else alone(wanted)
     out = _fewest(wanted, house)
     eased = wanted
     gone = [line.where for line in out]

@@ -2,20 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
-import msgspec
+from msgspec.structs import replace
 
 from vitruvius.logic.errors import Unsatisfiable
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
-from vitruvius.logic.plain import plain
-from vitruvius.logic.request.given_plan import SNAP, read_plan
+from vitruvius.logic.request.arguments import Drawn, house_request
+from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import Count, Request
 from vitruvius.logic.spelling import keywords
-from vitruvius.logic.workers.generate import generate
 from vitruvius.logic.workers.messages import Moved, MovePlan, Open
+from vitruvius.logic.workers.pool import houses
 from vitruvius.logic.workers.solver import answers
 
 SEEN = 0.0005
@@ -35,16 +34,9 @@ class NearestPlan(NamedTuple):
 def nearest_plan(
     plan: str | Path | House | OwnPlan | Mapping[str, Any],
     *,
-    plan_unit: str | None = None,
-    snap: float = SNAP,
-    storey: str | None = None,
-    types: Mapping[str, Count] | None = None,
-    furniture: Mapping[str, Count] | None = None,
-    grammar: str | Path | None = None,
     seed: int = 0,
     index: int = 0,
-    inferences: int = 100_000_000,
-    seconds: float = 60.0,
+    **stated: Unpack[Drawn],
 ) -> NearestPlan:
     """Return the nearest plan that has houses, which is the given plan if it has houses.
 
@@ -55,26 +47,27 @@ def nearest_plan(
     Arguments are those of ``generate``; ``seconds`` limits each house or proof on the way. Raises as
     ``generate`` does: ``Unsatisfiable`` if no move of the walls gives a house.
     """
-    own = read_plan(plain(plan), plan_unit, snap, storey, find(grammar or "family").types)
-    asked: dict[str, Any] = {"types": types or {}, "furniture": furniture or {}}
+    return plan_nearest(house_request(plan=plan, **stated), seed, index)
 
-    def house(some: OwnPlan) -> House:
-        own = {"grammar": grammar, "seed": seed, "start": index, "inferences": inferences}
-        return next(generate(plan=some, **asked, **own, seconds=seconds))
+
+def plan_nearest(request: HouseRequest, seed: int, index: int) -> NearestPlan:
+    """Return the nearest plan to the request's with which house ``index`` exists: see ``nearest_plan``."""
+    own = request.plan
+    assert own
+
+    def require_house(request: HouseRequest) -> None:
+        next(houses(request, seed, range(index, index + 1)))
 
     try:
-        house(own)
+        require_house(request)
     except Unsatisfiable as proof:
-        wanted = Request.read({"rooms": len(own.rooms), **asked})
-        wanted = Request(wanted.rooms, wanted.types, wanted.furniture, plan=own)
-        question = MovePlan(request=wanted.to_dict(), seed=seed)
-        opening = Open(grammar=str(find(grammar or "family").directory))
-        late = f"where else walls could be took {seconds:g} s: raise it with --seconds"
-        [answer] = answers(opening, question, Moved, seconds, late)
+        opening = Open(grammar=str(request.rules.directory))
+        late = f"where else walls could be took {request.seconds:g} s: raise it with --seconds"
+        [answer] = answers(opening, MovePlan(request=request, seed=seed), Moved, request.seconds, late)
         if answer.plan is None:
             raise
-        moved = msgspec.convert(answer.plan, OwnPlan)
-        house(moved)
+        moved = read_plan(answer.plan)
+        require_house(replace(request, plan=moved))
         return NearestPlan(moved, tuple(_changes(own, moved)), proof)
     return NearestPlan(own, ())
 

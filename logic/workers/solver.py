@@ -11,15 +11,16 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import msgspec
 from msgspec.structs import replace
 
 from vitruvius.logic.errors import GrammarError, Killed, LimitReached, VitruviusError, from_record
 from vitruvius.logic.layout.account import GROUNDING, LAYOUT, MOST, PROOF
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.workers.messages import (
     Asked,
     Done,
@@ -38,6 +39,9 @@ from vitruvius.logic.workers.messages import (
 )
 
 Kind = TypeVar("Kind")
+
+Tried = HouseRequest | tuple[int, ...]
+"""Houses by which a process that takes long is examined: those of a request, or of some numbers of rooms."""
 
 START_UP = 60.0
 """Seconds in which a solver process must load a grammar."""
@@ -170,15 +174,17 @@ class Solver:
         self.open(replace(self._opening, trial=(), step=STEP))
         return self.answer((Loaded, Judged), max(0.0, end - time.monotonic()), late)
 
-    def _help(self, stage: str, request: dict[str, Any] | None, rooms: Sequence[int], seconds: float) -> None:
+    def _help(self, stage: str, tried: Tried, seconds: float) -> None:
         """Start another process to find out why this process takes long at a stage.
 
-        At grounding it looks for a rule that grounds too slowly in houses of ``rooms`` rooms. At the search
+        At grounding it looks for a rule that grounds too slowly in houses that are ``tried``. At the search
         for layouts it looks for the part of the request that makes layouts hard to find.
         """
         with contextlib.suppress(LimitReached):
+            request = tried if isinstance(tried, HouseRequest) else None
+            rooms = (request.rooms,) if request else tried
             if stage == GROUNDING and rooms and self._helper is None:
-                self._helper = Solver(replace(self._opening, trial=(*rooms,), step=STEP))
+                self._helper = Solver(replace(self._opening, trial=rooms, step=STEP))
             elif stage in (LAYOUT, PROOF) and request and not self._easing:
                 self._end_helper()
                 self._helper, self._easing = Solver(replace(self._opening, remarks=False)), True
@@ -195,9 +201,9 @@ class Solver:
         if self._helper is None:
             return None, ways
         try:
-            self._helper.answer((Loaded, Judged), -GRACE, "")
+            self._helper.arrived((Loaded, Judged))
             while len(ways) < MOST:
-                ways.append(self._helper.answer(Eased, -GRACE, "").how)
+                ways.append(self._helper.arrived(Eased).how)
                 self._helper.unanswered += 1
         except VitruviusError as error:
             return (error if isinstance(error, GrammarError) else None), ways
@@ -210,15 +216,23 @@ class Solver:
         kinds: type[Kind] | tuple[type[Kind], ...],
         seconds: float,
         late: str,
-        rooms: Sequence[int] = (),
-        request: dict[str, Any] | None = None,
+        tried: Tried = (),
     ) -> Kind:
         """Wait for the answer, of these kinds, to the oldest open question.
 
         Raises ``LimitReached`` after ``seconds``. Its message is ``late``, followed by the work of the
-        process at that time and by the findings of another process (``_help``).
+        process at that time and by the findings of another process (``_help``) about the houses ``tried``.
         """
-        deadline = time.monotonic() + seconds + GRACE
+        return self._answer(kinds, time.monotonic() + seconds + GRACE, late, tried)
+
+    def arrived(self, kinds: type[Kind] | tuple[type[Kind], ...]) -> Kind:
+        """Return an answer without waiting for it. Raises ``LimitReached`` if there is none yet."""
+        return self._answer(kinds, time.monotonic(), "")
+
+    def _answer(
+        self, kinds: type[Kind] | tuple[type[Kind], ...], deadline: float, late: str, tried: Tried = ()
+    ) -> Kind:
+        """Return the answer to the oldest open question, until a deadline of ``time.monotonic``."""
         while True:
             while b"\n" not in self._received:
                 if not self._answers.select(max(0.0, deadline - time.monotonic())):
@@ -232,7 +246,7 @@ class Solver:
                 case Trying(error):
                     self._step = from_record(error) if error else None
                 case Working(stage):
-                    self._help(stage, request, rooms, max(0.0, deadline - time.monotonic()))
+                    self._help(stage, tried, max(0.0, deadline - time.monotonic()))
                 case Late(account):
                     at_fault, ways = self._found()
                     if at_fault:

@@ -168,33 +168,29 @@ class Worker:
         from vitruvius.logic.proofs.easing import easing
         from vitruvius.logic.proofs.giving_way import without
         from vitruvius.logic.proofs.moved_plan import moved_plan
-        from vitruvius.logic.request.request import Request
 
         builder = self._builder
         match question:
             case MakeHouse():
-                wanted = Request.read(question.request)
-                made = house_or_proof(builder, wanted, question.seed, question.index, question.inferences)
+                made = house_or_proof(builder, question.request, question.seed, question.index)
                 yield Made(made.to_dict())
             case MovePlan():
-                plan = moved_plan(builder, Request.read(question.request), question.seed)
-                yield Moved(msgspec.to_builtins(plan) if plan else None)
+                yield Moved(moved_plan(builder, question.request, question.seed))
                 yield Done()
             case CountLayouts():
-                wanted = Request.read(question.request)
-                builder.require_known(wanted)
-                for name, number, exact in builder.programs.counts(wanted, question.share):
+                builder.require_known(question.request)
+                for name, number, exact in builder.programs.counts(question.request, question.share):
                     yield Counted(name, number, exact)
                 yield Done()
             case Explain():
                 yield from self._explained(question)
                 yield Done()
             case Ease():
-                for how in easing(builder, Request.read(question.request)):
+                for how in easing(builder, question.request):
                     yield Eased(how)
                 yield Done()
             case Promise():
-                wanted = Request.read(question.request)
+                wanted = question.request
                 yield Promised(without(builder, wanted, ()).promises(wanted))
             case Lint():
                 yield Judged(all_warnings(builder.grammar, builder.loaded))
@@ -205,14 +201,14 @@ class Worker:
         """Yield the explanation of a house part by part as it is found."""
         from vitruvius.logic.house.house import House
         from vitruvius.logic.proofs.giving_way import without
-        from vitruvius.logic.request.request import Request
+        from vitruvius.logic.request.house_request import HouseRequest
         from vitruvius.logic.why.kinds import witness_of
 
         house = House.from_dict(question.house)
         made = house.provenance
         assert made
-        builder = without(self._builder, Request.read(made.request), made.gave_way)
-        witness = witness_of(builder, house, question.inferences)
+        builder = without(self._builder, HouseRequest.read(made.request), made.gave_way)
+        witness = witness_of(builder, house)
         until = time.monotonic() + SEARCHED * question.searching
         for part in witness.parts(question.target, until):
             yield Explained(part)

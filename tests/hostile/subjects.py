@@ -112,12 +112,11 @@ def rules(folder: Path) -> Answer:
     from vitruvius.logic.grammar import find
     from vitruvius.logic.language.loaded import LoadedGrammar
     from vitruvius.logic.proofs.answer import house_or_proof
-    from vitruvius.logic.request.request import Request
+    from vitruvius.logic.request.house_request import HouseRequest
 
     grammar = find(folder)
     builder = Builder(grammar, 0.0, LoadedGrammar(grammar))
-    request = Request.read({"rooms": 1, "types": {}, "furniture": {}, "cell": 0.0})
-    house = house_or_proof(builder, request, seed=0, index=0, inferences=3_000_000)
+    house = house_or_proof(builder, HouseRequest(1, inferences=3_000_000), seed=0, index=0)
     return Answer(ACCEPTED, f"a house of {len(house.rooms)} rooms")
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.logic.generation.test_shared_walls import INFERENCES, builder
+from tests.logic.generation.test_shared_walls import builder
 from vitruvius.logic import GrammarError, check
 from vitruvius.logic.grammar import RULES, SHIPPED, STAR, TOPOLOGIES, find, shipped
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 CORE = sorted(RULES.rglob("*.[lp][lp]"))
 OWN = ["ring", "corridor", "dissection"]
@@ -69,7 +69,7 @@ def test_a_copy_of_a_topology_can_be_a_topology_of_ones_own(name: str, named: st
     made = builder(folder)
     assert made.loaded.most_rooms == 4
     if named == "mine":
-        assert check(house_or_proof(made, Request(4), 1, 0, INFERENCES)) == []
+        assert check(house_or_proof(made, HouseRequest(4), 1, 0)) == []
 
 
 def test_every_shipped_topology_is_one_that_can_be_copied_or_says_that_it_cannot() -> None:

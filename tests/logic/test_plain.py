@@ -13,7 +13,7 @@ from tests.sample_houses import RANDOM
 from vitruvius.logic import Door, FreeWall, House, Piece, RequestError, Room, Window, check, load, save
 from vitruvius.logic.exports.geojson import to_geojson
 from vitruvius.logic.house.promises import Promises, read_promises
-from vitruvius.logic.workers.generate import series_of
+from vitruvius.logic.request.arguments import house_request
 
 NUMBERS = pytest.mark.parametrize("number", [np.float64, np.float32, np.int64, np.uint8, np.array])
 """Functions that make a number of NumPy."""
@@ -55,19 +55,18 @@ def test_records_of_such_numbers_are_read_as_the_same_house(house: House) -> Non
 def test_requests_of_such_numbers_are_requests_of_numbers(number: Any) -> None:
     rooms = [{"name": "A", "area": 12, "size": [3, [4, 5]]}, {"name": "B", "area": [9, 16]}]
     brief = {"rooms": rooms, "outline": {"width": 8}, "doors": [["A", "B"]]}
-    assert series_of(brief=with_numbers(brief, number)).request == series_of(brief=brief).request
+    assert house_request(brief=with_numbers(brief, number)) == house_request(brief=brief)
     corners = [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]
     plan = {"type": "Polygon", "coordinates": [corners]}
-    asked = series_of(plan=with_numbers(plan, number), grammar="home").request
-    assert json.dumps(asked) == json.dumps(series_of(plan=plan, grammar="home").request)
+    asked = house_request(plan=with_numbers(plan, number), grammar="home")
+    assert msgspec.json.encode(asked) == msgspec.json.encode(house_request(plan=plan, grammar="home"))
     assert read_promises(with_numbers({"passage": 1}, number), Promises()).passage == 1
 
 
 @pytest.mark.parametrize("count", [np.int64(2), (np.int8(1), None), np.array([1, 2]), [np.uint8(1), 2]])
 def test_counts_of_such_numbers_are_counts(count: Any) -> None:
     five: Any = np.int64(5)
-    asked = series_of(five, types={"bedroom": count}, furniture={"bed": count})
-    assert json.dumps(asked.request)
+    assert msgspec.json.encode(house_request(five, types={"bedroom": count}, furniture={"bed": count}))
     half: Any = np.float64(2.5)
     with pytest.raises(RequestError, match=r"a count is a whole number or a pair of them, not 2\.5$"):
-        series_of(5, types={"bedroom": half})
+        house_request(5, types={"bedroom": half})

@@ -16,7 +16,7 @@ Repeated = tyro.conf.UseAppendAction
 
 def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
     """Return ``{"bedroom": 2, "hall": (0, 1)}`` for ``("bedroom=2", "hall=..1")``."""
-    from vitruvius.logic.request.request import from_option
+    from vitruvius.logic.request.counts import from_option
 
     counts = {}
     for text in texts:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from vitruvius.logic.request.request import MOST, whole
+from vitruvius.logic.request.counts import MOST, whole
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from vitruvius.agent.runs.released import located
 from vitruvius.commands.common import print_answer
 from vitruvius.logic.cluster import engine
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.request.request import whole
+from vitruvius.logic.request.counts import whole
 from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 

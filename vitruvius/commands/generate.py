@@ -20,10 +20,8 @@ from vitruvius.logic.terminal import progress, say
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from vitruvius.logic import Broken
     from vitruvius.logic.dataset.formats import Files
-    from vitruvius.logic.request.brief import Brief
-    from vitruvius.logic.request.own_plan import OwnPlan
+    from vitruvius.logic.request.house_request import HouseRequest
 else:
     Files = Literal["parquet", "jsonl"]
 
@@ -150,8 +148,8 @@ class Generate:
 
     def run(self) -> int:
         """Write the houses. If a limit, Ctrl-C or SIGTERM ends the work, write those made so far, and why."""
-        from vitruvius.logic import generate
         from vitruvius.logic.opener import STANDARD
+        from vitruvius.logic.workers.generate import houses_of
 
         say_warnings()
         require_plan(self.plan, self.plan_unit, self.snap, self.storey)
@@ -171,17 +169,13 @@ class Generate:
         _require_writable(out, self.count)
         houses: list[House] = []
         began = time.monotonic()
-        brief, broken = self._nearest() if self.nearest and self.plan is None else (self.brief, ())
-        plan, changes = self._nearest_plan() if self.nearest and self.plan else (self.plan, ())
-        request = generate(
-            **self.asked(brief, plan),
-            seed=self.seed,
-            count=self.count,
-            start=self.start,
-            workers=1 if self.workers is None else self.workers,
-        )
+        request, changes = self.request(), list[str]()
+        if self.nearest:
+            request, changes = self._nearest_plan(request) if self.plan else self._nearest(request)
+        workers = 1 if self.workers is None else self.workers
+        made = houses_of(request, self.seed, self.count, self.start, workers)
         try:
-            for house in progress(request, self.count, "houses"):
+            for house in progress(made, self.count, "houses"):
                 if out and not houses:
                     self._held(out, house)
                 houses.append(house)
@@ -198,27 +192,29 @@ class Generate:
             say(f"{out}: {len(houses)} made. Next: vitruvius draw {quoted(out)}")
         if self.json:
             shown = [] if out else [house.to_dict() for house in houses]
-            said = [*map(str, broken), *changes]
-            self.answer(time.monotonic() - began, made=len(houses), houses=shown, broken=said)
+            took = time.monotonic() - began
+            self.answer(request, took, made=len(houses), houses=shown, broken=changes)
         return 0
 
-    def asked(self, brief: Any, plan: Any) -> dict[str, Any]:
-        """Return the arguments of the request, with this brief and this plan."""
-        return {
-            "rooms": self.number_of_rooms(),
-            "types": counts("--type", self.type),
-            "furniture": counts("--piece", self.piece),
-            "cell": self.cell,
-            "brief": brief,
-            "plan": plan or self._plan_kept(),
-            "plan_unit": self.plan_unit,
-            "snap": self.snap,
-            "storey": self.storey,
-            "keep": self._kept(),
-            "grammar": self.grammar,
-            "inferences": self.inferences,
-            "seconds": self.seconds,
-        }
+    def request(self) -> "HouseRequest":
+        """Return the request of the options."""
+        from vitruvius.logic.request.arguments import house_request
+
+        return house_request(
+            self.number_of_rooms(),
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            cell=self.cell,
+            brief=self.brief,
+            plan=self.plan or self._plan_kept(),
+            plan_unit=self.plan_unit,
+            snap=self.snap,
+            storey=self.storey,
+            keep=self._kept(),
+            grammar=self.grammar,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
 
     def number_of_rooms(self) -> int | tuple[int, int] | None:
         """Return the value of ``--rooms``.
@@ -240,48 +236,30 @@ class Generate:
             )
         return least if least == most else (least, most)
 
-    def _nearest(self) -> "tuple[Brief | None, tuple[Broken, ...]]":
-        """Return a brief that has houses, and the user's lines that it breaks; print these lines."""
-        from vitruvius.logic import nearest
+    def _nearest(self, request: "HouseRequest") -> "tuple[HouseRequest, list[str]]":
+        """Return the request with a brief that has houses, and the broken lines; print them."""
+        from msgspec.structs import replace
 
-        if self.brief is None:
+        from vitruvius.logic.workers.nearest import nearest_brief
+
+        if request.brief is None:
             raise RequestError("--nearest is of a brief or a plan: give it by --brief FILE or --plan FILE")
-        found = nearest(
-            self.brief,
-            types=counts("--type", self.type),
-            furniture=counts("--piece", self.piece),
-            grammar=self.grammar,
-            seed=self.seed,
-            index=self.start,
-            inferences=self.inferences,
-            seconds=self.seconds,
-        )
+        found = nearest_brief(request, self.seed, self.start)
         if found.broken:
             say("no house keeps the whole brief. As few lines as can be are broken:")
         else:
             say("houses keep the whole brief")
         for each in found.broken:
             say(f"  {each}")
-        return found.brief, found.broken
+        return replace(request, brief=found.brief), [*map(str, found.broken)]
 
-    def _nearest_plan(self) -> "tuple[OwnPlan, tuple[str, ...]]":
-        """Return a plan that has houses, and its rooms' differences from the user's plan; print them."""
-        from vitruvius.logic import nearest_plan
+    def _nearest_plan(self, request: "HouseRequest") -> "tuple[HouseRequest, list[str]]":
+        """Return the request with a plan that has houses, and changes of its rooms; print them."""
+        from msgspec.structs import replace
 
-        assert self.plan
-        found = nearest_plan(
-            self.plan,
-            plan_unit=self.plan_unit,
-            snap=self.snap,
-            storey=self.storey,
-            types=counts("--type", self.type),
-            furniture=counts("--piece", self.piece),
-            grammar=self.grammar or "family",
-            seed=self.seed,
-            index=self.start,
-            inferences=self.inferences,
-            seconds=self.seconds,
-        )
+        from vitruvius.logic.workers.nearest_plan import plan_nearest
+
+        found = plan_nearest(request, self.seed, self.start)
         if found.proof:
             say(str(found.proof))
             say("walls move by as little as can be:")
@@ -289,15 +267,15 @@ class Generate:
                 say(f"  {each}")
         else:
             say("houses keep the whole plan")
-        return found.plan, found.changes
+        return replace(request, plan=found.plan), [*found.changes]
 
-    def answer(self, seconds: float, made: int = 0, **found: Any) -> None:
+    def answer(self, request: "HouseRequest", seconds: float, made: int = 0, **found: Any) -> None:
         """Print the results as JSON."""
         from vitruvius.answers.houses import Generated
         from vitruvius.logic.opener import STANDARD
 
         out = str(self.out) if self.out and self.out != STANDARD else None
-        grammar = self.grammar or ("plain" if self.brief else "family")
+        grammar = self.grammar or request.rules.name
         of = Generated(out, made, round(seconds, 3), grammar, self.seed, self.start, **found)
         print_answer("generate", of, 0 if all(each.exact for each in of.counted) else 4)
 

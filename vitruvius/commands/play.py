@@ -13,7 +13,7 @@ from vitruvius.agent.learning.config import MOST_SEED
 from vitruvius.agent.runs.released import located
 from vitruvius.logic import House
 from vitruvius.logic.errors import MissingProgram, RequestError
-from vitruvius.logic.request.request import whole
+from vitruvius.logic.request.counts import whole
 from vitruvius.logic.terminal import say
 from vitruvius.options import Streamed
 

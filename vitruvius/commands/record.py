@@ -12,7 +12,7 @@ from vitruvius.agent.learning.config import MOST_SEED
 from vitruvius.agent.runs.released import located
 from vitruvius.commands.common import print_answer
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.request.request import whole
+from vitruvius.logic.request.counts import whole
 from vitruvius.options import Streamed
 
 MOST_CELLS = 64

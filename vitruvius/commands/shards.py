@@ -13,29 +13,30 @@ from vitruvius.logic.dataset.shards import Mapper, complete, make, make_on_node,
 from vitruvius.logic.dataset.splits import SPLITS
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.files.writing import require_folder
-from vitruvius.logic.request.request import whole
+from vitruvius.logic.request.counts import whole
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import numbered
 from vitruvius.logic.terminal import counting, say
-from vitruvius.logic.workers.generate import series_of
-from vitruvius.logic.workers.series import HouseSeries
+from vitruvius.logic.workers.pool import described
 
 
 def make_shards(command: Any, asked: str) -> int:
     """Make the requested shards that do not exist, and after the last one the manifest."""
     began = time.monotonic()
     folder, parts = _require(command, asked)
-    series = series_of(**command.asked(command.brief, command.plan))
-    of, shards = _set(command, series, parts)
+    request = command.request()
+    of, shards = _set(command, request, parts)
     if not asked.startswith("all"):
         shards = [shards[int(asked.partition("/")[0])]]
     with engine(command.engine, command.address, command.workers) as cluster:
-        begin(folder, of, series.grammar, command.replace)
+        begin(folder, of, request.rules, command.replace)
         made = _made(folder, of, shards, command, cluster)
         last = _completed(folder, of, cluster.map if cluster else map)
     there = "" if made == len(shards) else f" of {len(shards)} made, the others were there"
     say(f"{folder}: {numbered(made, 'shard')}{there or ' made'}. {last}")
     if command.json:
-        command.answer(time.monotonic() - began, made=sum(len(shard.indices) for shard in shards))
+        made = sum(len(shard.indices) for shard in shards)
+        command.answer(request, time.monotonic() - began, made=made)
     return 0
 
 
@@ -59,7 +60,7 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     return command.out.resolve() if command.engine else command.out, parts
 
 
-def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard]]:
+def _set(command: Any, request: HouseRequest, parts: int) -> tuple[Set, list[Shard]]:
     """Return the set's description, and its shards. Raises ``RequestError`` for invalid options."""
     sizes = {"train": command.count, "validation": command.validation, "test": command.test}
     houses = {split: whole(split, number, 0) for split, number in sizes.items() if number}
@@ -70,19 +71,19 @@ def _set(command: Any, series: HouseSeries, parts: int) -> tuple[Set, list[Shard
         least = f"{numbered(len(houses), 'split')} and {numbered(sum(houses.values()), 'house')}"
         raise RequestError(f"--shard: {least} cannot be divided into {numbered(parts, 'shard')}")
     whole("seed", command.seed, 0, min(len(SPLITS[split]) for split in houses) - 1)
-    versions, promises = series.described()
+    versions, promises = described(request)
     of = Set(
         "vitruvius-set-1",
-        series.grammar.name,
-        series.grammar.hash,
-        series.request,
+        request.rules.name,
+        request.rules.hash,
+        request.to_dict(),
         command.seed,
         command.start,
         houses,
         parts,
         command.files,
-        series.inferences,
-        series.seconds,
+        request.inferences,
+        request.seconds,
         versions,
         promises,
     )
@@ -99,9 +100,9 @@ def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Clu
                 number += new
                 advance(len(shards[place].indices))
             return number
-        series, workers = of.series(folder), 1 if command.workers is None else command.workers
+        request, workers = of.request_in(folder), 1 if command.workers is None else command.workers
         for shard in shards:
-            new = make(folder, of, shard, series, workers, command.replace, advance)
+            new = make(folder, of, shard, request, workers, command.replace, advance)
             number += new
             if not new:
                 advance(len(shard.indices))

@@ -19,7 +19,7 @@ from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.learning.config import TrainConfig
 from vitruvius.commands.common import print_answer
 from vitruvius.logic.errors import RequestError
-from vitruvius.logic.request.request import whole
+from vitruvius.logic.request.counts import whole
 from vitruvius.logic.spelling import quoted, unknown
 from vitruvius.options import Streamed, options_of
 from vitruvius.settings import read, written

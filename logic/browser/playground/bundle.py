@@ -51,8 +51,8 @@ from vitruvius.logic.layout.programs import GIVEN
 from vitruvius.logic.looks.looks import folder_looks
 from vitruvius.logic.proofs.least import MOST_LAYOUTS
 from vitruvius.logic.proofs.proof import NEAR, NEXT
-from vitruvius.logic.request.request import MOST_ROOMS
-from vitruvius.logic.workers.explain import INFERENCES
+from vitruvius.logic.request.counts import MOST_ROOMS
+from vitruvius.logic.request.house_request import INFERENCES
 
 BUILDING = "building"
 """Topology of houses with units, which the page does not generate."""

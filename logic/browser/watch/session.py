@@ -26,9 +26,10 @@ from vitruvius.logic.errors import (
 from vitruvius.logic.grammar import MOST_BYTES, reading_of
 from vitruvius.logic.house.house import House
 from vitruvius.logic.looks import looks
-from vitruvius.logic.request.request import MOST_ROOMS, Request
+from vitruvius.logic.request.counts import MOST_ROOMS
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import file_name
-from vitruvius.logic.workers.explain import INFERENCES, MAKING
+from vitruvius.logic.workers.explain import MAKING
 from vitruvius.logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
 
 PLAN = 300
@@ -65,7 +66,7 @@ class Sheet(msgspec.Struct, frozen=True, omit_defaults=True):
     brief: dict[str, Any] | None = None
 
     def asked(self) -> dict[str, Any]:
-        """Return the request of each house in the form that ``Request.read`` takes."""
+        """Return the request in the form of files, which ``HouseRequest.read`` takes."""
         return {
             key: value for key, value in msgspec.to_builtins(self).items() if key not in ("seed", "count")
         }
@@ -156,7 +157,7 @@ class Session:
             made = House.from_dict(house)
         except ValueError as error:
             raise RequestError(f"house: {error}") from None
-        question = Explain(target=part, house=made.to_dict(), inferences=INFERENCES, searching=self._seconds)
+        question = Explain(target=part, house=made.to_dict(), searching=self._seconds)
         late = f"{part} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         whole, *parts = await self._pool_of(version).ask(
             lambda worker: [
@@ -176,8 +177,8 @@ class Session:
         """Return house ``index`` and its plan, or the reason for its absence."""
         late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         try:
-            request = Request.read(sheet.asked()).to_dict()
-            question = MakeHouse(request=request, seed=sheet.seed, index=index, inferences=INFERENCES)
+            request = HouseRequest.read(sheet.asked())
+            question = MakeHouse(request=request, seed=sheet.seed, index=index)
             made = await pool.ask(lambda worker: worker.asked(question, Made, self._seconds, late))
             house = House.from_dict(made.house)
             drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))

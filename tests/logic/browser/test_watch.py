@@ -31,7 +31,7 @@ from vitruvius.logic.drawing.canvas import svg
 from vitruvius.logic.drawing.draw import plan
 from vitruvius.logic.drawing.palettes import style
 from vitruvius.logic.grammar import SHIPPED
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 
 pytestmark = pytest.mark.second_part("pages are driven in a browser, and solvers are compared")
@@ -572,7 +572,7 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
         spares = Spares(SHIPPED / "family")
         pool = Pool(SHIPPED / "family", spares)
         await pool.verdict()
-        slow = CountLayouts(request=Request(9).to_dict(), share=1e5)
+        slow = CountLayouts(request=HouseRequest(9), share=1e5)
         counts = [
             asyncio.ensure_future(pool.ask(lambda worker: list(worker.series(slow, Counted, 1e5, "late"))))
             for _ in range(2 * SIZE)
@@ -580,7 +580,7 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
         await asyncio.sleep(0.1)
         for count in counts:
             count.cancel()
-        house = MakeHouse(request=Request(1).to_dict(), seed=0, index=0, inferences=10**8)
+        house = MakeHouse(request=HouseRequest(1), seed=0, index=0)
 
         def made(worker: Any) -> Made:
             return worker.asked(house, Made, PATIENCE, "late")

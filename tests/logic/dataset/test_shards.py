@@ -15,12 +15,14 @@ from tests.programs import finished
 from vitruvius.info.kinds import SetOfHouses
 from vitruvius.info.recognise import recognised
 from vitruvius.logic import House, HouseSet, LimitReached, generate
+from vitruvius.logic.dataset import shards
 from vitruvius.logic.dataset.formats import read
 from vitruvius.logic.dataset.rows import house_sha256
 from vitruvius.logic.dataset.sets import Manifest, read_manifest, read_set
 from vitruvius.logic.errors import Killed
 from vitruvius.logic.grammar import SHIPPED
-from vitruvius.logic.workers.series import HouseSeries
+from vitruvius.logic.request.house_request import HouseRequest
+from vitruvius.logic.workers.pool import outcomes
 
 
 @pytest.fixture(scope="module")
@@ -190,12 +192,12 @@ def test_a_house_that_ends_in_a_limit_is_a_row_that_says_so(
     tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every third house reaches a limit; at the fifth a solver process is killed, twice."""
-    outcomes, kills = HouseSeries.outcomes, [0, 0]
+    kills = [0, 0]
 
     def disturbed(
-        series: HouseSeries, seed: int, indices: range, workers: int = 1
+        request: HouseRequest, seed: int, indices: range, workers: int = 1
     ) -> Iterator[House | LimitReached]:
-        for index, outcome in zip(indices, outcomes(series, seed, indices, workers), strict=True):
+        for index, outcome in zip(indices, outcomes(request, seed, indices, workers), strict=True):
             if index == 4 and kills:
                 kills.pop()
                 yield Killed("a solver process was killed from outside")
@@ -206,7 +208,7 @@ def test_a_house_that_ends_in_a_limit_is_a_row_that_says_so(
             else:
                 yield outcome
 
-    monkeypatch.setattr(HouseSeries, "outcomes", disturbed)
+    monkeypatch.setattr(shards, "outcomes", disturbed)
     assert made(tmp_path) == 0
     assert not kills
     assert (manifest(tmp_path).houses, manifest(tmp_path).limits) == (12, 5)
@@ -234,7 +236,7 @@ def test_a_solver_that_is_killed_each_time_ends_the_shard_and_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
-        HouseSeries, "outcomes", lambda *_: iter([Killed("a solver process was killed from outside")])
+        shards, "outcomes", lambda *_: iter([Killed("a solver process was killed from outside")])
     )
     assert made(tmp_path) == 4
     assert capsys.readouterr().err == "error: a solver process was killed from outside\n"

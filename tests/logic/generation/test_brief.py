@@ -20,7 +20,7 @@ from vitruvius.logic.checking.check import violations
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.parts import OUTSIDE, Room
 from vitruvius.logic.request.brief import Brief, alone, read_brief
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 FLAT: dict[str, Any] = {
     "rooms": [
@@ -275,10 +275,10 @@ def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
 
 def test_the_program_of_a_house_by_a_brief_is_freed_with_the_next_one() -> None:
     builder = in_process._builder(find("plain"), 0.0)
-    request = Request(2, brief=read_brief(brief(2)))
+    request = HouseRequest(2, brief=read_brief(brief(2)))
     programs = list[Any]()
     for index in range(3):
-        builder.house(request, 0, index, 10**8)
+        builder.house(request, 0, index)
         programs.append(ref(builder.maker_of(request).stated(request)))
     gc.collect()
     assert [program() is None for program in programs] == [True, True, False]

@@ -16,9 +16,7 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Room
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
-
-INFERENCES = 10**8
+from vitruvius.logic.request.house_request import HouseRequest
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +26,7 @@ def clinic() -> Builder:
 
 
 def houses(made: Builder, rooms: int, count: int) -> Iterator[House]:
-    return (made.house(Request(rooms), 3, index, INFERENCES) for index in range(count))
+    return (made.house(HouseRequest(rooms), 3, index) for index in range(count))
 
 
 def share_a_wall(one: Room, other: Room) -> bool:
@@ -108,7 +106,7 @@ def test_rooms_that_need_no_window_may_be_less_deep_than_those_beside_them(tmp_p
 
 
 def test_hardly_two_clinics_have_the_same_topology(clinic: Builder) -> None:
-    program, assumed = clinic.programs.rooms_for(Request(8))
+    program, assumed = clinic.programs.rooms_for(HouseRequest(8))
     found: set[tuple[str, ...]] = set()
     for seed in range(60):
         layout: list[Symbol] | None = program.sample(np.random.default_rng(seed), assumed)
@@ -119,5 +117,5 @@ def test_hardly_two_clinics_have_the_same_topology(clinic: Builder) -> None:
 
 def test_that_there_is_no_clinic_is_proved_by_its_own_lines(clinic: Builder) -> None:
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(clinic, Request.read({"rooms": 5, "types": {"washroom": 0}}), 0, 0, INFERENCES)
+        house_or_proof(clinic, HouseRequest.read({"rooms": 5, "types": {"washroom": 0}}), 0, 0)
     assert ":- rooms >= 3, not for_all." in str(error.value)

@@ -18,7 +18,7 @@ from vitruvius.logic.layout.program import Program, TooMany
 from vitruvius.logic.layout.programs import CROWD, crowded
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 DESKS = """
 {types}
@@ -54,19 +54,19 @@ def rows(house: House) -> list[list[int]]:
 
 @pytest.mark.parametrize(("star", "seed"), [(False, 0), (False, 1), (True, 1)])
 def test_pieces_in_rows_that_picks_do_not_find_are_found(tmp_path: Path, star: bool, seed: int) -> None:
-    house = builder(tmp_path, star).house(Request(1 if star else 3), seed, 0, 10**8)
+    house = builder(tmp_path, star).house(HouseRequest(1 if star else 3), seed, 0)
     assert check(house) == []
     assert all(len(desks) == 2 and sum(desks) == 8 and min(desks) >= 3 for desks in rows(house))
     assert len(rows(house)) == (1 if star else 2)
 
 
 def test_a_house_of_crowded_rooms_depends_on_no_house_before_it(tmp_path: Path) -> None:
-    rules, request = builder(tmp_path, star=True), Request(1)
-    alone = rules.house(request, 2, 0, 10**8)
+    rules, request = builder(tmp_path, star=True), HouseRequest(1)
+    alone = rules.house(request, 2, 0)
     other = builder(tmp_path, star=True)
     all_warnings(other.grammar, other.loaded)  # which grounds the programs of all types
-    assert other.house(request, 1, 0, 10**8) != alone
-    assert other.house(request, 2, 0, 10**8) == alone
+    assert other.house(request, 1, 0) != alone
+    assert other.house(request, 2, 0) == alone
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_a_proof_about_furniture_tests_few_statements_where_no_length_has_a_part
 
     monkeypatch.setattr(Relaxed, "core", counted)
     with pytest.raises(Unsatisfiable) as proof:
-        house_or_proof(builder(tmp_path, star=True), Request(1, furniture={"desk": (16, 16)}), 0, 0, 10**8)
+        house_or_proof(builder(tmp_path, star=True), HouseRequest(1, furniture={"desk": (16, 16)}), 0, 0)
     assert {"may(classroom,desk,8,8).", "--piece desk=16"} <= {each.text for each in proof.value.reasons}
     assert len(cores) < 10
 

@@ -12,7 +12,7 @@ from vitruvius.logic import GrammarError, check, generate
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 DISSECTION = Path(__file__).parents[3] / "examples" / "dissection"
 
@@ -69,7 +69,7 @@ def test_a_ring_has_no_voids(tmp_path: Path) -> None:
 def test_a_dissection_of_twelve_rooms_is_soon_found_and_the_same_whatever_was_made_before() -> None:
     builder = Builder(find(DISSECTION))
     begin = time.process_time()
-    first, _, again = (builder.house(Request(12), 1, index, 10**8) for index in (0, 1, 0))
+    first, _, again = (builder.house(HouseRequest(12), 1, index) for index in (0, 1, 0))
     assert time.process_time() - begin < 3 * 4  # seconds; one took 11 by its picks one after the other
     assert check(first) == []
     assert again.rooms == first.rooms

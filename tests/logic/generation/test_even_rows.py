@@ -12,7 +12,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Room
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 SCHOOL = """
 {types}
@@ -36,8 +36,8 @@ def classroom(house: House) -> Room:
 
 @pytest.mark.parametrize(("star", "seed", "cell"), [(True, 0, 0.0), (True, 1, 0.3), (False, 0, 0.0)])
 def test_desks_stand_in_a_grid(tmp_path: Path, star: bool, seed: int, cell: float) -> None:
-    request = Request(1 if star else 2, cell=cell)
-    house = builder(tmp_path, star, cell).house(request, seed, 0, 10**8)
+    request = HouseRequest(1 if star else 2, cell=cell)
+    house = builder(tmp_path, star, cell).house(request, seed, 0)
     assert check(house) == []
     desks = [piece for piece in classroom(house).children if piece.type == "desk"]
     xs, ys = (
@@ -51,7 +51,7 @@ def test_desks_stand_in_a_grid(tmp_path: Path, star: bool, seed: int, cell: floa
 
 
 def test_check_finds_a_desk_out_of_line_by_geometry(tmp_path: Path) -> None:
-    house = builder(tmp_path, star=False).house(Request(2), 0, 0, 10**8)
+    house = builder(tmp_path, star=False).house(HouseRequest(2), 0, 0)
     room = classroom(house)
     moved = [
         msgspec.structs.replace(each, x=each.x + 0.01, children=()) if each.type == "desk" and not n else each
@@ -65,5 +65,5 @@ def test_check_finds_a_desk_out_of_line_by_geometry(tmp_path: Path) -> None:
 def test_a_proof_names_that_rows_are_even(tmp_path: Path) -> None:
     """Seven desks are no grid, and no row of at most four."""
     with pytest.raises(Unsatisfiable) as proof:
-        house_or_proof(builder(tmp_path), Request(1, furniture={"desk": (7, 7)}), 0, 0, 10**8)
+        house_or_proof(builder(tmp_path), HouseRequest(1, furniture={"desk": (7, 7)}), 0, 0)
     assert any(reason.text == "even_rows(classroom)." for reason in proof.value.reasons)

@@ -8,7 +8,7 @@ from vitruvius.logic.generation.movable_doors import LooseRoom
 from vitruvius.logic.generation.tiling import _apart
 from vitruvius.logic.generation.units import Unit
 from vitruvius.logic.house.parts import Rect
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 ROOM = Rect(1, 1, 4, 3)
 SOUTH = [Rect(2, 4, 0.9, 0), Rect(1, 2, 0, 0.8), Rect(4, 1, 0.7, 0)]
@@ -124,7 +124,7 @@ def test_moved_doors_lie_along_their_walls_in_the_house() -> None:
 
 
 def test_a_unit_is_known_by_its_sides_and_the_steps_of_its_depth() -> None:
-    unit = Unit(1, Request(6), "y", 7.3, 0, "south", frozenset({"south", "east"}))
+    unit = Unit(1, HouseRequest(6), "y", 7.3, 0, "south", frozenset({"south", "east"}))
     known = unit.known([Number(7000), Number(7300), Number(8000)])
     true, false = ({str(atom) for atom in known[holds]} for holds in (True, False))
     assert true == {

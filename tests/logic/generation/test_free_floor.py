@@ -13,9 +13,8 @@ from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Piece, Room
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
-INFERENCES = 10**8
 SEEDS = range(6)
 TINY = """
 topology(ring).  type(hall;bath).  empty(hall).  central(hall).
@@ -41,7 +40,7 @@ def builder(folder: Path, rules: str = "", lengths: str = "", grammar: str = "ho
 
 
 def houses(of: Builder, rooms: int = 6) -> list[House]:
-    return [of.house(Request(rooms), seed, 0, INFERENCES) for seed in SEEDS]
+    return [of.house(HouseRequest(rooms), seed, 0) for seed in SEEDS]
 
 
 def has_free_square(room: Room, side: float) -> bool:
@@ -89,11 +88,11 @@ def test_a_square_that_the_furniture_leaves_in_no_such_room_is_proved(tmp_path: 
     (tmp_path / "rooms.lp").write_text(TINY)
     sizes = tmp_path / "sizes.pl"
     sizes.write_text(TINY_SIZES.format(2.45))
-    house = Builder(find(tmp_path)).house(Request(2), 0, 0, INFERENCES)
+    house = Builder(find(tmp_path)).house(HouseRequest(2), 0, 0)
     assert all(has_free_square(room, 2.45) for room in house.rooms if room.type == "bath")
     sizes.write_text(TINY_SIZES.format(2.6))
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
+        house_or_proof(Builder(find(tmp_path)), HouseRequest(2), 0, 0)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
     assert all(each in reasons for each in ("turning(bath", "piece_size(tub", "room_size(_"))
 

@@ -20,7 +20,7 @@ from vitruvius.logic.house.parts import Piece, Rect, pieces_of
 from vitruvius.logic.layout.program import Program
 from vitruvius.logic.layout.programs import GIVEN
 from vitruvius.logic.layout.terms import parts as terms_of
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 NEAR = 1e-6
 PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8
@@ -164,7 +164,7 @@ def test_windows_in_all_walls_refute_what_is_tall_unless_they_may_be_anywhere(
 ) -> None:
     panes = [Rect(3.5, 2.0, 1.0, 0.0), Rect(3.5, 5.5, 1.0, 0.0), Rect(1.0, 4.0, 0.0, 1.0)]
     room = GivenRoom("bedroom", ROOM, [SOUTH], [*panes, Rect(5.0, 4.0, 0.0, 1.0)])
-    wanted, rng = Request(1, furniture={"wardrobe": (1, 1)}), np.random.default_rng(0)
+    wanted, rng = HouseRequest(1, furniture={"wardrobe": (1, 1)}), np.random.default_rng(0)
     loose = LooseRoom(room, [None])
     layout = loose.furniture(builder.programs, builder.placer, rng, wanted, windows=as_they_are)
     assert (layout is None) == as_they_are

@@ -25,11 +25,11 @@ from vitruvius.logic.house.parts import Rect, Room
 from vitruvius.logic.layout.program import Conflict
 from vitruvius.logic.placement.plan import Plan, PlanDoor, PlanRoom, sides
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 DEN = GivenRoom("den", Rect(1, 1, 4, 3), [Rect(2, 4, 0.9, 0)])
 NO_MOVE = LooseRoom(DEN, [None])
-FOUR = Request(4)
+FOUR = HouseRequest(4)
 
 
 def stub(**fields: Any) -> Any:
@@ -248,7 +248,7 @@ def test_a_unit_that_is_refuted_is_refuted_under_every_number_that_knows_it() ->
     others = [parse_term(text) for text in ("unit(3,5)", "unit(1,6)", "edge(1,south,a)")]
     known = [*first, *second, *others]
     program = stub(atoms=lambda name, arity: {atom for atom in known if atom.match(name, arity)})
-    unit = Unit(1, Request(5), "y", 7.3, 0, "south", frozenset({"south", "east"}))
+    unit = Unit(1, HouseRequest(5), "y", 7.3, 0, "south", frozenset({"south", "east"}))
     maker: Any = stub(stated=lambda _: program)
     found = [*UnitsMaker._alike(maker, unit, [*first, others[2]], FOUR)]
     lacks = [
@@ -267,7 +267,7 @@ def test_each_house_begins_its_account_and_knows_what_made_it() -> None:
         maker_of=lambda _: maker,
         _provenance=lambda request, seed, index: stub(seed=seed, index=index),
     )
-    made = Builder.house(builder, FOUR, 7, 2, 100)
+    made = Builder.house(builder, FOUR, 7, 2)
     assert begun == ["account"]
     assert (made.provenance.seed, made.provenance.index) == (7, 2)  # pyright: ignore[reportOptionalMemberAccess]
 

@@ -18,10 +18,9 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Door
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.brief import read_brief
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import Request
 
-INFERENCES = 10**8
 OPEN = "opening(living,(kitchen;dining)).\n"
 PAIRS = [{"living", "kitchen"}, {"living", "dining"}]
 WIDE = "opening_size(_, _, L, Wall) :- { L >= 1.4, L =< Wall - 0.2 }.\n"
@@ -76,7 +75,7 @@ def as_drawn(house: House) -> set[tuple[frozenset[str], Box, bool]]:
 
 
 def made(builder: Builder, seeds: range, rooms: tuple[int, ...] = (5, 8)) -> list[House]:
-    return [builder.house(Request(n), seed, 0, INFERENCES) for seed, n in product(seeds, rooms)]
+    return [builder.house(HouseRequest(n), seed, 0) for seed, n in product(seeds, rooms)]
 
 
 def test_doors_between_such_rooms_are_openings_as_wide_as_they_are_to_be(builder: Builder) -> None:
@@ -94,15 +93,15 @@ def test_doors_between_such_rooms_are_openings_as_wide_as_they_are_to_be(builder
 def test_a_plan_s_own_doors_stay_as_they_are_drawn(builder: Builder) -> None:
     (house,) = made(builder, range(1), (5,))
     kept = OwnPlan(house.rooms, house.doors, house.windows)
-    again = builder.house(Request(5, plan=kept), 1, 0, INFERENCES)
+    again = builder.house(HouseRequest(5, plan=kept), 1, 0)
     assert as_drawn(again) == as_drawn(house)
     shut = tuple(structs.replace(door, opening=False) for door in house.doors)
-    house = builder.house(Request(5, plan=OwnPlan(house.rooms, shut)), 1, 0, INFERENCES)
+    house = builder.house(HouseRequest(5, plan=OwnPlan(house.rooms, shut)), 1, 0)
     assert not any(door.opening for door in house.doors)
     assert check(house) == []
     walls = OwnPlan(house.rooms)
     for seed in range(3):
-        other = builder.house(Request(5, plan=walls), seed, 0, INFERENCES)
+        other = builder.house(HouseRequest(5, plan=walls), seed, 0)
         assert check(other) == []
         assert all(door.opening == (types(other, door) in PAIRS) for door in other.doors)
         assert all(door.length >= 1.4 - 1e-6 for door in other.doors if door.opening)
@@ -128,7 +127,7 @@ def test_what_stands_downstream_knows_that_an_opening_has_no_leaf(builder: Build
 def test_a_brief_s_doors_are_openings_too(builder: Builder) -> None:
     rooms = [{"name": name, "type": name} for name in ("living", "kitchen", "bedroom", "bathroom", "hall")]
     brief = read_brief({"rooms": rooms, "doors": [["living", "kitchen"], ["hall", "living"]]})
-    house = Builder(builder.grammar).house(Request(5, brief=brief), 0, 0, INFERENCES)
+    house = Builder(builder.grammar).house(HouseRequest(5, brief=brief), 0, 0)
     assert check(house) == []
     opened = {frozenset(door.between): door.length for door in house.doors if door.opening}
     assert opened[frozenset({"living", "kitchen"})] >= 1.4 - 1e-6
@@ -156,7 +155,7 @@ def test_a_proof_names_the_size_of_an_opening_that_the_rooms_are_too_small_for(t
     (tmp_path / "rooms.lp").write_text(TINY)
     (tmp_path / "sizes.pl").write_text(TINY_SIZES)
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
+        house_or_proof(Builder(find(tmp_path)), HouseRequest(2), 0, 0)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
     assert all(each in reasons for each in ("opening_size(bath", "room_area(bath", "opening(hall,bath)"))
 
@@ -164,7 +163,7 @@ def test_a_proof_names_the_size_of_an_opening_that_the_rooms_are_too_small_for(t
 def test_an_opening_that_a_plan_has_stays_one_whatever_the_grammar_says(builder: Builder) -> None:
     (house,) = made(Builder(builder.grammar), range(1), (5,))
     drawn = OwnPlan(house.rooms, house.doors, house.windows)
-    again = Builder(find("home")).house(Request(5, plan=drawn), 0, 0, INFERENCES)
+    again = Builder(find("home")).house(HouseRequest(5, plan=drawn), 0, 0)
     assert check(again) == []
     assert any(door.opening for door in again.doors)
     assert as_drawn(again) == as_drawn(house)
@@ -175,11 +174,11 @@ def test_a_proof_names_the_door_that_a_plan_has_where_a_rule_asks_for_an_opening
     sizes = TINY_SIZES.replace("L, _) :- { L >= 3.1, L =< 3.15 }", "L, Wall) :- { L >= 0.8, L =< Wall }")
     (tmp_path / "sizes.pl").write_text(sizes)
     builder = Builder(find(tmp_path))
-    house = builder.house(Request(2), 0, 0, INFERENCES)
+    house = builder.house(HouseRequest(2), 0, 0)
     assert [door.opening for door in house.doors if not door.is_entrance] == [True]
     shut = tuple(structs.replace(door, opening=False) for door in house.doors)
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(builder, Request(2, plan=OwnPlan(house.rooms, shut)), 0, 0, INFERENCES)
+        house_or_proof(builder, HouseRequest(2, plan=OwnPlan(house.rooms, shut)), 0, 0)
     reasons = [reason.text for reason in caught.value.reasons]
     assert any("plan: a door joins" in text for text in reasons)
     assert any("open_to" in text for text in reasons)

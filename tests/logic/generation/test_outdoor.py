@@ -18,10 +18,9 @@ from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Room, Window
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.shared_walls import PlanWitness
 
-INFERENCES = 10**8
 BALCONY = """
 type(balcony).  empty(balcony).  outdoor(balcony).  gateless(balcony).
 opens((living; bedroom), balcony).
@@ -73,7 +72,7 @@ def test_rooms_have_windows_and_doors_towards_a_balcony_and_no_dark_one_is_left(
     (folder / "more.pl").write_text(BALCONY_SIZES)
     builder, towards, by_door = Builder(find(folder)), 0, 0
     for seed in range(14):
-        house = builder.house(Request(8), seed, 0, INFERENCES)
+        house = builder.house(HouseRequest(8), seed, 0)
         assert check(house) == []
         balcony = of_type(house, "balcony")
         windowed = {window.room for window in house.windows}
@@ -95,7 +94,7 @@ def test_a_window_towards_a_patio_lies_in_the_wall_that_both_share_and_there_is_
     rules = PATIO + ":- room(R,den), not toward(R,_,_).\n"
     builder = Builder(find(grammar(tmp_path / "mine", rules)))
     for seed in range(5):
-        house = builder.house(Request(3), seed, 0, INFERENCES)
+        house = builder.house(HouseRequest(3), seed, 0)
         assert check(house) == []
         patio, den = of_type(house, "patio"), of_type(house, "den")
         assert any(on_edge(window, patio) and on_edge(window, den) for window in house.windows)
@@ -104,12 +103,12 @@ def test_a_window_towards_a_patio_lies_in_the_wall_that_both_share_and_there_is_
 
 def test_a_gate_leads_from_a_patio_to_the_garden(tmp_path: Path) -> None:
     builder = Builder(find(grammar(tmp_path / "mine")))
-    houses = [builder.house(Request(3), seed, 0, INFERENCES) for seed in (1, 0)]
+    houses = [builder.house(HouseRequest(3), seed, 0) for seed in (1, 0)]
     for house in houses:
         assert check(house) == []
         [gate], patio = house.garden_doors, of_type(house, "patio")
         assert {*gate.between} == {patio.name, OUTSIDE}
-    why = str(PlanWitness(builder, houses[-1], INFERENCES).why("entrance2"))
+    why = str(PlanWitness(builder, houses[-1]).why("entrance2"))
     assert "a door to the garden" in why
     assert "outdoor(patio)" in why
 
@@ -133,17 +132,17 @@ def test_the_area_of_a_house_is_that_of_its_rooms_inside(tmp_path: Path) -> None
     sizes = PATIO_SIZES + "room_area(patio, 9.0, 12.0).\nhouse_area(24.0, 25.0).\n"
     builder = Builder(find(grammar(tmp_path / "mine", sizes=sizes)))
     for seed in range(4):
-        house = builder.house(Request(3), seed, 0, INFERENCES)
+        house = builder.house(HouseRequest(3), seed, 0)
         assert check(house) == []
         assert 24 <= of_type(house, "hall").area + of_type(house, "den").area <= 25
     small = PATIO_SIZES + "room_area(den, 4.0, 5.0).\nroom_area(hall, 4.0, 5.0).\nhouse_area(12.0, 20.0).\n"
     with pytest.raises(Unsatisfiable, match="house_area"):
-        house_or_proof(Builder(find(grammar(tmp_path / "small", sizes=small))), Request(3), 0, 0, INFERENCES)
+        house_or_proof(Builder(find(grammar(tmp_path / "small", sizes=small))), HouseRequest(3), 0, 0)
 
 
 def test_check_finds_a_window_of_a_patio_and_one_towards_no_patio(tmp_path: Path) -> None:
     house = Builder(find(grammar(tmp_path / "mine", PATIO + ":- room(R,den), not toward(R,_,_).\n"))).house(
-        Request(3), 0, 0, INFERENCES
+        HouseRequest(3), 0, 0
     )
     patio, den = of_type(house, "patio"), of_type(house, "den")
     of_patio = tuple(
@@ -218,7 +217,7 @@ def test_in_a_plan_a_room_behind_a_patio_is_lit_from_there_or_by_its_door(tmp_pa
 
 
 def test_a_body_finds_targets_on_a_patio_and_its_boards_are_drawn(tmp_path: Path) -> None:
-    house = Builder(find(grammar(tmp_path / "mine"))).house(Request(3), 0, 0, INFERENCES)
+    house = Builder(find(grammar(tmp_path / "mine"))).house(HouseRequest(3), 0, 0)
     env = gym.make("Vitruvius/House-v0", houses=[house], targets={"rooms": ["patio"]})
     west, north, east, south = of_type(house, "patio").box
     for seed in range(3):
@@ -235,9 +234,9 @@ def test_a_body_finds_targets_on_a_patio_and_its_boards_are_drawn(tmp_path: Path
 
 def test_why_a_window_is_towards_a_patio_is_derived(tmp_path: Path) -> None:
     builder = Builder(find(grammar(tmp_path / "mine", PATIO + ":- room(R,den), not toward(R,_,_).\n")))
-    house = builder.house(Request(3), 0, 0, INFERENCES)
+    house = builder.house(HouseRequest(3), 0, 0)
     den = of_type(house, "den")
-    why = str(PlanWitness(builder, house, INFERENCES).why(f"{den.name}.window"))
+    why = str(PlanWitness(builder, house).why(f"{den.name}.window"))
     assert "toward(" in why
     assert "outdoor(patio)" in why
 
@@ -257,7 +256,7 @@ door_width(0.8).  door_clearance(0.45).  passage(0.42).  room_gap(0.0).
 def test_that_a_house_with_a_balcony_is_too_small_says_nothing_of_one_without(tmp_path: Path) -> None:
     builder = Builder(find(grammar(tmp_path, COUNTED, COUNTED_SIZES)))
     for seed in range(8):
-        house = house_or_proof(builder, Request(3), seed, 0, INFERENCES)
+        house = house_or_proof(builder, HouseRequest(3), seed, 0)
         assert check(house) == []
         assert "balcony" not in {room.type for room in house.rooms}
 
@@ -265,7 +264,7 @@ def test_that_a_house_with_a_balcony_is_too_small_says_nothing_of_one_without(tm
 def test_around_a_patio_a_parapet_is_drawn_in_the_place_of_the_outer_wall(tmp_path: Path) -> None:
     thick = "wall_thickness(inner, 0.15).  wall_thickness(outer, 0.5).\n"
     for name, sizes in (("lines", PATIO_SIZES), ("masonry", PATIO_SIZES + thick)):
-        house = Builder(find(grammar(tmp_path / name, sizes=sizes))).house(Request(3), 0, 0, INFERENCES)
+        house = Builder(find(grammar(tmp_path / name, sizes=sizes))).house(HouseRequest(3), 0, 0)
         [patio] = [room for room in house.rooms if room.type == "patio"]
         others = [shapely.box(*room.box) for room in house.rooms if room is not patio]
         indoors = shapely.union_all(others).buffer(0.5, join_style="mitre")

@@ -21,11 +21,10 @@ from vitruvius.logic.house.parts import Room
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.brief import read_brief
 from vitruvius.logic.request.given_plan import read_plan
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
-from vitruvius.logic.request.request import Request
 from vitruvius.logic.workers.nearest_plan import nearest_plan
 
-INFERENCES = 10**8
 RULES = """
 type(bay).  part(bay,living).  opens(living,bay).  lit(bay).  empty(bay).
 #program house.
@@ -66,7 +65,7 @@ def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
 
 @pytest.fixture(scope="module")
 def houses(builder: Builder) -> list[House]:
-    found = [builder.house(Request(n), seed, 0, INFERENCES) for seed, n in product(range(6), (7, 9))]
+    found = [builder.house(HouseRequest(n), seed, 0) for seed, n in product(range(6), (7, 9))]
     for house in found:
         assert check(house) == []
     return found
@@ -152,7 +151,7 @@ def test_a_reader_refuses_parts_of_parts_and_of_nothing(houses: list[House]) -> 
 def test_a_plan_s_parts_are_kept(builder: Builder, houses: list[House]) -> None:
     house = houses[0]
     plan = OwnPlan(house.rooms, house.doors, house.windows)
-    again = builder.house(Request(len(house.rooms), plan=plan), 1, 0, INFERENCES)
+    again = builder.house(HouseRequest(len(house.rooms), plan=plan), 1, 0)
     assert check(again) == []
     assert bays(again) == [
         (structs.replace(part, children=again.room(part.name).children), again.room(whole.name))
@@ -167,7 +166,7 @@ def test_the_openings_of_a_plan_are_kept_beside_parts_and_no_other_door_lacks_a_
     drawn, other, *_ = (door for door in house.doors if not door.opening and not door.is_entrance)
     doors = [structs.replace(door, opening=door.opening or door is drawn) for door in house.doors]
     plan = OwnPlan(house.rooms, tuple(doors), house.windows)
-    again = builder.house(Request(len(house.rooms), plan=plan), 1, 0, INFERENCES)
+    again = builder.house(HouseRequest(len(house.rooms), plan=plan), 1, 0)
     assert check(again) == []
     assert next(door for door in again.doors if door.between == drawn.between).opening
     types = [{again.room(name).type for name in door.between} for door in (drawn, other)]
@@ -179,7 +178,7 @@ def test_the_openings_of_a_plan_are_kept_beside_parts_and_no_other_door_lacks_a_
 
 
 def test_on_a_grid_the_area_is_kept_too(builder: Builder) -> None:
-    house = Builder(builder.grammar, cell=0.3).house(Request(7), 0, 0, INFERENCES)
+    house = Builder(builder.grammar, cell=0.3).house(HouseRequest(7), 0, 0)
     assert check(house) == []
     for _, whole in bays(house):
         area = sum(room.area for room in house.rooms if whole.name in (room.name, room.part_of))
@@ -189,7 +188,7 @@ def test_on_a_grid_the_area_is_kept_too(builder: Builder) -> None:
 def test_a_brief_beside_areas_of_wholes_is_refused(builder: Builder) -> None:
     brief = read_brief({"rooms": [{"name": "A", "type": "hall"}, {"name": "B", "type": "living"}]})
     with pytest.raises(RequestError, match="whole_area/3"):
-        Builder(builder.grammar).house(Request(2, brief=brief), 0, 0, INFERENCES)
+        Builder(builder.grammar).house(HouseRequest(2, brief=brief), 0, 0)
 
 
 @pytest.mark.second_part("large plans")
@@ -208,7 +207,7 @@ def test_a_proof_names_the_area_that_rooms_are_too_small_for(tmp_path: Path) -> 
     (tmp_path / "rooms.lp").write_text(TINY)
     (tmp_path / "sizes.pl").write_text(TINY_SIZES)
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(Builder(find(tmp_path)), Request(2), 0, 0, INFERENCES)
+        house_or_proof(Builder(find(tmp_path)), HouseRequest(2), 0, 0)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
     assert all(each in reasons for each in ("whole_area(hall", "room_size(hall", "room_size(bay"))
 
@@ -218,7 +217,7 @@ def test_walls_with_a_thickness_leave_them_open_and_their_insides_of_that_area(
 ) -> None:
     shutil.copytree(builder.grammar.directory, tmp_path / "thick")
     (tmp_path / "thick" / "walls.pl").write_text("wall_thickness(inner, 0.1).  wall_thickness(outer, 0.3).\n")
-    house = Builder(find(tmp_path / "thick")).house(Request(7), 0, 0, INFERENCES)
+    house = Builder(find(tmp_path / "thick")).house(HouseRequest(7), 0, 0)
     assert check(house) == []
     for part, whole in bays(house):
         assert shapely.distance(shapely.box(*part.box), shapely.box(*whole.box)) == pytest.approx(0.1)
@@ -234,7 +233,7 @@ def test_that_a_room_without_a_part_is_too_small_says_nothing_of_one_with_it(tmp
     (tmp_path / "sizes.pl").write_text(TINY_SIZES.replace("13.01", "9.5") + den)
     builder = Builder(find(tmp_path))
     for seed in range(8):
-        house = house_or_proof(builder, Request(2), seed, 0, INFERENCES)
+        house = house_or_proof(builder, HouseRequest(2), seed, 0)
         assert check(house) == []
         assert {room.type for room in house.rooms} == {"hall", "bay"}
 
@@ -250,7 +249,7 @@ def test_a_room_of_six_corners_in_a_real_plan_is_a_room_and_its_part(tmp_path: P
     (tmp_path / "plan.json").write_text(json.dumps(record))
     with pytest.warns(PlanWarning, match="2 rooms, Hall, Hall 2"):
         plan = read_plan(tmp_path / "plan.json")
-    house = Builder(find(tmp_path)).house(Request(2, plan=plan), 0, 0, INFERENCES)
+    house = Builder(find(tmp_path)).house(HouseRequest(2, plan=plan), 0, 0)
     assert check(house) == []
     hall, bay = house.rooms
     assert (hall.type, bay.type, bay.part_of) == ("hall", "bay", hall.name)
@@ -260,5 +259,5 @@ def test_a_room_of_six_corners_in_a_real_plan_is_a_room_and_its_part(tmp_path: P
     # A grammar without parts of a hall has the same rooms, open to each other.
     rules = TINY.replace("part(bay,hall).", "opening(bay,hall).")
     (tmp_path / "rooms.lp").write_text(rules)
-    house = Builder(find(tmp_path)).house(Request(2, plan=plan), 0, 0, INFERENCES)
+    house = Builder(find(tmp_path)).house(HouseRequest(2, plan=plan), 0, 0)
     assert [room.part_of for room in house.rooms] == [UNSET, UNSET]

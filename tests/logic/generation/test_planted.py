@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from benchmarks.briefs.at_limits import planted
 from benchmarks.briefs.attempts import attempt
@@ -16,7 +17,7 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.brief import alone, read_brief
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 BRIEFS, INFERENCES = range(60), 10_000_000
 
@@ -63,11 +64,11 @@ def test_a_grammar_that_a_house_keeps_at_its_limits_has_a_house_and_so_has_its_p
     base: str, rooms: int, tmp_path: Path
 ) -> None:
     builder = in_process._builder(find(base), 0.0)
-    house = builder.house(Request(rooms), 7, 0, INFERENCES)
+    house = builder.house(HouseRequest(rooms, inferences=INFERENCES), 7, 0)
     strict = in_process._builder(find(tightened(builder, house, tmp_path / "mine")), 0.0)
     types = {type_: (times, times) for type_, times in Counter(types_of(house)).items()}
-    for request in (Request(rooms, types), Request(rooms, plan=read_plan(house))):
-        again = house_or_proof(strict, request, 0, 0, INFERENCES)
+    for request in (HouseRequest(rooms, types), HouseRequest(rooms, plan=read_plan(house))):
+        again = house_or_proof(strict, replace(request, inferences=INFERENCES), 0, 0)
         assert sorted(types_of(again)) == sorted(types_of(house))
 
 

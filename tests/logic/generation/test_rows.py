@@ -13,9 +13,8 @@ from vitruvius.logic.house.boxes import Box
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Piece
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
-INFERENCES = 10**8
 PASSAGE = 0.7
 EXACT = 1e-6
 SCHOOL = """
@@ -81,7 +80,7 @@ def rows(house: House) -> list[list[list[Box]]]:
 def test_desks_stand_in_parallel_rows_a_passage_apart(tmp_path: Path) -> None:
     of, counts = builder(tmp_path), set[int]()
     for seed in range(8):
-        house = of.house(Request(2), seed, 0, INFERENCES)
+        house = of.house(HouseRequest(2), seed, 0)
         assert check(house) == []
         for found in rows(house):
             counts.add(sum(map(len, found)))
@@ -98,10 +97,10 @@ def test_desks_stand_in_parallel_rows_a_passage_apart(tmp_path: Path) -> None:
 
 
 def test_rows_that_just_fit_do_and_a_centimetre_less_is_proved(tmp_path: Path) -> None:
-    house = builder(tmp_path, "3,3", 1, 4, JUST).house(Request(1), 0, 0, INFERENCES)
+    house = builder(tmp_path, "3,3", 1, 4, JUST).house(HouseRequest(1), 0, 0)
     assert check(house) == []
     assert house.rooms[0].width == pytest.approx(JUST) or house.rooms[0].height == pytest.approx(JUST)
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(builder(tmp_path, "3,3", 1, 4, JUST - 0.01), Request(1), 0, 0, INFERENCES)
+        house_or_proof(builder(tmp_path, "3,3", 1, 4, JUST - 0.01), HouseRequest(1), 0, 0)
     reasons = " ".join(reason.text for reason in caught.value.reasons)
     assert all(each in reasons for each in ("piece_size(desk", "passage(0.7)"))

@@ -12,10 +12,9 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 HOTEL = Path(__file__).parents[3] / "examples" / "hotel"
-INFERENCES = 10**8
 PAIR = """
 topology(corridor).  type(corridor; cell).  empty(corridor; cell).  central(corridor).  oblong(corridor).
 degree(corridor,1,9).  opens(outside,corridor).  opens(corridor,cell).
@@ -43,7 +42,7 @@ def sizes(house: House, type_: str) -> list[tuple[float, float]]:
 
 def test_all_guest_rooms_of_a_hotel_are_one_by_their_walls(hotel: Builder) -> None:
     for seed in range(3):
-        house = hotel.house(Request(17), seed, 0, INFERENCES)
+        house = hotel.house(HouseRequest(17), seed, 0)
         assert check(house) == []
         guests = sizes(house, "guest")
         assert len(guests) == 8
@@ -51,7 +50,7 @@ def test_all_guest_rooms_of_a_hotel_are_one_by_their_walls(hotel: Builder) -> No
 
 
 def test_check_finds_the_one_that_is_larger(hotel: Builder) -> None:
-    house = hotel.house(Request(9), 0, 0, INFERENCES)
+    house = hotel.house(HouseRequest(9), 0, 0)
     guest = next(room for room in house.rooms if room.type == "guest")
     rooms = tuple(
         structs.replace(room, width=room.width + 0.01) if room is guest else room for room in house.rooms
@@ -63,10 +62,10 @@ def test_rooms_that_cannot_be_equally_large_are_proved(tmp_path: Path) -> None:
     """Two rooms north of a corridor are as long as one south of it, unless their sizes are equal."""
     (tmp_path / "rooms.lp").write_text(PAIR)
     (tmp_path / "sizes.pl").write_text(PAIR_SIZES)
-    assert len(sizes(Builder(find(tmp_path)).house(Request(4), 0, 0, INFERENCES), "cell")) == 3
+    assert len(sizes(Builder(find(tmp_path)).house(HouseRequest(4), 0, 0), "cell")) == 3
     (tmp_path / "more.lp").write_text("same_size(cell).\n")
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(Builder(find(tmp_path)), Request(4), 0, 0, INFERENCES)
+        house_or_proof(Builder(find(tmp_path)), HouseRequest(4), 0, 0)
     assert "same_size(cell)" in " ".join(reason.text for reason in caught.value.reasons)
 
 
@@ -75,7 +74,7 @@ def test_oblong_rooms_that_lie_across_are_compared_by_their_shorter_sides(tmp_pa
     (folder / "more.lp").write_text("same_size(washroom).\n")
     clinic, across = Builder(find(folder)), 0
     for seed in range(8):
-        house = clinic.house(Request(20), seed, 0, INFERENCES)
+        house = clinic.house(HouseRequest(20), seed, 0)
         assert check(house) == []
         washrooms = sizes(house, "washroom")
         across += any(w < d for w, d in washrooms) and any(w > d for w, d in washrooms)
@@ -113,7 +112,7 @@ def test_both_sides_of_a_hotel_are_mirror_images_by_same_size_and_rules(tmp_path
     (folder / "more.lp").write_text("same_size(guest; bath).\n" + rule)
     builder = Builder(find(folder))
     for rooms in (9, 13):
-        house = builder.house(Request(rooms), 0, 0, INFERENCES)
+        house = builder.house(HouseRequest(rooms), 0, 0)
         assert check(house) == []
         (corridor,) = [room for room in house.rooms if room.type == "corridor"]
         middle = 2 * corridor.y + corridor.height

@@ -24,7 +24,7 @@ from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.placement.plan import Plan
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.fixed_rooms import fixed_rooms
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 INFERENCES = 10**8
 ROW = """%# Topology `row`: the rooms stand in a row, from west to east.
@@ -58,7 +58,7 @@ def home() -> Builder:
 
 
 def layouts(made: Builder, rooms: int, seeds: range) -> Iterator[list[Symbol]]:
-    program, assumed = made.programs.rooms_for(Request(rooms))
+    program, assumed = made.programs.rooms_for(HouseRequest(rooms))
     for seed in seeds:
         layout = program.sample(np.random.default_rng([seed, rooms]), assumed)
         assert layout is not None
@@ -80,7 +80,7 @@ def copied(folder: Path, *changes: tuple[str, str, str], **files: str) -> Path:
 @pytest.mark.parametrize("rooms", [4, 7, 10, 12])
 def test_a_home_keeps_all_that_its_grammar_promises(home: Builder, rooms: int) -> None:
     for index in range(4):
-        house = home.house(Request(rooms), 5, index, INFERENCES)
+        house = home.house(HouseRequest(rooms), 5, index)
         assert check(house) == []
         assert len(house.rooms) == rooms
         assert house.topology == "ring"
@@ -92,7 +92,7 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_bo
 ) -> None:
     made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
     for seed in range(20):
-        plan, _, _ = unfurnished(made, Request(8), np.random.default_rng(seed), INFERENCES, [])
+        plan, _, _ = unfurnished(made, HouseRequest(8), np.random.default_rng(seed), INFERENCES, [])
         boxes = [room.box for room in plan.rooms]
         assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
@@ -110,9 +110,9 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_bo
 
 
 def test_a_house_is_a_function_of_its_seed(home: Builder) -> None:
-    first = home.house(Request(6), 2, 3, INFERENCES)
-    home.house(Request(6), 9, 9, INFERENCES)
-    assert home.house(Request(6), 2, 3, INFERENCES) == first
+    first = home.house(HouseRequest(6), 2, 3)
+    home.house(HouseRequest(6), 9, 9)
+    assert home.house(HouseRequest(6), 2, 3) == first
 
 
 def test_hardly_two_plans_have_the_same_topology(home: Builder) -> None:
@@ -137,7 +137,7 @@ def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
 def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
     nogoods: list[Nogood] = []
     for seed in range(40):
-        _, layout, _ = unfurnished(home, Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
+        _, layout, _ = unfurnished(home, HouseRequest(5), np.random.default_rng(seed), INFERENCES, nogoods)
         assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
     assert nogoods
 
@@ -162,7 +162,7 @@ def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
     home: Builder, rooms: int, types: dict[str, int], reasons: list[str]
 ) -> None:
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(home, Request.read({"rooms": rooms, "types": types}), 0, 0, INFERENCES)
+        house_or_proof(home, HouseRequest.read({"rooms": rooms, "types": types}), 0, 0)
     assert [each for each in reasons if each not in str(error.value)] == []
 
 
@@ -189,7 +189,7 @@ def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
 ) -> None:
     folder = copied(tmp_path, ("rooms.lp", text, other), mine=f"#program house.\n{rule}\n")
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(builder(folder), Request(5), 0, 0, INFERENCES)
+        house_or_proof(builder(folder), HouseRequest(5), 0, 0)
     reasons = {each.text for each in error.value.reasons}
     assert {named, rule} <= reasons
 
@@ -197,7 +197,7 @@ def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
 def test_an_outline_may_lack_corners(home: Builder) -> None:
     filled = []
     for index in range(6):
-        house = home.house(Request(6), 0, index, INFERENCES)
+        house = home.house(HouseRequest(6), 0, index)
         assert check(house) == []
         east, south = (max(room.box[side] for room in house.rooms) for side in (2, 3))
         filled.append(sum(room.area for room in house.rooms) / (east * south))
@@ -208,7 +208,7 @@ def test_an_outline_may_lack_corners(home: Builder) -> None:
 def test_another_topology_of_the_core_serves_the_same_rules(tmp_path: Path) -> None:
     made = builder(copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(dissection).")))
     for index in range(3):
-        house = made.house(Request(5), 0, index, INFERENCES)
+        house = made.house(HouseRequest(5), 0, index)
         assert house.topology == "dissection"
         assert check(house) == []
 
@@ -219,7 +219,7 @@ def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
     common = ("rooms.lp", ":- not common.", ":- not common, rooms > 4.")
     folder = copied(tmp_path, ring, common, long, row=ROW)
     made = builder(folder)
-    house = made.house(Request.read({"rooms": 4, "types": {"dining": 0}}), 0, 0, INFERENCES)
+    house = made.house(HouseRequest.read({"rooms": 4, "types": {"dining": 0}}), 0, 0)
     assert house.topology == "row"
     assert len({room.y for room in house.rooms}) == 1
 
@@ -257,7 +257,7 @@ def test_a_topology_is_named_where_clingo_sees_it(tmp_path: Path, text: str, nam
 
 def test_more_rooms_than_the_topology_holds_are_refused(home: Builder) -> None:
     with pytest.raises(RequestError, match="at most 14"):
-        home.house(Request(15), 0, 0, INFERENCES)
+        home.house(HouseRequest(15), 0, 0)
 
 
 def test_a_grammar_that_names_no_topology_is_a_star() -> None:
@@ -270,13 +270,13 @@ def test_rooms_of_a_star_cannot_be_kept_in_a_plan(home: Builder) -> None:
     room = StarRoom(0, 0, 4, 4, "bedroom", (), Rect(1, 4, 0.8, 0))
     star = House.of_star(Star(Rect(0, 4, 8, 8), (room,)))
     with pytest.raises(RequestError, match=r"keep: these are rooms of a star.*leave keep out"):
-        home.house(Request(6, fixed=tuple(fixed_rooms(star))), 0, 0, INFERENCES)
+        home.house(HouseRequest(6, fixed=tuple(fixed_rooms(star))), 0, 0)
 
 
 @pytest.mark.second_part("many requests")
 def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:
-    request = Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 2}})
-    house = home.house(request, 0, 0, INFERENCES)
+    request = HouseRequest.read({"rooms": 6, "furniture": {"bedroom.singleBed": 2}})
+    house = home.house(request, 0, 0)
     beds = [
         [piece.type for piece in room.pieces].count("singleBed")
         for room in house.rooms
@@ -284,7 +284,5 @@ def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible
     ]
     assert set(beds) == {2}
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(
-            home, Request.read({"rooms": 6, "furniture": {"bedroom.singleBed": 9}}), 0, 0, INFERENCES
-        )
+        house_or_proof(home, HouseRequest.read({"rooms": 6, "furniture": {"bedroom.singleBed": 9}}), 0, 0)
     assert "may(bedroom,singleBed,0,2)." in str(error.value)

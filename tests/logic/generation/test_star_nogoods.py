@@ -12,9 +12,9 @@ from vitruvius.logic.generation.star import MOST_MISFITS, Nogoods, StarMaker
 from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.program import Conflict
 from vitruvius.logic.placement.placer import Infeasible, Misfit
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
-FOUR = Request(4)
+FOUR = HouseRequest(4)
 
 
 @pytest.fixture(scope="module")

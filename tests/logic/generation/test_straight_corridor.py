@@ -12,10 +12,9 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Room
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 HOTEL = Path(__file__).parents[3] / "examples" / "hotel"
-INFERENCES = 10**8
 SECONDS = 20.0
 """CPU seconds in which a house is generated, or proved infeasible: a third of the limit of ``generate``."""
 
@@ -35,7 +34,7 @@ def test_a_straight_corridor_is_one_rectangle_with_rooms_along_both_its_long_sid
     hotel: Builder, rooms: int
 ) -> None:
     begin = time.process_time()
-    house = hotel.house(Request(rooms), 4, 0, INFERENCES)
+    house = hotel.house(HouseRequest(rooms), 4, 0)
     assert time.process_time() - begin < SECONDS
     assert check(house) == []
     (corridor,) = of_type(house, "corridor")
@@ -51,7 +50,7 @@ def test_a_straight_corridor_is_one_rectangle_with_rooms_along_both_its_long_sid
 
 
 def test_each_of_twenty_guest_rooms_has_its_bath_and_its_bed(hotel: Builder) -> None:
-    house = hotel.house(Request(41), 0, 1, INFERENCES)
+    house = hotel.house(HouseRequest(41), 0, 1)
     types = {room.name: room.type for room in house.rooms} | {OUTSIDE: OUTSIDE}
     guests = of_type(house, "guest")
     assert len(guests) == 20
@@ -65,7 +64,7 @@ def test_each_of_twenty_guest_rooms_has_its_bath_and_its_bed(hotel: Builder) -> 
 def test_that_a_hotel_has_too_few_baths_is_proved(hotel: Builder) -> None:
     begin = time.process_time()
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(hotel, Request.read({"rooms": 9, "types": {"guest": 5}}), 0, 0, INFERENCES)
+        house_or_proof(hotel, HouseRequest.read({"rooms": 9, "types": {"guest": 5}}), 0, 0)
     assert time.process_time() - begin < SECONDS
     reasons = [reason.text for reason in caught.value.reasons]
     assert ":- room(R,guest), { from(Q,R) } != 1." in reasons
@@ -75,7 +74,7 @@ def test_that_a_hotel_has_too_few_baths_is_proved(hotel: Builder) -> None:
 @pytest.mark.second_part("a floor of a hotel")
 def test_that_a_floor_of_many_alike_rooms_has_too_few_or_too_many_baths_is_proved(hotel: Builder) -> None:
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(hotel, Request.read({"rooms": 21, "types": {"guest": 11}}), 0, 0, INFERENCES)
+        house_or_proof(hotel, HouseRequest.read({"rooms": 21, "types": {"guest": 11}}), 0, 0)
     reasons = [reason.text for reason in caught.value.reasons]
     assert "--type guest=11" in reasons
     assert any("opens(" in text or "from(" in text for text in reasons)

@@ -23,13 +23,12 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Door, Window
 from vitruvius.logic.house.promises import Promises, Thickness
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 MASONRY = Path(__file__).parents[3] / "examples" / "masonry"
 INNER, OUTER = 0.12, 0.36
 """Thickness of walls in the grammar's file, metres."""
 
-INFERENCES = 10**8
 EXACT = 1e-6
 """Tolerance, metres and square metres."""
 
@@ -52,7 +51,7 @@ def builder() -> Builder:
 
 @pytest.fixture(scope="module")
 def houses(builder: Builder) -> list[House]:
-    return [builder.house(Request(rooms), seed, 0, INFERENCES) for rooms in (5, 8) for seed in range(3)]
+    return [builder.house(HouseRequest(rooms), seed, 0) for rooms in (5, 8) for seed in range(3)]
 
 
 def boxes(house: House, by: float = 0.0) -> Any:
@@ -209,7 +208,7 @@ def test_a_plan_s_door_that_reaches_into_the_wall_across_moves_out_of_it(
     past = structs.replace(door, **{"xy"[axis]: end - door.length + 0.05})
     drawn = structs.replace(house, doors=tuple(past if each is door else each for each in house.doors))
     assert any("reaches 0.05 m into the wall across" in line for line in check(drawn))
-    again = builder.house(Request(len(house.rooms), plan=read_plan(drawn)), 1, 0, INFERENCES)
+    again = builder.house(HouseRequest(len(house.rooms), plan=read_plan(drawn)), 1, 0)
     assert check(again) == []
     (kept,) = (each for each in again.doors if {*each.between} == {*door.between})
     assert kept.length == pytest.approx(door.length)

@@ -15,9 +15,8 @@ from vitruvius.logic.house.parts import OUTSIDE
 from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
-INFERENCES = 10**9
 PUBLIC = "commonCorridor"
 
 
@@ -47,7 +46,7 @@ def units(house: House) -> list[set[str]]:
 @pytest.mark.parametrize("rooms", [6, 8, 16, 32])
 def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, rooms: int) -> None:
     for index in range(2):
-        house = apartments.house(Request(rooms), 3, index, INFERENCES)
+        house = apartments.house(HouseRequest(rooms), 3, index)
         assert check(house) == []
         assert len(house.rooms) == rooms
         assert (house.topology, house.hub, house.main.type) == ("building", "R0", PUBLIC)
@@ -55,14 +54,14 @@ def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, roo
 
 
 def test_a_building_promises_what_the_typical_rules_of_its_flats_state(apartments: Builder) -> None:
-    promises = apartments.promises(Request(8))
+    promises = apartments.promises(HouseRequest(8))
     assert promises.degree == {"corridor": (4, 9), "hall": (2, 4)}
     assert {*promises.lit} == {"living", "bedroom", "dining", "kitchen", "study"}
 
 
 def test_the_size_of_a_house_is_that_of_each_flat(apartments: Builder) -> None:
     """``house_size`` of their lengths: neither side is more than 2.2 times as long as the other."""
-    house = apartments.house(Request(16), 3, 0, INFERENCES)
+    house = apartments.house(HouseRequest(16), 3, 0)
     boxes = [[house.room(name).box for name in unit] for unit in units(house)]
     sizes = [
         (max(b[2] for b in each) - min(b[0] for b in each), max(b[3] for b in each) - min(b[1] for b in each))
@@ -83,7 +82,7 @@ def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
     monkeypatch.setattr(
         "vitruvius.logic.generation.units._units_of", lambda *made: tried.append(1) or _units_of(*made)
     )
-    house = apartments.house(Request(64), 0, 0, INFERENCES)
+    house = apartments.house(HouseRequest(64), 0, 0)
     assert check(house) == []
     assert len(units(house)) > 6
     assert len(tried) <= 8
@@ -92,7 +91,7 @@ def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
 def test_each_flat_has_a_hall_a_living_room_and_a_kitchen_and_one_door_to_the_corridor(
     apartments: Builder,
 ) -> None:
-    house = apartments.house(Request(24), 4, 0, INFERENCES)
+    house = apartments.house(HouseRequest(24), 4, 0)
     found = units(house)
     assert sum(map(len, found)) == 23
     for unit in found:
@@ -108,17 +107,17 @@ def test_each_flat_has_a_hall_a_living_room_and_a_kitchen_and_one_door_to_the_co
 
 @pytest.mark.second_part("large buildings")
 def test_a_building_depends_on_the_rules_the_request_and_the_seed_alone(apartments: Builder) -> None:
-    alone = apartments.house(Request(11), 9, 5, INFERENCES)
-    apartments.house(Request(11, {"bedroom": (2, 2)}), 9, 0, INFERENCES)
-    assert builder("apartments").house(Request(11), 9, 5, INFERENCES) == alone
-    assert apartments.house(Request(11), 9, 5, INFERENCES) == alone
-    assert apartments.house(Request(11), 9, 6, INFERENCES) != alone
+    alone = apartments.house(HouseRequest(11), 9, 5)
+    apartments.house(HouseRequest(11, {"bedroom": (2, 2)}), 9, 0)
+    assert builder("apartments").house(HouseRequest(11), 9, 5) == alone
+    assert apartments.house(HouseRequest(11), 9, 5) == alone
+    assert apartments.house(HouseRequest(11), 9, 6) != alone
 
 
 def test_the_flats_of_a_building_share_the_rooms_that_are_asked_for(apartments: Builder) -> None:
     for index in range(2):
-        asked = Request(21, {"bedroom": (6, 6), "study": (1, None), "dining": (0, 0)})
-        house = apartments.house(asked, 1, index, INFERENCES)
+        asked = HouseRequest(21, {"bedroom": (6, 6), "study": (1, None), "dining": (0, 0)})
+        house = apartments.house(asked, 1, index)
         types = Counter(room.type for room in house.rooms)
         assert (types["bedroom"], types["dining"]) == (6, 0)
         assert types["study"] >= 1
@@ -129,20 +128,20 @@ def test_the_flats_of_a_building_share_the_rooms_that_are_asked_for(apartments: 
 @pytest.mark.parametrize(
     ("request_", "text"),
     [
-        (Request(4), "--rooms 4"),
-        (Request(11, {"hall": (0, 0)}), "opens(commonCorridor,any_other_type) is not stated"),
+        (HouseRequest(4), "--rooms 4"),
+        (HouseRequest(11, {"hall": (0, 0)}), "opens(commonCorridor,any_other_type) is not stated"),
     ],
 )
 def test_what_no_building_has_is_proved_by_the_rules_of_its_flats(
-    apartments: Builder, request_: Request, text: str
+    apartments: Builder, request_: HouseRequest, text: str
 ) -> None:
     with pytest.raises(Unsatisfiable) as caught:
-        house_or_proof(apartments, request_, 0, 0, INFERENCES)
+        house_or_proof(apartments, request_, 0, 0)
     assert any(text in str(reason) for reason in caught.value.reasons)
 
 
 def test_the_check_finds_a_flat_without_a_door_to_the_corridor_or_with_two(apartments: Builder) -> None:
-    house = apartments.house(Request(8), 2, 0, INFERENCES)
+    house = apartments.house(HouseRequest(8), 2, 0)
     (way,) = [door for door in house.doors if house.hub in door.between and not door.is_entrance]
     others = tuple(door for door in house.doors if door is not way)
     shut = msgspec.structs.replace(house, doors=others)
@@ -167,7 +166,7 @@ def test_a_user_says_how_many_rooms_flats_have_and_how_deep_they_are(tmp_path: P
         ("rooms.lp", "#program house.", "#program units.\n:- not entrance(_,west).\n#program house."),
         ("sizes.pl", "D >= 7.0, D =< 8.8", "D >= 8.0, D =< 8.2"),
     )
-    house = builder(mine).house(Request(21), 0, 0, INFERENCES)
+    house = builder(mine).house(HouseRequest(21), 0, 0)
     assert sorted(map(len, units(house))) == [6, 7, 7]
     (west,) = [door.x for door in house.doors if door.is_entrance and door.x == house.main.x]
     flats = [room for room in house.rooms if room.type != PUBLIC]

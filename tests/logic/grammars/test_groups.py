@@ -7,9 +7,9 @@ import pytest
 from benchmarks.realism.groups import counted
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
-HOMES, INFERENCES = 6, 10**8
+HOMES = 6
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def counts() -> Counter[str]:
     made = Builder(find("home"))
     found = Counter[str]()
     for index in range(HOMES):
-        for name, counts in counted(made.house(Request(9), 0, index, INFERENCES)):
+        for name, counts in counted(made.house(HouseRequest(9), 0, index)):
             found[name] += counts
     return found
 

@@ -22,7 +22,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.parts import Piece, Room
 from vitruvius.logic.house.promises import OLD_PROMISES, Promises, Thickness
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.workers.check import promises_by, promises_of
 
 ROOMS = {"home": 5, "family": 4, "clinic": 6}
@@ -158,7 +158,7 @@ def test_all_that_a_grammar_states_together_is_promised(tmp_path: Path) -> None:
     for old, new in SIZES.items():
         assert old in sizes.read_text()
         sizes.write_text(sizes.read_text().replace(old, new))
-    promised = stated(Builder(find(folder)).promises(Request(6)))
+    promised = stated(Builder(find(folder)).promises(HouseRequest(6)))
     assert promised.keys() == set(Promises.__struct_fields__) - OF_OTHERS - UNSTATED
     for name, value in STATED.items():
         assert promised[name] == value, name

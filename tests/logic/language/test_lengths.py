@@ -18,7 +18,7 @@ from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.account import BY_AREA, EASE
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 KITCHEN = "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }."
 AREA = "room_area(kitchen,   6.0, 16.0)."
@@ -164,13 +164,13 @@ def test_no_star_that_is_made_is_refuted_by_its_area(tmp_path: Path) -> None:
     folder = edited(tmp_path / "mine", {}, "family")
     for rooms in (1, 2, 4, 7):
         free = Builder(find("family"))  # One grammar at a time is loaded in a process.
-        house, layout = free.house(Request(rooms), 1, rooms, 10**8), free.maker.making
+        house, layout = free.house(HouseRequest(rooms), 1, rooms), free.maker.making
         atoms = [Function("room", [Number(each.number), each.type]) for each in layout.rooms]
         atoms += [Function("side", [Number(each.number), each.side]) for each in layout.rooms]
         whole = sum(room.area for room in house.rooms)
         (folder / "area.pl").write_text(f"house_area({whole}, {whole}).")
         tight = Builder(find(folder))
-        program, _ = tight.programs.rooms_for(Request(rooms))
+        program, _ = tight.programs.rooms_for(HouseRequest(rooms))
         assert program.possible([*atoms, *layout.corners])
         assert tight.placer.area_conflict(layout, (), sorted(tight.loaded.furniture)) is None
 
@@ -202,7 +202,7 @@ def test_a_limit_names_the_area_of_a_star_that_is_nearly_too_small(
     (folder / "area.pl").write_text("house_area(40.0, 41.0).")
     builder = Builder(find(folder))
     with pytest.raises(LimitReached) as error:
-        builder.house(Request(4), 0, 0, 10**8)
+        builder.house(HouseRequest(4), 0, 0)
     first, *_ = str(error.value).partition("Most were refuted by\n")[2].split("\n")
     assert first.endswith("area.pl:1:1: house_area(40.0, 41.0).")
     for stage in EASE:
@@ -239,12 +239,12 @@ def test_the_area_of_a_plan_that_is_given_is_judged(tmp_path: Path) -> None:
     whole = sum(room.area for room in house.rooms)
     for least, possible in ((whole - 1, True), (whole + 1, False)):
         (folder / "area.pl").write_text(f"house_area({least}, {whole + 5}).")
-        made, plan = Builder(find(folder)), Request(4, plan=read_plan(house))
+        made, plan = Builder(find(folder)), HouseRequest(4, plan=read_plan(house))
         if possible:
-            assert made.house(plan, 0, 0, 10**8)
+            assert made.house(plan, 0, 0)
         else:
             with pytest.raises(Unsatisfiable, match=r"area.pl:1:1: house_area"):
-                house_or_proof(made, plan, 0, 0, 10**8)
+                house_or_proof(made, plan, 0, 0)
 
 
 @pytest.mark.second_part("every length of every grammar")

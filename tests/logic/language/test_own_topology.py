@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.logic.generation.test_shared_walls import INFERENCES, builder
+from tests.logic.generation.test_shared_walls import builder
 from tests.logic.rules.plan_geometry import shared
 from vitruvius.logic import GrammarError, Unsatisfiable, check
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 RULES = """topology(mine).
 type(a;b;c).  empty(a;b;c).  lit(b).  degree(b,1,3).
@@ -210,7 +210,7 @@ def test_a_topology_makes_houses_that_the_check_accepts_or_an_answer_that_names_
     try:
         made = builder(tmp_path)
         for index in range(4):
-            assert check(house_or_proof(made, Request(rooms), 1, index, INFERENCES)) == []
+            assert check(house_or_proof(made, HouseRequest(rooms), 1, index)) == []
     except (GrammarError, Unsatisfiable) as error:
         answer = str(error)
     assert re.search(says, answer), answer
@@ -222,7 +222,7 @@ def test_a_window_at_a_courtyard_is_where_no_other_room_is_behind_the_wall(tmp_p
     made = builder(tmp_path)
     partly = 0
     for index in range(8):
-        house = made.house(Request(5), 2, index, INFERENCES)
+        house = made.house(HouseRequest(5), 2, index)
         yard = max(room.y for room in house.rooms)
         for window in house.windows:
             room = house.room(window.room)

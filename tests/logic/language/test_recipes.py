@@ -23,7 +23,7 @@ from vitruvius.logic.house.star import StarRoom
 from vitruvius.logic.language.linter import all_warnings, errors
 from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.language.reference import Recipe, asp_entries, prolog_entries, recipes
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 """Numbers of rooms of the houses in which a recipe is tested."""
@@ -37,7 +37,7 @@ def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
     loaded = LoadedGrammar(grammar)
     builder = Builder(grammar, loaded=loaded)
     sample = SHARED_WALLS if grammar.shares_walls else SAMPLE
-    houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(sample * times)]
+    houses = [builder.house(HouseRequest(n), 0, index) for index, n in enumerate(sample * times)]
     return errors(grammar, loaded) + all_warnings(grammar, loaded), houses
 
 

@@ -10,7 +10,7 @@ import pytest
 from tests.programs import PATIENCE
 from vitruvius.logic.errors import VitruviusError
 from vitruvius.logic.grammar import SHIPPED, find
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 # Whole texts at the end of sizes.pl. RUN leaves a file behind if it ever runs.
 REFUSED = {
@@ -111,7 +111,8 @@ def tried(folder: Path, trace: Path) -> tuple[list[str], bool, bool]:
     linted = trace.exists()
     trace.unlink(missing_ok=True)
     with suppress(VitruviusError):
-        house_or_proof(Builder(find(folder)), Request(1, types={"bedroom": (1, 1)}), 0, 0, 10**7)
+        request = HouseRequest(1, types={"bedroom": (1, 1)}, inferences=10**7)
+        house_or_proof(Builder(find(folder)), request, 0, 0)
     return errors, linted, trace.exists()
 
 

@@ -17,7 +17,7 @@ from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.branching import Brancher
 from vitruvius.logic.layout.program import Program
 from vitruvius.logic.layout.terms import granted, parts, requirements
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 FAMILY = find("family")
 CHOICE = """
@@ -215,7 +215,7 @@ def test_layouts_of_a_plan_are_counted_and_every_one_of_them_is_sampled(tmp_path
         ),
     )
     rows = builder(copied(tmp_path, *edits, row=ROW))
-    request = Request(4)
+    request = HouseRequest(4)
     name, number, exact = next(rows.programs.counts(request, 20))
     assert (name, exact) == ("4 rooms", True)
     program, assumed = rows.programs.rooms_for(request)
@@ -238,5 +238,5 @@ def test_that_there_is_no_layout_is_found_without_all_sampled_picks(
     monkeypatch.setattr(Brancher, "decide", counted)
     area = ("lengths.pl", "door_width(0.8).", "door_width(0.8).  house_area(30.0, 40.0).")
     with pytest.raises(NoLayout):
-        builder(copied(tmp_path, area)).house(Request(8), 0, 0, 10**8)
+        builder(copied(tmp_path, area)).house(HouseRequest(8), 0, 0)
     assert decisions < 30_000

@@ -10,7 +10,7 @@ import pytest
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.proofs.easing import easing
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 HARD: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     "more rooms than keys": (
@@ -35,7 +35,7 @@ HARD: dict[str, tuple[str, str, str, dict[str, Any]]] = {
 
 
 def asked(folder: Path | str, request: dict[str, Any], most: int = 3) -> list[str]:
-    wanted = Request.read({"types": {}, "furniture": {}, "cell": 0.0, **request})
+    wanted = HouseRequest.read({"types": {}, "furniture": {}, "cell": 0.0, **request})
     return list(islice(easing(Builder(find(folder)), wanted), most))
 
 

@@ -18,12 +18,11 @@ from vitruvius.logic.language.linter import findings
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.proofs.giving_way import without
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.kinds import witness_of
 
 pytestmark = pytest.mark.second_part("many flats are furnished")
 
-INFERENCES = 10**8
 ROOMS = {"hall": "hall", "living": "living", "kitchen": "kitchen", "bath": "bathroom", "bedroom": "bedroom"}
 """Types of the rooms of ``BOXES``."""
 
@@ -44,9 +43,7 @@ def brief(doors: str, **rooms: Any) -> dict[str, Any]:
 
 
 def made(home: Builder, stated: dict[str, Any]) -> House:
-    return house_or_proof(
-        home, Request.read({"rooms": len(stated["rooms"]), "brief": stated}), 0, 0, INFERENCES
-    )
+    return house_or_proof(home, HouseRequest.read({"rooms": len(stated["rooms"]), "brief": stated}), 0, 0)
 
 
 ONE_BEDROOM = brief(
@@ -125,16 +122,16 @@ def test_what_must_be_kept_refutes_a_brief_by_itself(home: Builder) -> None:
 
 
 def test_counts_of_types_are_stated_and_a_number_of_rooms_is_not(home: Builder) -> None:
-    house = house_or_proof(home, Request(6, {"bedroom": (1, 1)}), 0, 0, INFERENCES)
+    house = house_or_proof(home, HouseRequest(6, {"bedroom": (1, 1)}), 0, 0)
     assert [room.type for room in house.rooms].count("bedroom") == 1
     with pytest.raises(Unsatisfiable) as proof:
-        house_or_proof(home, Request(3), 0, 0, INFERENCES)
+        house_or_proof(home, HouseRequest(3), 0, 0)
     assert any(reason.typical for reason in proof.value.reasons)
     assert " (typical)" in str(proof.value)
 
 
 def test_of_a_house_of_units_the_rule_that_contradicts_a_count_alone_gives_way() -> None:
-    house = house_or_proof(builder("apartments"), Request(8, {"bedroom": (0, 0)}), 0, 0, INFERENCES)
+    house = house_or_proof(builder("apartments"), HouseRequest(8, {"bedroom": (0, 0)}), 0, 0)
     assert house.provenance
     (rule,) = house.provenance.gave_way
     assert rule.endswith(": :- rooms >= 5, { room(R,bedroom) } < (rooms+1)/4.")
@@ -143,10 +140,10 @@ def test_of_a_house_of_units_the_rule_that_contradicts_a_count_alone_gives_way()
 def test_a_house_is_explained_by_the_rules_that_were_left(home: Builder) -> None:
     house = made(home, ONE_BEDROOM)
     assert house.provenance
-    request = Request.read(house.provenance.request)
+    request = HouseRequest.read(house.provenance.request)
     left = without(home, request, house.provenance.gave_way)
     assert ":- { room(R,bedroom) } < (rooms+2)/4." in {rule.text for rule in left.grammar.gave_way}
-    found = witness_of(left, house, INFERENCES).why("bedroom", until=0)
+    found = witness_of(left, house).why("bedroom", until=0)
     assert found.target == "bedroom"
 
 
@@ -171,7 +168,7 @@ def plan_with(home: Builder, boxes: dict[str, Box], *outer: tuple[str, float, fl
     plan = read_plan(geojson(boxes, **ROOMS))
     doors = tuple(Door(x, y, width, height, (name, OUTSIDE)) for name, x, y, width, height in outer)
     plan = read_plan(replace(plan, doors=doors, has_more_doors=True))
-    return house_or_proof(home, Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
+    return house_or_proof(home, HouseRequest(len(plan.rooms), plan=plan), 0, 0)
 
 
 DRAWN = (
@@ -203,7 +200,7 @@ PLANS: dict[str, tuple[dict[str, Box], dict[str, Any], set[str]]] = {
 def test_what_a_plan_draws_stays_and_the_typical_rules_against_it_give_way(home: Builder, name: str) -> None:
     boxes, drawn, gone = PLANS[name]
     plan = replace(read_plan(geojson(boxes, **ROOMS)), **drawn)
-    house = house_or_proof(home, Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
+    house = house_or_proof(home, HouseRequest(len(plan.rooms), plan=plan), 0, 0)
     assert house.provenance
     assert gone <= {rule.split(": ", 1)[1] for rule in house.provenance.gave_way}
     assert {door.box for door in plan.doors} <= {door.box for door in house.doors}

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -15,11 +16,9 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Room
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 FILE = Path(__file__).parents[2] / "fixtures" / "plan.geojson"
-INFERENCES = 10**8
-
 Box = tuple[float, float, float, float]
 BOXES: dict[str, Box] = {
     "hall": (4, 0, 6, 4),
@@ -54,8 +53,8 @@ def places(rooms: Iterable[Room]) -> list[tuple[Any, ...]]:
 def made(home: Builder, source: Any, index: int = 0, **request: Any) -> House:
     plan = read_plan(source)
     record = {"rooms": len(plan.rooms), **request}
-    wanted = Request.read({**record, "plan": Request(1, plan=plan).to_dict()["plan"]})
-    return house_or_proof(home, wanted, 0, index, INFERENCES)
+    wanted = HouseRequest.read({**record, "plan": msgspec.to_builtins(plan)})
+    return house_or_proof(home, wanted, 0, index)
 
 
 def test_rooms_stay_where_the_plan_says_and_get_doors_windows_and_furniture(home: Builder) -> None:
@@ -241,4 +240,4 @@ def test_a_house_of_units_is_no_plan_yet() -> None:
     """Its own plan was called impossible because of the numbers of rooms of its units."""
     plan = read_plan(geojson(BOXES))
     with pytest.raises(RequestError, match="apartments has units, which no plan of your own has"):
-        builder("apartments").house(Request(len(plan.rooms), plan=plan), 0, 0, INFERENCES)
+        builder("apartments").house(HouseRequest(len(plan.rooms), plan=plan), 0, 0)

@@ -13,10 +13,8 @@ from vitruvius.logic import House, RequestError, Unsatisfiable, check, generate,
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.given_plan import keeping, read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.shared_walls import PlanWitness
-
-INFERENCES = 10**8
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +24,7 @@ def home() -> Builder:
 
 @pytest.fixture(scope="module")
 def house(home: Builder) -> House:
-    return home.house(Request.read({"rooms": 7, "types": {"storage": 1}}), 1, 0, INFERENCES)
+    return home.house(HouseRequest.read({"rooms": 7, "types": {"storage": 1}}), 1, 0)
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +37,10 @@ def made(home: Builder, house: House, names: Sequence[str], index: int = 0, **re
     """Return a house in which these rooms of another house stay, and the others may have any type."""
     free = tuple(room if room.name in names else replace(room, type="") for room in house.rooms)
     plan = keeping(read_plan(replace(house, rooms=free)), house.only(*names))
-    wanted = Request.read({"rooms": len(free), **Request(len(free), plan=plan).to_dict(), **request})
-    return house_or_proof(home, wanted, 7, index, INFERENCES)
+    wanted = HouseRequest.read(
+        {"rooms": len(free), **HouseRequest(len(free), plan=plan).to_dict(), **request}
+    )
+    return house_or_proof(home, wanted, 7, index)
 
 
 def test_kept_rooms_and_all_walls_doors_and_windows_stay_and_the_rest_is_new(
@@ -89,7 +89,7 @@ def test_a_conflict_with_a_kept_room_names_it(home: Builder, house: House) -> No
 def test_why_says_that_the_request_keeps_a_piece(home: Builder, house: House, names: list[str]) -> None:
     other = made(home, house, names)
     piece = f"{names[0]}.{other.room(names[0]).pieces[0].type}"
-    assert "the request keeps it (keep)" in PlanWitness(home, other, INFERENCES).why(piece).about
+    assert "the request keeps it (keep)" in PlanWitness(home, other).why(piece).about
 
 
 def test_rooms_that_cannot_be_kept_are_refused(house: House) -> None:

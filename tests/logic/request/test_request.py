@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vitruvius.logic import House, RequestError, generate
-from vitruvius.logic.request.request import Request, as_option, as_range, from_option, in_words
+from vitruvius.logic.request.counts import as_option, as_range, from_option, in_words
+from vitruvius.logic.request.house_request import HouseRequest
 
 RANGES = st.tuples(st.integers(0, 99), st.integers(0, 99)).map(sorted).map(tuple) | st.tuples(
     st.integers(0, 99), st.none()
@@ -30,12 +31,12 @@ def test_a_range_is_read_as_it_is_written(wanted: tuple[int, int | None]) -> Non
 
 @given(st.dictionaries(st.sampled_from(["bedroom", "hall"]), RANGES), st.floats(0.287, 2.0))
 def test_a_request_is_its_json_form(types: dict, cell: float) -> None:
-    request = Request(4, types, {"bedroom.bed": (1, None)}, cell)
-    assert Request.read(request.to_dict()) == request
+    request = HouseRequest(4, types, {"bedroom.bed": (1, None)}, cell)
+    assert HouseRequest.read(request.to_dict()) == request
 
 
 def test_an_exact_count_is_written_as_a_number() -> None:
-    assert Request.read({"rooms": 3, "types": {"hall": (1, 1), "kitchen": [0, 2]}}).to_dict() == {
+    assert HouseRequest.read({"rooms": 3, "types": {"hall": (1, 1), "kitchen": [0, 2]}}).to_dict() == {
         "rooms": 3,
         "types": {"hall": 1, "kitchen": [0, 2]},
     }

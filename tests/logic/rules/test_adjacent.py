@@ -18,7 +18,7 @@ from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.house.house import House
 from vitruvius.logic.language.linter import all_warnings, errors
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 INFERENCES = 10**8
 NAMED = "#program house.\n:- adjacent(R,R).\n"
@@ -66,11 +66,11 @@ def test_adjacent_holds_of_the_rooms_that_share_a_wall_and_of_no_others_and_face
 ) -> None:
     made = builder(copied(tmp_path, NAMED, base, topology))
     for size in sizes:
-        program, _ = made.programs.rooms_for(Request(size))
+        program, _ = made.programs.rooms_for(HouseRequest(size))
         program.models = []
         for seed in range(5):
             rng = np.random.default_rng([size, seed])
-            plan, layout, _ = unfurnished(made, Request(size), rng, INFERENCES, [])
+            plan, layout, _ = unfurnished(made, HouseRequest(size), rng, INFERENCES, [])
             last, atoms = program.models[-1]
             assert last == layout
             found = neighbours([room.box for room in plan.rooms])
@@ -83,14 +83,14 @@ def test_rooms_that_a_rule_keeps_apart_share_no_wall(tmp_path: Path) -> None:
     made = builder(copied(tmp_path, APART))
     assert not [*errors(made.grammar, made.loaded), *all_warnings(made.grammar, made.loaded)]
     assert not any(
-        meeting(made.house(Request(size), 1, index, INFERENCES)) for size in (6, 11) for index in range(3)
+        meeting(made.house(HouseRequest(size), 1, index)) for size in (6, 11) for index in range(3)
     )
 
 
 def test_rooms_that_must_be_next_to_each_other_share_a_wall(tmp_path: Path) -> None:
     made = builder(copied(tmp_path, BESIDE))
     for index in range(4):
-        house = made.house(Request(8), 1, index, INFERENCES)
+        house = made.house(HouseRequest(8), 1, index)
         assert check(house) == []
         (living,) = [room for room in house.rooms if room.type == "living"]
         beside = [room for room in house.rooms if room.type in ("bedroom", "dining")]
@@ -101,7 +101,7 @@ def test_rooms_that_must_be_next_to_each_other_share_a_wall(tmp_path: Path) -> N
 def test_in_a_house_of_units_adjacent_is_said_of_rooms_of_one_unit(tmp_path: Path) -> None:
     made = builder(copied(tmp_path, APART, "apartments"))
     for index in range(2):
-        house = made.house(Request(13), 1, index, INFERENCES)
+        house = made.house(HouseRequest(13), 1, index)
         assert not any(meeting(house.only(*unit)) for unit in units(house))
         assert any(room.type == PUBLIC for room in house.rooms)
 
@@ -109,14 +109,14 @@ def test_in_a_house_of_units_adjacent_is_said_of_rooms_of_one_unit(tmp_path: Pat
 def test_in_a_plan_of_the_users_adjacent_is_what_the_plan_says(tmp_path: Path) -> None:
     made = builder(copied(tmp_path, APART))
     for index in range(3):
-        first = made.house(Request(7), 6, index, INFERENCES)
+        first = made.house(HouseRequest(7), 6, index)
         unfurnished = tuple(msgspec.structs.replace(room, type="", children=()) for room in first.rooms)
         plan = read_plan(House(unfurnished, (), ()))
-        maker = made.maker_of(Request(7, plan=plan))
+        maker = made.maker_of(HouseRequest(7, plan=plan))
         assert isinstance(maker, SharedWallsMaker)
-        program = maker._program(Request(7, plan=plan))[0]
+        program = maker._program(HouseRequest(7, plan=plan))[0]
         program.models = []
-        house = made.house(Request(7, plan=plan), 0, index, INFERENCES)
+        house = made.house(HouseRequest(7, plan=plan), 0, index)
         assert not meeting(house)
         found = set(neighbours([room.box for room in house.rooms]))
         assert all(pairs(atoms, "adjacent") == pairs(atoms, "face") == found for _, atoms in program.models)

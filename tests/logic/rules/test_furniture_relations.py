@@ -7,14 +7,14 @@ from typing import Any
 import pytest
 from clingo import Function, Number, Symbol
 
-from tests.logic.generation.test_shared_walls import INFERENCES, builder
+from tests.logic.generation.test_shared_walls import builder
 from tests.logic.rules.plan_geometry import TOLERANCE
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.furnish import Furnished
 from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.house.boxes import BACK, Box
 from vitruvius.logic.house.parts import Piece, Room
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 WALLS = ("front", "left", "back", "right")
 """Walls as seen from the entrance, clockwise."""
@@ -74,11 +74,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Builder:
 def rooms(made: Builder) -> list[Seen]:
     found = []
     for index in range(3):
-        house = made.house(Request(7), 2, index, INFERENCES)
+        house = made.house(HouseRequest(7), 2, index)
         assert made.maker.making is not None
         for program in {each.program for each in made.maker.making.furniture.values()}:
             program.models = []
-        assert made.house(Request(7), 2, index, INFERENCES).rooms == house.rooms
+        assert made.house(HouseRequest(7), 2, index).rooms == house.rooms
         for number, how in made.maker.making.furniture.items():
             models = [all_ for layout, all_ in how.program.models or () if layout == how.layout.furniture]
             found.append(Seen(made, how, house.rooms[number], models[-1]))

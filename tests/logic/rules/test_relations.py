@@ -18,7 +18,7 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE
 from vitruvius.logic.placement import plan as placed
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
 
@@ -189,11 +189,11 @@ def test_what_rules_say_of_rooms_is_so_in_the_plan(
 ) -> None:
     made = builder(copied(tmp_path, NAMED.replace("adjacent", "linked"), base, topology))
     for size in sizes:
-        program, _ = made.programs.rooms_for(Request(size))
+        program, _ = made.programs.rooms_for(HouseRequest(size))
         program.models = []
         for seed in range(4):
             rng = np.random.default_rng([size, seed])
-            plan, _, _ = unfurnished(made, Request(size), rng, INFERENCES, [])
+            plan, _, _ = unfurnished(made, HouseRequest(size), rng, INFERENCES, [])
             for relation in (*ALL, *more):
                 relation(Plan(plan, program.models[-1][1]))
 
@@ -201,10 +201,10 @@ def test_what_rules_say_of_rooms_is_so_in_the_plan(
 def test_an_oblong_room_runs_along_its_longer_side_whatever_its_size_allows(tmp_path: Path) -> None:
     made = builder(copied(tmp_path, "oblong(kitchen;bedroom;living).\n"))
     for index in range(4):
-        house = made.house(Request(5), 3, index, INFERENCES)
+        house = made.house(HouseRequest(5), 3, index)
         unfurnished = tuple(msgspec.structs.replace(room, type="", children=()) for room in house.rooms)
-        plan = Request(5, plan=read_plan(House(unfurnished, (), ())))
-        for request, found in ((Request(5), house), (plan, made.house(plan, 3, index, INFERENCES))):
+        plan = HouseRequest(5, plan=read_plan(House(unfurnished, (), ())))
+        for request, found in ((HouseRequest(5), house), (plan, made.house(plan, 3, index))):
             making = made.maker_of(request).making
             assert making is not None
             axes = {a.arguments[0].number: str(a.arguments[1]) for a in making.layout if a.match("runs", 2)}
@@ -226,7 +226,7 @@ def test_what_rules_say_of_units_is_so_in_the_plan(monkeypatch: pytest.MonkeyPat
     maker = made.maker
     assert isinstance(maker, UnitsMaker)
     for rooms in (8, 13):
-        maker.complete(Request(rooms), np.random.default_rng(rooms), INFERENCES)
+        maker.complete(HouseRequest(rooms), np.random.default_rng(rooms), INFERENCES)
         makers, boxes = kept
         for unit in (maker.unit for maker in makers):
             near = {

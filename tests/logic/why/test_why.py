@@ -30,12 +30,10 @@ from vitruvius.logic.house.part_names import part_names, target_in
 from vitruvius.logic.layout.program import Program
 from vitruvius.logic.placement.layout import RoomLayout
 from vitruvius.logic.request.fixed_rooms import fixed_rooms
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Derivation, Why
 from vitruvius.logic.why.star import StarWitness
 from vitruvius.logic.why.support import Support
-
-INFERENCES = 100_000_000
 
 TINY = """type(cell).
 #program house.
@@ -58,10 +56,10 @@ class Explained:
     """House with explanations, in this process."""
 
     def __init__(self, builder: Builder, request: dict, seed: int) -> None:
-        self.builder, self.request = builder, Request.read(request)
-        self.house = builder.house(self.request, seed, 0, INFERENCES)
+        self.builder, self.request = builder, HouseRequest.read(request)
+        self.house = builder.house(self.request, seed, 0)
         self.layout = builder.maker.making
-        self.witness = StarWitness(builder, self.house, INFERENCES)
+        self.witness = StarWitness(builder, self.house)
         self.answers: dict[str, Why] = {}
 
     def why(self, target: str) -> Why:
@@ -392,7 +390,7 @@ def test_an_edited_house_is_refused(builder: Builder, family: Explained) -> None
     moved = msgspec.structs.replace(family.house.star.rooms[0], x=family.house.star.rooms[0].x + 0.01)
     edited = changed_star(family.house, rooms=(moved, *family.house.star.rooms[1:]))
     with pytest.raises(HouseFileError, match="seed 24, house 0: it was edited"):
-        StarWitness(builder, edited, INFERENCES)
+        StarWitness(builder, edited)
 
 
 @pytest.mark.parametrize(
@@ -409,7 +407,7 @@ def test_a_house_of_other_rules_is_refused(
     assert family.house.provenance
     other = msgspec.structs.replace(family.house.provenance, **changes)
     with pytest.raises(HouseFileError, match=words):
-        StarWitness(builder, msgspec.structs.replace(family.house, provenance=other), INFERENCES)
+        StarWitness(builder, msgspec.structs.replace(family.house, provenance=other))
 
 
 def test_a_house_without_provenance_is_refused(family: Explained) -> None:

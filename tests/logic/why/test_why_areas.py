@@ -7,7 +7,7 @@ import pytest
 
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.star import StarWitness
 
 
@@ -17,8 +17,8 @@ def test_the_area_of_the_house_bounds_its_rooms_and_says_so(tmp_path: Path) -> N
     shutil.copytree(SHIPPED / "family", folder)
     (folder / "area.pl").write_text("house_area(60.0, 61.0).")
     builder = Builder(find(folder))
-    house = builder.house(Request(3), 0, 0, 10**8)
-    witness = StarWitness(builder, house, 10**8)
+    house = builder.house(HouseRequest(3), 0, 0)
+    witness = StarWitness(builder, house)
     line = f"{folder / 'area.pl'}:1:1: house_area(60.0, 61.0)."
     whole = sum(room.width * room.height for room in house.rooms)
     for room in house.rooms:

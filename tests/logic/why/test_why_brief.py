@@ -9,12 +9,10 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.part_names import doors_by_name
 from vitruvius.logic.request.brief import read_brief
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Why
 from vitruvius.logic.why.kinds import witness_of
 from vitruvius.logic.why.witness import Witness
-
-INFERENCES = 10**8
 
 WANTED: dict[str, Any] = {
     "rooms": [
@@ -34,8 +32,8 @@ ROOMS = [room["name"] for room in WANTED["rooms"]]
 @pytest.fixture(scope="module")
 def witness() -> Witness:
     builder = Builder(find("plain"))
-    house = builder.house(Request(4, brief=read_brief(WANTED)), 1, 0, INFERENCES)
-    return witness_of(builder, house, INFERENCES)
+    house = builder.house(HouseRequest(4, brief=read_brief(WANTED)), 1, 0)
+    return witness_of(builder, house)
 
 
 def answer(witness: Witness, target: str) -> Why:

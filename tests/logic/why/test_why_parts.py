@@ -15,12 +15,10 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import RULES, SHIPPED
 from vitruvius.logic.house.part_names import doors_by_name, part_names, windows_by_name
 from vitruvius.logic.layout.reading import parse
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Why, as_text
 from vitruvius.logic.why.shared_walls import PlanWitness
 from vitruvius.logic.why.support import _remark
-
-INFERENCES = 10**8
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +28,7 @@ def home() -> Builder:
 
 @pytest.fixture(scope="module")
 def witness(home: Builder) -> PlanWitness:
-    return PlanWitness(home, home.house(Request(4), 0, 0, INFERENCES), INFERENCES)
+    return PlanWitness(home, home.house(HouseRequest(4), 0, 0))
 
 
 def targets(witness: PlanWitness) -> Iterator[str]:

@@ -11,7 +11,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.house.part_names import doors_by_name, target_in
 from vitruvius.logic.house.parts import OUTSIDE, Door, Window
 from vitruvius.logic.request.given_plan import read_plan
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Why
 from vitruvius.logic.why.shared_walls import PlanWitness
 
@@ -21,10 +21,10 @@ INFERENCES = 10**8
 class Explained:
     """Plan with explanations, in this process."""
 
-    def __init__(self, home: Builder, request: Request, seed: int) -> None:
+    def __init__(self, home: Builder, request: HouseRequest, seed: int) -> None:
         self.builder, self.request = home, request
-        self.house = home.house(request, seed, 0, INFERENCES)
-        self.witness = PlanWitness(home, self.house, INFERENCES)
+        self.house = home.house(request, seed, 0)
+        self.witness = PlanWitness(home, self.house)
         self.answers: dict[str, Why] = {}
 
     def why(self, target: str) -> Why:
@@ -54,7 +54,7 @@ def home() -> Builder:
 @pytest.fixture(scope="module")
 def four(home: Builder) -> Explained:
     """Return four rooms, the fewest of a home."""
-    return Explained(home, Request(4), 5)
+    return Explained(home, HouseRequest(4), 5)
 
 
 @pytest.mark.second_part("a large plan")
@@ -164,7 +164,7 @@ def test_names_of_doors_work_both_ways_and_what_is_not_there_is_refused_with_wha
 
 def test_in_a_plan_of_the_users_rooms_are_where_it_says(home: Builder, four: Explained) -> None:
     plan = read_plan(four.house)
-    own = Explained(home, Request(4, plan=msgspec.structs.replace(plan, windows=())), 0)
+    own = Explained(home, HouseRequest(4, plan=msgspec.structs.replace(plan, windows=())), 0)
     room, door, window = (own.why(target) for target in ("R1", own.door(), f"{own.window().room}.window"))
     assert "the plan says where it is" in room.about
     assert not room.lengths
@@ -179,4 +179,4 @@ def test_an_edited_plan_is_refused(home: Builder, four: Explained) -> None:
     edited = msgspec.structs.replace(four.house, windows=())
     assert isinstance(edited, House)
     with pytest.raises(HouseFileError, match="seed 5, house 0: it was edited"):
-        PlanWitness(home, edited, INFERENCES)
+        PlanWitness(home, edited)

@@ -10,20 +10,18 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.part_names import doors_by_name, part_names
 from vitruvius.logic.placement.bounds import wall_bounds
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Why
 from vitruvius.logic.why.kinds import witness_of
 from vitruvius.logic.why.units import UnitsWitness
-
-INFERENCES = 10**9
 
 
 @pytest.fixture(scope="module")
 def witness() -> UnitsWitness:
     """Return a witness of a building of three flats, two of which have as many rooms and the same program."""
     builder = Builder(find("apartments"), 0.0)
-    house = builder.house(Request(17, {"bedroom": (3, 3)}), 5, 0, INFERENCES)
-    found = witness_of(builder, house, INFERENCES)
+    house = builder.house(HouseRequest(17, {"bedroom": (3, 3)}), 5, 0)
+    found = witness_of(builder, house)
     assert isinstance(found, UnitsWitness)
     return found
 

@@ -13,7 +13,7 @@ from vitruvius.logic.grammar import Grammar, find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.request import Request
+from vitruvius.logic.request.house_request import HouseRequest
 
 
 def generate(
@@ -26,10 +26,10 @@ def generate(
     **counts: Any,
 ) -> Iterator[House]:
     """Yield the houses of ``vitruvius.generate`` for these arguments."""
-    request = Request.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
+    request = HouseRequest.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
     rules = find(grammar)
     for index in range(count):
-        yield house_or_proof(_builder(rules, cell), request, seed, index, inferences=100_000_000)
+        yield house_or_proof(_builder(rules, cell), request, seed, index)
 
 
 @lru_cache(maxsize=1)  # SWI-Prolog holds one grammar at a time

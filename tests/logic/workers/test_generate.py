@@ -27,8 +27,8 @@ from vitruvius.logic import (
     load,
 )
 from vitruvius.logic.grammar import SHIPPED
-from vitruvius.logic.workers.idle import MOST_IDLE
 from vitruvius.logic.workers.messages import Open
+from vitruvius.logic.workers.pool import MOST_IDLE
 from vitruvius.logic.workers.solver import Solver
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "family-4-rooms.json"
@@ -310,7 +310,7 @@ def test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules(
         opened.append(opening.remarks)
         return Solver(opening)
 
-    monkeypatch.setattr("vitruvius.logic.workers.series.Solver", counted)
+    monkeypatch.setattr("vitruvius.logic.workers.pool.Solver", counted)
     folder = edited("rooms.lp", "#program house.", "% mine\n#program house.")
     assert len([*generate(rooms=1, grammar=folder, count=2, workers=2)]) == 2
     assert opened == [True, False]

@@ -56,9 +56,9 @@ def test_what_the_grammar_forbids_whatever_the_brief_says_is_its_proof() -> None
 
 
 def test_a_limit_says_how_many_lines_were_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    def late(**request: Any) -> Any:
+    def late(*request: Any) -> Any:
         raise LimitReached("house 0 reached its limit")
 
-    monkeypatch.setattr(module, "generate", late)
+    monkeypatch.setattr(module, "houses", late)
     with pytest.raises(LimitReached, match=r"the brief has a house was not found out: house 0"):
         nearest(brief(10))

@@ -109,7 +109,7 @@ function ofStar({ floor, rooms }) {
   return { format: "vitruvius-2", unit: "m", rooms: [...named, main], doors, hub: "main", topology: "star" };
 }
 
-/** Refuse types and pieces that a grammar does not have: `furniture` of each type. As Request.check of logic/request/request.py. */
+/** Refuse types and pieces that a grammar does not have: `furniture` of each type. As Builder.require_known. */
 function requireKnown(request, furniture) {
   const known = (what, name, names) => {
     if (!names.includes(name)) throw new RequestError(unknown(what, name, names));

@@ -4,15 +4,14 @@ import hashlib
 import json
 import re
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, SupportsIndex, overload
+from typing import SupportsIndex, Unpack, overload
 
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.files.gallery import Houses
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
-from vitruvius.logic.request.request import MOST_ROOMS, whole
-from vitruvius.logic.workers.generate import series_of
+from vitruvius.logic.request.arguments import Stated, house_request
+from vitruvius.logic.request.counts import MOST_ROOMS, whole
+from vitruvius.logic.workers.pool import houses
 
 MOST_HOUSES = 2**31 - 1
 """Largest number of houses of a seed."""
@@ -31,10 +30,9 @@ class HouseStream(Sequence[House]):
         self,
         rooms: int | Sequence[int],
         *,
-        grammar: str | Path = "family",
         seed: int = 0,
         count: int = MOST_HOUSES,
-        **request: Any,
+        **stated: Unpack[Stated],
     ) -> None:
         """Set ``rooms`` (a number, or several as in ``range(4, 11)``) and further arguments of ``generate``.
 
@@ -43,8 +41,8 @@ class HouseStream(Sequence[House]):
         numbers = [rooms] if isinstance(rooms, int) else list(rooms)
         if not numbers:
             raise RequestError("rooms: say how many, or from how many to how many: there are none")
-        self.grammar, self.seed, self.length = find(grammar), whole("seed", seed, 0), whole("count", count, 1)
-        self.series = [series_of(number, grammar=grammar, **request) for number in numbers]
+        self.seed, self.length = whole("seed", seed, 0), whole("count", count, 1)
+        self.requests = [house_request(number, **stated) for number in numbers]
 
     @classmethod
     def read(cls, text: str) -> "HouseStream | None":
@@ -64,8 +62,8 @@ class HouseStream(Sequence[House]):
     @property
     def hash(self) -> str:
         """Hash that names the houses in their order: SHA-256 of all that determines them."""
-        requests = [each.request for each in self.series]
-        made_of = [self.grammar.hash, self.seed, self.length, requests]
+        requests = [each.to_dict() for each in self.requests]
+        made_of = [self.requests[0].rules.hash, self.seed, self.length, requests]
         return hashlib.sha256(json.dumps(made_of, sort_keys=True, default=str).encode()).hexdigest()
 
     def __len__(self) -> int:
@@ -81,6 +79,6 @@ class HouseStream(Sequence[House]):
         places = range(self.length)[index]
         if isinstance(places, range):
             return Houses(self[int(place)] for place in places)
-        series = self.series[places % len(self.series)]
-        (house,) = series.houses(self.seed, range(places, places + 1))
+        request = self.requests[places % len(self.requests)]
+        (house,) = houses(request, self.seed, range(places, places + 1))
         return house

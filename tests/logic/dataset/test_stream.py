@@ -3,7 +3,7 @@
 import pytest
 
 from vitruvius.logic import HouseStream, RequestError, generate
-from vitruvius.logic.workers.stream import MOST_HOUSES
+from vitruvius.logic.dataset.stream import MOST_HOUSES
 
 
 def test_each_house_is_that_of_its_request_seed_and_index() -> None:

@@ -1,0 +1,83 @@
+"""Counts and ranges in requests: how many rooms of a type, how many pieces."""
+
+import operator
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.plain import plain
+from vitruvius.logic.spelling import unknown
+
+Range = tuple[int, int | None]
+"""Least and greatest number; None for no bound."""
+
+Count = int | tuple[int, int | None]
+"""Exact number, or a range."""
+
+MOST_ROOMS = 128
+MOST = 2**31 - 1
+"""Largest number of clingo, which stands for no bound."""
+
+
+def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+    """Return a whole number of any library as Python's.
+
+    Raises ``RequestError`` for another value, and for a number outside ``least`` to ``most``.
+    """
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}") from None
+    if not least <= number <= most:
+        bounds = f"a whole number, {least} or more" if number < least else f"at most {most}"
+        raise RequestError(f"{name} must be {bounds}, not {number}")
+    return number
+
+
+def as_range(name: str, count: Any) -> Range:
+    """Return a count as a range. Raises ``RequestError`` for an invalid count."""
+    count = plain(count)
+    least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
+    if type(least) is not int or not (most is None or type(most) is int):
+        raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
+    if not 0 <= least <= (MOST if most is None else most) <= MOST:
+        raise RequestError(f"{name}: counts are whole numbers from 0, the lesser first, not {count!r}")
+    return least, most
+
+
+def in_words(wanted: Range) -> str:
+    """Return a range in words, as in ``2``, ``1 to 3``, ``2 or more``."""
+    least, most = wanted
+    return f"{least}" if most == least else f"{least} or more" if most is None else f"{least} to {most}"
+
+
+def as_option(wanted: Range) -> str:
+    """Return a range as on the command line: ``2``, ``1..3``, ``2..``."""
+    least, most = wanted
+    return f"{least}" if most == least else f"{least}..{'' if most is None else most}"
+
+
+def from_option(text: str) -> Count:
+    """Return the count in a text of ``as_option``, or in ``..3``. Raises ``ValueError`` for another text."""
+    if ".." not in text:
+        return int(text)
+    least, _, most = text.partition("..")
+    return int(least or 0), int(most) if most else None
+
+
+def known(what: str, name: str, names: Iterable[str]) -> None:
+    """Raise ``RequestError`` for a name that is not one of these."""
+    names = sorted(names)
+    if name not in names:
+        raise RequestError(unknown(what, name, names))
+
+
+def _is_pair(count: Any) -> bool:
+    return isinstance(count, tuple | list) and len(count) == 2
+
+
+def counts(ranges: Mapping[str, Range]) -> dict[str, Any]:
+    """Return ranges in their JSON form: exact numbers as such, others as lists."""
+    return {name: least if least == most else [least, most] for name, (least, most) in ranges.items()}

@@ -1,0 +1,60 @@
+"""Numbers of the layouts from which stage 1 samples houses."""
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Unpack
+
+from vitruvius.logic.errors import RequestError
+from vitruvius.logic.request.arguments import Counted, house_request
+from vitruvius.logic.request.house_request import HouseRequest
+from vitruvius.logic.spelling import keywords
+from vitruvius.logic.workers.messages import Counted as Number
+from vitruvius.logic.workers.messages import CountLayouts, Done, Open
+from vitruvius.logic.workers.solver import GRACE, Solver
+
+Report = Callable[[str, int], None]
+"""Function that is called with a name and the number of its layouts so far."""
+
+
+@keywords(pieces="furniture", rules="grammar", timeout="seconds")
+def count_layouts(
+    rooms: int, *, report: Report = lambda name, number: None, **stated: Unpack[Counted]
+) -> Iterator[tuple[str, int, bool]]:
+    """Count the layouts from which stage 1 samples: those of the rooms, and those of each type's furniture.
+
+    Yields tuples of a name, a number, and True if the number is exact. False means that ``seconds`` ran out
+    before the end of the count. Each count gets its share of the remaining seconds. Room layouts state types,
+    sides and corners; furniture layouts state all atoms that ``rules/room/room.lp`` shows.
+
+    ``report`` is called once a second with a name and the number so far. Other arguments and errors are those
+    of ``generate``; a plan, a brief and rooms to keep have no counts.
+    """
+    return counted(house_request(rooms, **stated), report)
+
+
+def counted(request: HouseRequest, report: Report) -> Iterator[tuple[str, int, bool]]:
+    """Return the counts of ``count_layouts``, which yields them one by one."""
+    if request.given or request.fixed:
+        raise RequestError("layouts are counted of whole houses: leave out plan, brief and keep")
+    return _counts(request, report)
+
+
+def _counts(request: HouseRequest, report: Report) -> Iterator[tuple[str, int, bool]]:
+    worker = Solver(Open(grammar=str(request.rules.directory), cell=request.cell))
+    seconds = request.seconds
+    try:
+        worker.loaded()
+        end = time.monotonic() + seconds
+        worker.ask(CountLayouts(request=request, share=seconds), seconds + GRACE)
+        late = f"counting took {seconds:g} s: raise it with --seconds"
+        while True:
+            left = end + GRACE - time.monotonic()
+            match worker.answer((Number, Done), left, late, (request.rooms,)):
+                case Done():
+                    return
+                case Number(name, number, None):
+                    report(name, number)
+                case Number(name, number, bool(exact)):
+                    yield name, number, exact
+    finally:
+        worker.end()
