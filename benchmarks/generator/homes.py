@@ -1,8 +1,8 @@
 """``vitruvius bench homes``: cost of flats and houses, and their comparison with published ones."""
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
 from statistics import median, quantiles
@@ -24,10 +24,13 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.logic.files.house_files import save
 from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.generation.furnish import Unfurnishable
+from vitruvius.logic.generation.loop import Maker, Stages, Work, made
+from vitruvius.logic.generation.shared_walls import Furnishing, Making, PlanDraft, PlanRules
+from vitruvius.logic.generation.shared_walls import house as house_of
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
-from vitruvius.logic.layout.program import Nogood
+from vitruvius.logic.placement.placer import Failure, Infeasible
 from vitruvius.logic.placement.plan import Plan
 from vitruvius.logic.request.house_request import HouseRequest
 
@@ -43,29 +46,45 @@ COLOURS = 64
 """Number of colours of the picture, so that its file is small."""
 
 
-class CountingMaker(SharedWallsMaker):
-    """Maker that records the cost of each house's unfurnished plans."""
+class Counting:
+    """Cost of the unfurnished plans of houses, and the layout of the last one."""
 
-    def __init__(self, builder: Builder) -> None:
-        super().__init__(builder.grammar, builder.loaded, builder.maker.feasibility)
+    def __init__(self) -> None:
+        """Begin without plans."""
         self.plans, self.refuted, self.seconds = 0, 0, list[float]()
         self.layout: list[Symbol] = []
 
-    def unfurnished(
-        self,
-        request: HouseRequest,
-        rng: np.random.Generator,
-        inferences: int,
-        nogoods: list[Nogood],
-        unfurnishable: Collection[str] = (),
-    ) -> tuple[Plan, list[Symbol], int]:
-        """Return an unfurnished plan and record its cost: see ``SharedWallsMaker.unfurnished``."""
-        began, known = process_time(), len(nogoods)
-        plan, self.layout, left = super().unfurnished(request, rng, inferences, nogoods, unfurnishable)
-        self.seconds.append(process_time() - began)
-        self.plans += 1
-        self.refuted += len(nogoods) - known
-        return plan, self.layout, left
+    def maker(self, builder: Builder) -> Maker:
+        """Return the builder's generator, which records the cost of each unfurnished plan."""
+        rules = PlanRules(builder.grammar, builder.loaded, builder.maker.feasibility, builder.programs)
+
+        def plan(request: HouseRequest, work: Work) -> tuple[House, Making]:
+            draft = PlanDraft(rules, request, work, rules.assumed(request, work))
+            return house_of(rules, made(self._stages(draft)))
+
+        return replace(builder.maker, made=plan)
+
+    def _stages(self, draft: PlanDraft) -> Stages[list[Symbol], Plan, Furnishing]:
+        began = process_time()
+
+        def furnish(layout: list[Symbol], plan: Plan) -> Furnishing:
+            nonlocal began
+            self.seconds.append(process_time() - began)
+            self.plans += 1
+            self.layout = layout
+            try:
+                return draft.furnish(layout, plan)
+            finally:
+                began = process_time()
+
+        def learn(layout: list[Symbol], failure: Failure) -> None:
+            nonlocal began
+            self.refuted += isinstance(failure, Infeasible)
+            draft.learn(layout, failure)
+            if isinstance(failure, Unfurnishable):
+                began = process_time()
+
+        return Stages(draft.sample, draft.place, furnish, learn)
 
     @property
     def topology(self) -> frozenset[str]:
@@ -158,7 +177,8 @@ class Homes:
         size, request = Measured(rooms), HouseRequest(rooms)
         for index in range(WARM):
             builder.house(request, 1, index)
-        builder.maker = counting = CountingMaker(builder)
+        counting = Counting()
+        builder.maker = counting.maker(builder)
         for index in range(self.houses):
             began = process_time()
             size.houses.append(builder.house(request, 0, index))

@@ -15,7 +15,8 @@ from scipy.stats import beta, kstest
 
 from vitruvius.logic import House
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.star import StarMaker, house
+from vitruvius.logic.generation.loop import Work
+from vitruvius.logic.generation.star import StarDraft, house
 from vitruvius.logic.placement import prolog
 from vitruvius.logic.placement.layout import Layout, RoomLayout
 from vitruvius.logic.placement.lengths import stated_lengths
@@ -83,12 +84,10 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
     lengths: dict[str, float] = stated_lengths(builder.placer, {})[0]["lengths"]
     between = max(lengths["room_gap"], lengths["door_clearance"])
     shares: dict[int, list[np.ndarray]] = defaultdict(list)
-    maker = builder.maker
-    assert isinstance(maker, StarMaker)
     for index in range(samples):
         rng = np.random.default_rng([rooms, index])
-        request = HouseRequest.read({"rooms": rooms, "types": {}, "furniture": {}})
-        layout = maker.layout(request, rng)
+        request = HouseRequest(rooms)
+        layout = StarDraft(builder.loaded, builder.maker.feasibility, request, Work(rng, 10**8)).sample()
         try:
             plan = builder.placer.place(layout, rng, 10**8, minimal=False)
         except (Infeasible, Misfit):  # of the furniture, which does not affect the places of rooms

@@ -21,7 +21,8 @@ from scipy.sparse import block_diag, coo_array, csr_array
 from benchmarks.common.houses import INFERENCES
 from vitruvius.logic import House, generate
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.star import StarMaker
+from vitruvius.logic.generation.loop import Work
+from vitruvius.logic.generation.star import StarDraft
 from vitruvius.logic.grammar import find
 from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.placement import prolog
@@ -120,9 +121,12 @@ def test_house(benchmark: Any, builder: Builder, rooms: int) -> None:
 @study("stage 1: clingo samples a layout")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
-    request, maker = HouseRequest(rooms), builder.maker
-    assert isinstance(maker, StarMaker)
-    measure(benchmark, builder, rooms, lambda index: maker.layout(request, np.random.default_rng([0, index])))
+    request, rules = HouseRequest(rooms), (builder.loaded, builder.maker.feasibility)
+
+    def sampled(index: int) -> None:
+        StarDraft(*rules, request, Work(np.random.default_rng([0, index]), INFERENCES)).sample()
+
+    measure(benchmark, builder, rooms, sampled)
 
 
 @study("stage 2: CLP(R) places a layout")

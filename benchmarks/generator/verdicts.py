@@ -2,10 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain, count
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from clingo import Function, Number, Symbol
@@ -14,17 +15,18 @@ from scipy.optimize import linprog
 from benchmarks.briefs.bank import frozen
 from benchmarks.common.houses import INFERENCES
 from vitruvius.logic.errors import LimitReached
-from vitruvius.logic.generation.brief import BriefMaker
+from vitruvius.logic.generation.brief import brief_maker
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.evidence import NoLayout
 from vitruvius.logic.generation.furnish import Frame
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker, given_room
+from vitruvius.logic.generation.loop import NoLayout, Stages, Work, made
+from vitruvius.logic.generation.shared_walls import Assumed, PlanDraft, PlanRules, given_room
 from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.differences import DIFFERENCES
 from vitruvius.logic.layout.program import Program
 from vitruvius.logic.layout.programs import GIVEN
 from vitruvius.logic.layout.terms import parts
 from vitruvius.logic.placement import prolog
+from vitruvius.logic.placement.placer import Placer
 from vitruvius.logic.placement.plan import Plan
 from vitruvius.logic.request.brief import alone
 from vitruvius.logic.request.house_request import HouseRequest
@@ -88,11 +90,14 @@ def furniture_systems(builder: Builder, seeds: range) -> Iterator[dict[str, Any]
 
 def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[str, Any]]:
     """Yield systems of the furniture of sampled plans' rooms, with given sizes and doors, and verdicts."""
-    maker = builder.maker
-    assert isinstance(maker, SharedWallsMaker)
+    rules = PlanRules(builder.grammar, builder.loaded, builder.maker.feasibility, builder.programs)
+    request = HouseRequest(rooms)
     for seed in seeds:
         rng = np.random.default_rng(seed)
-        plan, *_ = maker.unfurnished(HouseRequest(rooms), rng, INFERENCES, [])
+        draft = PlanDraft(
+            rules, request, Work(rng, INFERENCES), Assumed(*builder.programs.rooms_for(request))
+        )
+        plan = made(Stages(draft.sample, draft.place, lambda _, plan: plan, draft.learn))
         for number in range(rooms):
             room = given_room(plan, number)
             if not builder.programs.has_furniture(room.type):
@@ -104,16 +109,6 @@ def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[s
             yield prolog.ask("given_room_system", frame.term(number, room.type, layout, 0))
 
 
-class AskedMaker(BriefMaker):
-    """Maker that keeps the systems of all layouts that stage 2 is asked about."""
-
-    systems: list[dict[str, Any]]
-
-    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
-        self.systems.append(prolog.ask("plan_system", layout))
-        return super()._walls(request, layout, seed, inferences)
-
-
 def brief_systems(builder: Builder, rooms: Sequence[int]) -> Iterator[dict[str, Any]]:
     """Yield, without end, systems of the layouts that occur when houses of frozen briefs are made.
 
@@ -123,13 +118,25 @@ def brief_systems(builder: Builder, rooms: Sequence[int]) -> Iterator[dict[str, 
     entries = [entry for entry in frozen() if entry.rooms in rooms]
     for seed in count():
         for entry in entries:
-            maker = AskedMaker(builder.grammar, builder.loaded, alone(entry.read))
-            maker.systems = []
-            with suppress(NoLayout, LimitReached):
-                maker.made(
-                    HouseRequest(entry.rooms, brief=maker.brief), np.random.default_rng(seed), INFERENCES
-                )
-            yield from maker.systems
+            brief = alone(entry.read)
+            request = HouseRequest(entry.rooms, brief=brief)
+            maker, systems = brief_maker(builder.grammar, builder.loaded, brief), list[dict[str, Any]]()
+            with suppress(NoLayout, LimitReached), _noted(builder.placer, systems):
+                maker.made(request, Work(np.random.default_rng(seed), INFERENCES))
+            yield from systems
+
+
+@contextmanager
+def _noted(placer: Placer, systems: list[dict[str, Any]]) -> Iterator[None]:
+    """Add the systems of all layouts that stage 2 is asked about."""
+    walls = placer.walls
+
+    def noted(layout: Sequence[Symbol], *others: Any, **how: Any) -> Plan:
+        systems.append(prolog.ask("plan_system", layout))
+        return walls(layout, *others, **how)
+
+    with patch.object(placer, "walls", noted):
+        yield
 
 
 def until_refuted(systems: Iterable[dict[str, Any]], number: int) -> Iterator[dict[str, Any]]:

@@ -4,138 +4,141 @@ Each house has a program of its own, for which clasp learns an order of search. 
 given, a layout is hard to find by sampled picks one after the other.
 """
 
-from collections.abc import Collection
 from contextlib import suppress
+from enum import Enum
 
-import numpy as np
 from clingo import Symbol
 from msgspec import structs
 
-from vitruvius.logic.errors import LimitReached, RequestError
-from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.errors import RequestError
 from vitruvius.logic.generation.feasibility import Feasibility
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.generation.loop import Maker, NoLayout, Stages, Work, made
+from vitruvius.logic.generation.shared_walls import Making, PlanDraft, PlanRules, house
 from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.house.house import House
 from vitruvius.logic.language.loaded import OUTDOOR_AREA, LoadedGrammar
-from vitruvius.logic.layout.program import Nogood, Program
-from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.layout.terms import ASKED_DOORS, brief_facts, wall_facts
 from vitruvius.logic.placement.lengths import brief_lengths, metres
-from vitruvius.logic.placement.plan import Pieces, Plan
+from vitruvius.logic.placement.plan import Plan, PlanRoom
 from vitruvius.logic.request.brief import Brief
 from vitruvius.logic.request.house_request import HouseRequest
-from vitruvius.logic.spelling import numbered
 
 MAX_UNDECIDED_LAYOUTS = 1
 """Number of undecided layouts of a house after which all layouts are decided thoroughly, which is slower."""
 
+ADVICE = "another seed, larger rooms, or fewer lines in the brief"
 
-class BriefMaker(SharedWallsMaker):
-    """Generator of the houses of one brief by one grammar."""
 
-    advice = "another seed, larger rooms, or fewer lines in the brief"
+class Deciding(Enum):
+    """Ways to decide if a layout has areas that the brief permits."""
 
-    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, brief: Brief, thorough: bool = False) -> None:
-        """Derive the facts of the brief for stage 1. ``thorough``: see ``Placer.walls``."""
-        if loaded.depths:
-            raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
-        if loaded.has_area and brief.outline.voids:
-            raise RequestError(
-                f"brief: outline.voids: the grammar {grammar.name} states house_area/2, which holds of whole "
-                "rectangles: leave out the voids, or take another grammar"
-            )
-        if loaded.has_area and loaded.outdoor:
-            raise RequestError(f"brief: {OUTDOOR_AREA.format(grammar.name)}")
-        if metres(loaded.placer, loaded.furniture)["wholes"]:
-            raise RequestError(
-                f"brief: the grammar {grammar.name} states whole_area/3, the area of rooms with their parts, "
-                "which a brief cannot keep: say the areas in the brief, and take a grammar without it"
-            )
-        if loaded.has_area and loaded.placer.wall_thickness:
-            raise RequestError(
-                f"brief: the grammar {grammar.name} states house_area/2 and wall_thickness/2, and no brief "
-                "has both: take another grammar"
-            )
-        self.brief = brief
-        rules = grammar.for_brief()
-        on_request = not grammar.names_contacts
-        facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
-        symbols = [fact for fact, _ in facts]
-        symbols += brief_facts(brief, on_request, symbols)
-        facts += [(fact, ()) for fact in brief_facts(brief, on_request)]
-        super().__init__(
-            rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, thorough=thorough)
+    QUICKLY = "quickly"
+    THOROUGHLY = "thoroughly"
+    """See ``Placer.walls``."""
+
+
+def brief_maker(grammar: Grammar, loaded: LoadedGrammar, brief: Brief, thorough: bool = False) -> Maker:
+    """Return the generator of the houses of one brief. ``thorough`` decides all layouts thoroughly."""
+    _require_possible(grammar, loaded, brief)
+    own = grammar.for_brief()
+    on_request = not grammar.names_contacts
+    facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
+    symbols = [fact for fact, _ in facts]
+    symbols += brief_facts(brief, on_request, symbols)
+    facts += [(fact, ()) for fact in brief_facts(brief, on_request)]
+    feasibility = Feasibility(own, loaded.placer, loaded.lengths, facts, thorough=thorough)
+    ways = [loaded.programs_of(own, symbols)]
+    if not (brief.is_alone or brief.other_doors):
+        # No doors beyond those of the brief, if the grammar's rules permit that.
+        ways.insert(0, loaded.programs_of(own, [*symbols, ASKED_DOORS]))
+    *few_doors, rules = (
+        PlanRules(
+            own,
+            loaded,
+            feasibility,
+            each,
+            ADVICE,
+            "the brief's rooms",
+            "give its areas a wider range (tolerance)",
         )
-        self._all_doors = loaded.programs_of(rules, symbols)
-        self._few_doors = None
-        if not (brief.is_alone or brief.other_doors):
-            self._few_doors = loaded.programs_of(rules, [*symbols, ASKED_DOORS])
+        for each in ways
+    )
+    deciding = Deciding.THOROUGHLY if thorough else Deciding.QUICKLY
 
-    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
-        """Return a furnished house: see ``Maker.made``.
-
-        The house has no doors beyond those of the brief, if the grammar's rules permit that.
-        """
-        if self._few_doors:
+    def by_brief(request: HouseRequest, work: Work) -> tuple[House, Making]:
+        for some in few_doors:
             with suppress(NoLayout):
-                return self._made_by(self._few_doors, request, rng, inferences)
-        return self._made_by(self._all_doors, request, rng, inferences)
+                return _made(some, brief, request, work, deciding)
+        return _made(rules, brief, request, work, deciding)
 
-    def _made_by(
-        self, programs: Programs, request: HouseRequest, rng: np.random.Generator, inferences: int
-    ) -> House:
-        self._programs = programs
-        self._undecided, self._thorough = (), self.feasibility.thorough
-        return super().made(request, rng, inferences)
+    return Maker(feasibility, by_brief, lambda request: loaded.programs.rooms_for(request)[0])
 
-    def stated(self, request: HouseRequest) -> Program:
-        """Return the program of the last house if there is one, since no other program has its facts."""
-        return self._one_house or super().stated(request)
 
-    def _layout(
-        self,
-        request: HouseRequest,
-        rng: np.random.Generator,
-        nogoods: list[Nogood],
-        unfurnishable: Collection[str],
-    ) -> list[Symbol]:
-        """Return a layout as for any plan.
+def _made(
+    rules: PlanRules, brief: Brief, request: HouseRequest, work: Work, deciding: Deciding
+) -> tuple[House, Making]:
+    """Return a house by a brief, with the names of the brief."""
+    draft = BriefDraft(PlanDraft(rules, request, work, rules.assumed(request, work, is_free=True)), deciding)
+    done = made(Stages(draft.sample, draft.place, draft.plan.furnish, draft.plan.learn))
+    name_rooms(done.plan.rooms, brief)
+    return house(rules, done)
 
-        Undecided layouts become available again, to be decided thoroughly, after many of them or if no other
-        layouts are left.
-        """
-        if self._thorough or len(self._undecided) < MAX_UNDECIDED_LAYOUTS:
-            try:
-                return super()._layout(request, rng, nogoods, unfurnishable)
-            except LimitReached:
-                if self._thorough:
-                    raise
-        nogoods[:] = [each for each in nogoods if each not in self._undecided]
-        self._undecided, self._thorough = (), True
-        return super()._layout(request, rng, nogoods, unfurnishable)
 
-    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
-        """Place walls as for any plan, but thoroughly once ``_layout`` has no other layouts."""
-        return self._placer.walls(layout, seed, inferences, thorough=self._thorough)
+def name_rooms(rooms: list[PlanRoom], brief: Brief) -> None:
+    """Give rooms the names of a brief, and its labels as types."""
+    for place, room in enumerate(brief.rooms):
+        as_named = {"name": room.name, "type": room.label or rooms[place].type}
+        rooms[place] = structs.replace(rooms[place], **as_named)
 
-    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
-        if self._undecided:
-            return LimitReached(
-                f"{numbered(len(self._undecided), 'arrangement')} of the brief's rooms could not be decided, "
-                "and all others are impossible: give its areas a wider range (tolerance)"
-            )
-        return super()._no_layout(request, unfurnishable)
 
-    def complete(
-        self, request: HouseRequest, rng: np.random.Generator, inferences: int
-    ) -> tuple[Plan, list[Pieces], int]:
-        """Return a plan as for any request, with the names of the brief."""
-        plan, pieces, left = super().complete(request, rng, inferences)
-        for place, room in enumerate(self.brief.rooms):
-            as_named = {"name": room.name, "type": room.label or plan.rooms[place].type}
-            plan.rooms[place] = structs.replace(plan.rooms[place], **as_named)
-        return plan, pieces, left
+class BriefDraft:
+    """House by a brief at work.
 
-    def _searches_freely(self, request: HouseRequest) -> bool:
-        return True
+    Undecided layouts become available again, to be decided thoroughly, after many of them or if no other
+    layouts are left.
+    """
+
+    def __init__(self, plan: PlanDraft, deciding: Deciding) -> None:
+        """Begin without undecided layouts."""
+        self.plan, self.deciding = plan, deciding
+
+    def sample(self) -> list[Symbol]:
+        """Sample a layout. Raises as ``PlanDraft.sample`` does."""
+        plan = self.plan
+        if self.deciding is Deciding.QUICKLY:
+            if len(plan.undecided) < MAX_UNDECIDED_LAYOUTS:
+                layout = plan.layout()
+                if layout is not None:
+                    return layout
+                if not plan.undecided:
+                    raise plan.no_layout()
+            plan.nogoods = [each for each in plan.nogoods if each not in plan.undecided]
+            plan.undecided, self.deciding = [], Deciding.THOROUGHLY
+        return plan.sample()
+
+    def place(self, layout: list[Symbol]) -> Plan:
+        """Return walls, doors and windows with their places: see ``Placer.walls``."""
+        return self.plan.place(layout, thorough=self.deciding is Deciding.THOROUGHLY)
+
+
+def _require_possible(grammar: Grammar, loaded: LoadedGrammar, brief: Brief) -> None:
+    """Raise ``RequestError`` for a grammar that states what a brief cannot keep."""
+    if loaded.depths:
+        raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
+    if loaded.has_area and brief.outline.voids:
+        raise RequestError(
+            f"brief: outline.voids: the grammar {grammar.name} states house_area/2, which holds of whole "
+            "rectangles: leave out the voids, or take another grammar"
+        )
+    if loaded.has_area and loaded.outdoor:
+        raise RequestError(f"brief: {OUTDOOR_AREA.format(grammar.name)}")
+    if metres(loaded.placer, loaded.furniture)["wholes"]:
+        raise RequestError(
+            f"brief: the grammar {grammar.name} states whole_area/3, the area of rooms with their parts, "
+            "which a brief cannot keep: say the areas in the brief, and take a grammar without it"
+        )
+    if loaded.has_area and loaded.placer.wall_thickness:
+        raise RequestError(
+            f"brief: the grammar {grammar.name} states house_area/2 and wall_thickness/2, and no brief "
+            "has both: take another grammar"
+        )

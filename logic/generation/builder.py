@@ -11,15 +11,14 @@ import msgspec
 import numpy as np
 
 from vitruvius.logic.errors import LimitReached, OutOfInferences, Reason, RequestError
-from vitruvius.logic.generation.brief import BriefMaker
-from vitruvius.logic.generation.exact_areas import ExactAreasMaker
+from vitruvius.logic.generation.brief import brief_maker
 from vitruvius.logic.generation.feasibility import Feasibility
-from vitruvius.logic.generation.given_plan import GivenPlanMaker
-from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.generation.given_plan import given_plan_maker
+from vitruvius.logic.generation.loop import Maker, Work
 from vitruvius.logic.generation.promises import labelled, promises_of, with_openings
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker
-from vitruvius.logic.generation.star import StarMaker
-from vitruvius.logic.generation.units import UnitsMaker
+from vitruvius.logic.generation.shared_walls import PlanRules, exact_areas_maker, plan_maker
+from vitruvius.logic.generation.star import star_maker
+from vitruvius.logic.generation.units import units_maker
 from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Provenance
@@ -32,9 +31,6 @@ from vitruvius.logic.request.counts import known
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
 from vitruvius.logic.spelling import unknown
-
-OF_GIVEN: dict[type, type[BriefMaker] | type[GivenPlanMaker]] = {Brief: BriefMaker, OwnPlan: GivenPlanMaker}
-"""Classes that generate the houses of a given brief or plan."""
 
 
 class Builder:
@@ -57,10 +53,17 @@ class Builder:
         """Builder that made the last house: this builder, or one without some typical rules."""
         if cell and self.loaded.depths:
             raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
-        shared = UnitsMaker if self.loaded.depths else SharedWallsMaker
         feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.house_facts)
-        self.maker: Maker = (shared if grammar.shares_walls else StarMaker)(grammar, self.loaded, feasibility)
+        if grammar.shares_walls:
+            rules = PlanRules(grammar, self.loaded, feasibility, self.programs)
+            self.maker = (units_maker if self.loaded.depths else plan_maker)(rules)
+        else:
+            self.maker = star_maker(self.loaded, feasibility)
         self._of_given: tuple[Brief | OwnPlan, Maker] | None = None
+        self.origin: Any = None
+        """Origin of the last house: its layout and programs."""
+        self._by: Maker | None = None
+        """Generator of the last house."""
         self._promises = WeakKeyDictionary[Program | Maker, Promises]()
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -95,7 +98,9 @@ class Builder:
         self.account.begin()
         try:
             maker = self._thorough_maker(request) if thorough else self.maker_of(request)
-            made = maker.made(request, np.random.default_rng([seed, index]), request.inferences)
+            work = Work(np.random.default_rng([seed, index]), request.inferences)
+            made, self.origin = maker.made(request, work)
+            self._by = maker
         except OutOfInferences:
             late = f"house {index} reached its limit of {request.inferences} inferences"
             raise LimitReached(f"{late}: raise it with --inferences. {self.account}") from None
@@ -113,26 +118,23 @@ class Builder:
 
     def _thorough_maker(self, request: HouseRequest) -> Maker:
         if request.brief:
-            return BriefMaker(self.grammar, self.loaded, request.brief, thorough=True)
-        return ExactAreasMaker(self.grammar, self.loaded)
-
-    def maker_class(self, request: HouseRequest) -> type[Maker]:
-        """Return the class that generates the houses of a request; ``logic.why.kinds`` has its witness."""
-        return OF_GIVEN.get(type(request.given), type(self.maker))
+            return brief_maker(self.grammar, self.loaded, request.brief, thorough=True)
+        return exact_areas_maker(self.grammar, self.loaded)
 
     def maker_of(self, request: HouseRequest) -> Maker:
-        """Return the object that generates the houses of a request, with a plan or a brief if it has one."""
+        """Return the generator of the houses of a request, for a plan or a brief if it has one."""
         if request.given and not self.grammar.shares_walls:
             raise RequestError(
                 f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a "
                 "star around a main room: take rules for rooms that share walls, as --grammar home"
             )
         self.require_known(request)
-        given: Any = request.given
+        given = request.given
         if given is None:
             return self.maker
         if self._of_given is None or self._of_given[0] != given:
-            self._of_given = given, OF_GIVEN[type(given)](self.grammar, self.loaded, given)
+            maker_of_given = brief_maker if request.brief else given_plan_maker
+            self._of_given = given, maker_of_given(self.grammar, self.loaded, given)
         return self._of_given[1]
 
     def require_known(self, request: HouseRequest) -> None:
@@ -163,10 +165,11 @@ class Builder:
     def promises(self, request: HouseRequest) -> Promises:
         """Return the promises of the houses of a request."""
         maker = self.maker_of(request)
-        program = maker.stated(request)
+        # Each house of a brief has a program of its own, and no other program has its facts.
+        program = self.origin.program if request.brief and self._by is maker else maker.stated(request)
         if self.loaded.depths and (sizes := self.programs.unit_sizes(request.rooms)):
             program = self.programs.rooms(sizes[0])  # the program of the units has no typical facts
-        key = maker if request.brief else program  # each house of a brief has a program of its own
+        key = maker if request.brief else program
         if key not in self._promises:
             pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})
             found = self.loaded.extremes, metres(self.placer, self.loaded.furniture, pieces)

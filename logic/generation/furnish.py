@@ -22,7 +22,7 @@ from vitruvius.logic.layout.program import Nogood, Program, TooMany
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.layout.terms import granted
 from vitruvius.logic.placement.layout import RoomLayout
-from vitruvius.logic.placement.placer import Placer
+from vitruvius.logic.placement.placer import Failure, Placer
 from vitruvius.logic.placement.plan import Pieces
 from vitruvius.logic.placement.prolog import Term
 from vitruvius.logic.request.house_request import HouseRequest
@@ -63,6 +63,8 @@ class GivenRoom:
     """True if a user drew the windows, which may be nearer to corners than the grammar's margin."""
     largest: bool = False
     """True if no other room of its type in the house, or in its unit, has a larger floor."""
+    name: str = ""
+    """Name of the room in its plan."""
 
     def __str__(self) -> str:
         """Return the room's type, size and number of doors."""
@@ -70,7 +72,7 @@ class GivenRoom:
         return f"{article(self.type)} of {size} with {numbered(len(self.doors), 'door')}"
 
 
-class Unfurnishable(Exception):
+class Unfurnishable(Failure):
     """Error for the room number ``place`` of a plan, which cannot have the furniture that its type needs."""
 
     def __init__(self, place: int, room: GivenRoom, decided: bool = True) -> None:

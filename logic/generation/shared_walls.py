@@ -5,29 +5,35 @@ are furnished at these sizes (``logic.generation.furnish``).
 """
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, TypeVar
 
-import numpy as np
 from clingo import Symbol
 from msgspec import structs
 
-from vitruvius.logic.errors import LimitReached, OutOfInferences, RequestError
-from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.errors import LimitReached, RequestError
+from vitruvius.logic.generation.feasibility import Feasibility
 from vitruvius.logic.generation.furnish import Furnished, GivenRoom, Unfurnishable, furnished
-from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.generation.loop import Maker, NoLayout, Stages, Work, made
+from vitruvius.logic.generation.movable_doors import Refuted
 from vitruvius.logic.generation.tiling import require_tiling
-from vitruvius.logic.grammar import DISSECTION, GUARD
+from vitruvius.logic.grammar import DISSECTION, GUARD, Grammar
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Rect
+from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.account import LAYOUT, PROOF
 from vitruvius.logic.layout.program import Nogood, Program, TooMany
-from vitruvius.logic.layout.terms import granted, room_requirements, to_furnish
-from vitruvius.logic.placement.placer import Infeasible
-from vitruvius.logic.placement.plan import Pieces, Plan, UnitRange
+from vitruvius.logic.layout.programs import Programs
+from vitruvius.logic.layout.terms import granted, room_requirements, to_furnish, wall_facts
+from vitruvius.logic.placement.lengths import brief_lengths
+from vitruvius.logic.placement.placer import Failure, Infeasible
+from vitruvius.logic.placement.plan import Pieces, Plan
+from vitruvius.logic.placement.prolog import Term
 from vitruvius.logic.request.house_request import HouseRequest
-from vitruvius.logic.spelling import article
+from vitruvius.logic.spelling import article, numbered
 
 MOST_TRIES = 200
 """Number of layouts with a room that cannot be furnished at its size, though it might at another size."""
@@ -42,8 +48,23 @@ the picks one after the other is up to ten times slower.
 MOST_REFUTED = 60
 """Number of layouts to refute in a proof that a room, undecided at its size, is impossible at any size."""
 
-S = TypeVar("S", Plan, UnitRange)
+LARGER = "another seed, or larger rooms (room_size/3, room_area/3)"
+"""Advice for rooms that cannot be furnished."""
+
+WIDER = "give them a wider range of areas (room_area/3)"
+"""Advice for areas of rooms that cannot be decided."""
+
+NO_FIXED = "keep: these are rooms of a star, which do not share walls: leave keep out"
+
 R = TypeVar("R", bound=Rect)
+
+
+class Assumed(NamedTuple):
+    """Program of the rooms of a house, and the assumptions that hold and that do not."""
+
+    program: Program
+    holds: Sequence[Symbol]
+    fails: Sequence[Symbol] = ()
 
 
 class Making(NamedTuple):
@@ -54,157 +75,174 @@ class Making(NamedTuple):
     furniture: dict[int, Furnished]
 
 
-class SharedWallsMaker(Maker):
-    """Generator of plans by one grammar."""
+class Furnishing(NamedTuple):
+    """Furnished plan: the pieces of each of its rooms, and its origin."""
 
-    advice = "another seed, or larger rooms (room_size/3, room_area/3)"
+    plan: Plan
+    pieces: list[Pieces]
+    making: Making
+
+
+@dataclass(frozen=True)
+class PlanRules:
+    """Rules of the plans of one topology, of one brief, or in one plan."""
+
+    grammar: Grammar
+    loaded: LoadedGrammar
+    feasibility: Feasibility
+    programs: Programs
+    advice: str = LARGER
     """Advice for rooms that cannot be furnished."""
+    rooms: str = "the rooms"
+    """Rooms in a message about undecided layouts."""
+    wider: str = WIDER
+    """Advice for areas of rooms that cannot be decided."""
 
-    making: Making | None = None
-    _one_house: Program | None = None
-    """Program of the house at work, if it has one of its own."""
-    _undecided: Sequence[Nogood] = ()
-    """Nogoods of layouts whose areas were neither found nor refuted."""
-
-    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
-        """See ``Maker.made``."""
+    def assumed(self, request: HouseRequest, work: Work, is_free: bool = False) -> Assumed:
+        """Return the program of a request's rooms, for one house if its search is free: see ``FREE_FROM``."""
         if request.fixed:
-            raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
-        self._programs.begin()
-        free = self._searches_freely(request)
-        self._one_house = self._programs.house(request, int(rng.integers(2**31))) if free else None
-        plan, pieces, _ = self.complete(request, rng, inferences)
-        return plan.house(pieces, self.grammar.topology_name)
+            raise RequestError(NO_FIXED)
+        self.programs.begin()
+        is_free |= DISSECTION in self.grammar.topology and request.rooms >= FREE_FROM
+        if not is_free:
+            return Assumed(*self.programs.rooms_for(request))
+        program = self.programs.house(request, int(work.rng.integers(2**31)))
+        return Assumed(program, [granted(each) for each in room_requirements(request)])
 
-    def complete(
-        self, request: HouseRequest, rng: np.random.Generator, inferences: int
-    ) -> tuple[Plan, list[Pieces], int]:
-        """Return a plan, the pieces of each of its rooms, and the inferences left.
 
-        Raises as ``made`` does.
-        """
-        nogoods: list[Nogood] = []
-        unfurnishable: set[str] = set()
-        last = ""
-        for _ in range(MOST_TRIES):
-            plan, layout, inferences = self.unfurnished(request, rng, inferences, nogoods, unfurnishable)
-            try:
-                pieces = self._furnished(request, plan, layout, nogoods, rng, inferences)
-            except Unfurnishable as proof:
-                last = f"{plan.name(proof.place)}, {proof}"
-                self._placer.account.unfurnished(proof.room.type, proof.decided)
-                # Infeasible at this size and with these doors, or with one door at any size and then
-                # everywhere.
-                self._placer.account.at(
-                    PROOF, f"whether {article(proof.room.type)} can be furnished at any size"
-                )
-                most = math.inf if proof.decided else MOST_REFUTED
-                with suppress(TooMany):
-                    if not self.feasibility.is_furnishable(request, proof.room.type, most):
-                        unfurnishable.add(proof.room.type)
-                continue
-            hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
-            plan.hub = hubs[0] if len(hubs) == 1 else ""
-            return plan, pieces, inferences
-        raise LimitReached(
-            f"{MOST_TRIES} times a room could not be furnished at its size (the last time {last}), though it "
-            f"might be otherwise: try {self.advice}. {self._placer.account.refutations}"
-        )
+class PlanDraft:
+    """Plan at work: its stages, and what their failures have taught."""
 
-    def unfurnished(
-        self,
-        request: HouseRequest,
-        rng: np.random.Generator,
-        inferences: int,
-        nogoods: list[Nogood],
-        unfurnishable: Collection[str] = (),
-    ) -> tuple[Plan, list[Symbol], int]:
-        """Return a plan without furniture and without some room types, its layout, and the inferences left.
+    def __init__(self, rules: PlanRules, request: HouseRequest, work: Work, assumed: Assumed) -> None:
+        """Begin without failures."""
+        self.rules, self.request, self.work, self.assumed = rules, request, work, assumed
+        self.placer = rules.loaded.placer
+        self.nogoods: list[Nogood] = []
+        self.undecided: list[Nogood] = []
+        """Nogoods of layouts whose areas were neither found nor refuted."""
+        self.unfurnishable: set[str] = set()
+        """Room types that have no furniture, at any size."""
+        self.failures = 0
+        """Number of plans with a room that cannot be furnished."""
 
-        The nogoods receive the layouts that stage 2 refutes.
-        """
-        plan, layout, left = self._solved(self._walls, request, rng, inferences, nogoods, unfurnishable)
-        parts = [atom.arguments for atom in layout if atom.name == "part_of"]
-        plan.join({part.number: whole.number for part, whole in parts})
-        if GUARD in self.grammar.topology:  # the user's own topology, whose rooms may not form a plan
-            no_pieces: list[Pieces] = [()] * len(plan.rooms)
-            require_tiling(plan.house(no_pieces, self.grammar.topology_name), layout, self._loaded)
-        return plan, layout, left
-
-    def _solved(
-        self,
-        solve: Callable[[HouseRequest, list[Symbol], int, int], S],
-        request: HouseRequest,
-        rng: np.random.Generator,
-        inferences: int,
-        nogoods: list[Nogood],
-        unfurnishable: Collection[str] = (),
-    ) -> tuple[S, list[Symbol], int]:
-        """Return the first solution of stage 2, its layout, and the inferences left."""
-        while True:
-            layout = self._layout(request, rng, nogoods, unfurnishable)
-            try:
-                solved = solve(request, layout, int(rng.integers(2**63)), inferences)
-            except Infeasible as proof:
-                inferences -= proof.inferences
-                nogoods.append(proof.conflicts[0].atoms)
-                if proof.undecided:
-                    self._undecided = [*self._undecided, nogoods[-1]]
-                self._placer.account.refuted(proof.conflicts[0].clauses)
-            else:
-                return solved, layout, inferences - solved.inferences
-            if inferences <= 0:
-                raise OutOfInferences
-
-    def _no_layout(self, request: HouseRequest, unfurnishable: Collection[str]) -> Exception:
-        """Return the error for a request without a layout outside the nogoods."""
-        return NoLayout(request, self.feasibility, unfurnishable)
-
-    def _furnished(
-        self,
-        request: HouseRequest,
-        plan: Plan,
-        layout: list[Symbol],
-        nogoods: list[Nogood],
-        rng: np.random.Generator,
-        inferences: int,
-    ) -> list[Pieces]:
-        """Return the pieces of each room of a plan. Raises as ``furnish.furnished`` does."""
-        rooms = [given_room(plan, number) for number in range(request.rooms)]
-        how: dict[int, Furnished] = {}
-        pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request, how)
-        self.making = Making(self._program(request)[0], layout, how)
-        return pieces
-
-    def _layout(
-        self,
-        request: HouseRequest,
-        rng: np.random.Generator,
-        nogoods: list[Nogood],
-        unfurnishable: Collection[str],
-    ) -> list[Symbol]:
-        """Return a layout outside the nogoods, without rooms of some types."""
-        program, holds, fails = self._program(request)
-        without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
-        self._placer.account.at(LAYOUT, "types, walls and doors of the rooms (clingo)")
-        layout = program.sample(rng, holds, [*without, *fails], nogoods)
-        if layout is None:
-            raise self._no_layout(request, unfurnishable)
-        self._placer.account.sampled()
+    def layout(self, known: Sequence[Nogood] = ()) -> list[Symbol] | None:
+        """Sample a layout outside the nogoods, among them ``known`` ones; None if there is none."""
+        program, holds, fails = self.assumed
+        without = [
+            atom for type_ in sorted(self.unfurnishable) for atom in to_furnish(type_, self.request.rooms)
+        ]
+        self.placer.account.at(LAYOUT, "types, walls and doors of the rooms (clingo)")
+        layout = program.sample(self.work.rng, holds, [*without, *fails], [*known, *self.nogoods])
+        if layout is not None:
+            self.placer.account.sampled()
         return layout
 
-    def _program(self, request: HouseRequest) -> tuple[Program, list[Symbol], list[Symbol]]:
-        """Return the program of the rooms, and the assumptions that hold and that do not."""
-        if self._one_house is not None:
-            return self._one_house, [granted(each) for each in room_requirements(request)], []
-        return *self._programs.rooms_for(request), []
+    def sample(self) -> list[Symbol]:
+        """Sample a layout. Raises ``no_layout`` if there is none."""
+        layout = self.layout()
+        if layout is None:
+            raise self.no_layout()
+        return layout
 
-    def _searches_freely(self, request: HouseRequest) -> bool:
-        return DISSECTION in self.grammar.topology and request.rooms >= FREE_FROM
+    def no_layout(self, refuted: Sequence[Refuted] = ()) -> Exception:
+        """Return the error for a request without a layout outside the nogoods and the ``refuted`` rooms."""
+        if self.undecided:
+            return LimitReached(
+                f"{numbered(len(self.undecided), 'arrangement')} of {self.rules.rooms} could not be decided, "
+                f"and all others are impossible: {self.rules.wider}"
+            )
+        return NoLayout(self.request, self.rules.feasibility, self.unfurnishable, refuted=refuted)
 
-    def _walls(self, request: HouseRequest, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+    def place(self, layout: list[Symbol], given: Iterable[Term] = (), thorough: bool = False) -> Plan:
         """Return walls, doors and windows with their places: see ``Placer.walls``."""
-        return self._placer.walls(layout, seed, inferences)
+        plan = self.placer.walls(layout, self.work.seed(), self.work.inferences, given, thorough)
+        self.work.spend(plan.inferences)
+        return self.joined(layout, plan)
+
+    def joined(self, layout: list[Symbol], plan: Plan) -> Plan:
+        """Return a plan with parts of rooms joined. Raises ``GrammarError`` for rooms that form no plan."""
+        parts = [atom.arguments for atom in layout if atom.name == "part_of"]
+        plan.join({part.number: whole.number for part, whole in parts})
+        grammar = self.rules.grammar
+        if GUARD in grammar.topology:  # the user's own topology, whose rooms may not form a plan
+            no_pieces: list[Pieces] = [()] * len(plan.rooms)
+            require_tiling(plan.house(no_pieces, grammar.topology_name), layout, self.rules.loaded)
+        return plan
+
+    def furnish(self, layout: list[Symbol], plan: Plan) -> Furnishing:
+        """Return a plan with the pieces of its rooms. Raises as ``furnish.furnished`` does."""
+        rooms = [given_room(plan, number) for number in range(self.request.rooms)]
+        how: dict[int, Furnished] = {}
+        work = self.work
+        pieces = furnished(
+            rooms, self.rules.programs, self.placer, work.rng, work.inferences, self.request, how
+        )
+        hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
+        plan.hub = hubs[0] if len(hubs) == 1 else ""
+        return Furnishing(plan, pieces, Making(self.assumed.program, layout, how))
+
+    def learn(self, _: list[Symbol], failure: Failure) -> None:
+        """Exclude walls without places, and a room type that cannot be furnished at any size."""
+        match failure:
+            case Infeasible():
+                conflict = failure.conflicts[0]
+                self.nogoods.append(conflict.atoms)
+                if failure.undecided:
+                    self.undecided.append(conflict.atoms)
+                self.placer.account.refuted(conflict.clauses)
+                self.work.spend_in_vain(failure.inferences)
+            case Unfurnishable():
+                self._learn_unfurnishable(failure)
+
+    def _learn_unfurnishable(self, failure: Unfurnishable) -> None:
+        type_, account = failure.room.type, self.placer.account
+        account.unfurnished(type_, failure.decided)
+        # Infeasible at this size and with these doors, or with one door at any size and then everywhere.
+        account.at(PROOF, f"whether {article(type_)} can be furnished at any size")
+        most = math.inf if failure.decided else MOST_REFUTED
+        with suppress(TooMany):
+            if not self.rules.feasibility.is_furnishable(self.request, type_, most):
+                self.unfurnishable.add(type_)
+        self.failures += 1
+        if self.failures == MOST_TRIES:
+            raise LimitReached(
+                f"{MOST_TRIES} times a room could not be furnished at its size (the last time "
+                f"{failure.room.name}, {failure}), though it might be otherwise: try {self.rules.advice}. "
+                f"{account.refutations}"
+            )
+
+
+def plan_maker(rules: PlanRules) -> Maker:
+    """Return the generator of the plans of a topology."""
+
+    def plan(request: HouseRequest, work: Work) -> tuple[House, Making]:
+        draft = PlanDraft(rules, request, work, rules.assumed(request, work))
+        return house(rules, made(Stages(draft.sample, draft.place, draft.furnish, draft.learn)))
+
+    return Maker(rules.feasibility, plan, lambda request: rules.programs.rooms_for(request)[0])
+
+
+def exact_areas_maker(grammar: Grammar, loaded: LoadedGrammar) -> Maker:
+    """Return the generator of plans whose rooms may have any size that their areas allow.
+
+    Other plans use a convex part of these sizes (``areas.pl``), which takes less time. If that part contains
+    no house, this generator searches all sizes, for a grammar without units and areas of several rooms.
+    """
+    facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
+    feasibility = Feasibility(grammar, loaded.placer, loaded.lengths, facts, thorough=True)
+    rules = PlanRules(grammar, loaded, feasibility, loaded.programs_of(grammar, [fact for fact, _ in facts]))
+
+    def plan(request: HouseRequest, work: Work) -> tuple[House, Making]:
+        draft = PlanDraft(rules, request, work, rules.assumed(request, work))
+        place = partial(draft.place, thorough=True)
+        return house(rules, made(Stages(draft.sample, place, draft.furnish, draft.learn)))
+
+    return Maker(feasibility, plan, lambda request: rules.programs.rooms_for(request)[0])
+
+
+def house(rules: PlanRules, done: Furnishing) -> tuple[House, Making]:
+    """Return the house of a furnished plan, and its origin."""
+    return done.plan.house(done.pieces, rules.grammar.topology_name), done.making
 
 
 def given_room(plan: Plan, place: int) -> GivenRoom:
@@ -214,7 +252,8 @@ def given_room(plan: Plan, place: int) -> GivenRoom:
     windows = [at_face(window, room, half) for window in plan.windows_of(place)]
     alike = [each for each in plan.rooms if each.type == room.type]
     largest = room is max(alike, key=lambda each: each.width * each.height)
-    return GivenRoom(room.type, room, doors, windows, room.pieces, plan.drawn_windows, largest)
+    drawn, name = plan.drawn_windows, plan.name(place)
+    return GivenRoom(room.type, room, doors, windows, room.pieces, drawn, largest, name)
 
 
 def at_face(segment: R, room: Rect, half: float) -> R:

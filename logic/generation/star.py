@@ -9,20 +9,20 @@ from dataclasses import replace
 from typing import Any
 
 import msgspec
-import numpy as np
 from clingo import Function, Number
 
-from vitruvius.logic.errors import LimitReached, OutOfInferences
-from vitruvius.logic.generation.evidence import NoLayout
-from vitruvius.logic.generation.maker import Maker
+from vitruvius.logic.errors import LimitReached
+from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.loop import Maker, NoLayout, Stages, Work, made
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Rect
 from vitruvius.logic.house.star import Star
+from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.account import EASE, FURNITURE, LAYOUT
 from vitruvius.logic.layout.program import Nogood, Program, TooMany
 from vitruvius.logic.layout.terms import to_furnish
 from vitruvius.logic.placement.layout import Layout
-from vitruvius.logic.placement.placer import Infeasible, Misfit
+from vitruvius.logic.placement.placer import Failure, Infeasible, Misfit
 from vitruvius.logic.placement.plan import StarPlan
 from vitruvius.logic.placement.prolog import Term
 from vitruvius.logic.request.house_request import HouseRequest
@@ -35,110 +35,124 @@ MOST_AREAS = 300
 """Number of sampled types and sides without a permitted area, though others might have one."""
 
 
-class StarMaker(Maker):
-    """Generator of stars by one grammar."""
+def star_maker(loaded: LoadedGrammar, feasibility: Feasibility) -> Maker:
+    """Return the generator of stars by one grammar."""
 
-    making: Layout | None = None
-    """Layout of the last house."""
+    def star(request: HouseRequest, work: Work) -> tuple[House, Layout]:
+        loaded.programs.begin()
+        draft = StarDraft(loaded, feasibility, request, work)
+        return made(Stages(draft.sample, draft.place, draft.built, draft.learn))
 
-    def made(self, request: HouseRequest, rng: np.random.Generator, inferences: int) -> House:
-        """See ``Maker.made``."""
-        nogoods = Nogoods()
-        self._programs.begin()
-        layout = self.layout(request, rng, nogoods)
+    return Maker(feasibility, star, lambda request: loaded.programs.rooms_for(request)[0])
+
+
+class StarDraft:
+    """Star at work: its stages, and what their failures have taught.
+
+    The proofs of infeasibility end with the house, so that no other house depends on them.
+    """
+
+    def __init__(
+        self, loaded: LoadedGrammar, feasibility: Feasibility, request: HouseRequest, work: Work
+    ) -> None:
+        """Begin without failures."""
+        self._loaded, self._feasibility, self._request, self._work = loaded, feasibility, request, work
+        self._placer, self._programs = loaded.placer, loaded.programs
+        self.unfurnishable: set[str] = set()
+        """Room types that cannot be furnished."""
+        self.orders: list[Nogood] = []
+        """Orders of the rooms that do not fit between the fixed rooms, at any sizes."""
+        self.nogoods: dict[Program, list[Nogood]] = defaultdict(list)
+        """Atoms of which no layout of a program has all, or lacks all, as stated."""
+        self.unfurnished = 0
+        """Number of rooms without places for their furniture."""
+        self.misfits = 0
+
+    def sample(self) -> Layout:
+        """Sample a furnished layout outside the nogoods. Raises ``NoLayout`` if none is left."""
         while True:
-            try:
-                plan = self._placer.place(layout, rng, inferences, minimal=nogoods.unfurnished > 1)
-                self.making = _sized(layout, plan.sizes)
-                return house(plan, layout, request)
-            except Misfit as proof:
-                inferences -= proof.inferences
-                self._learn_misfit(proof, layout, request, nogoods)
-                layout = self.layout(request, rng, nogoods)
-            except Infeasible as proof:
-                inferences -= proof.inferences
-                if inferences <= 0:
-                    raise OutOfInferences from None
-                for number, conflict in proof.conflicts.items():
-                    self._placer.account.refuted(conflict.clauses, furniture=True)
-                    program, _ = self._programs.furniture_for(layout.rooms[number].type.name, request)
-                    nogoods.add(program, conflict.atoms)
-                    nogoods.unfurnished += 1
-                again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
-                layout = again or self.layout(request, rng, nogoods)
-
-    def layout(
-        self, request: HouseRequest, rng: np.random.Generator, nogoods: "Nogoods | None" = None
-    ) -> Layout:
-        """Sample a layout of stage 1 outside the nogoods. Raises ``NoLayout`` if none is left."""
-        nogoods = nogoods or Nogoods()
-        while True:
-            unfurnished = self._sample_rooms(request, rng, nogoods)
-            furnished = self._refurnished(request, unfurnished, range(request.rooms), rng, nogoods)
+            unfurnished = self._sample_rooms()
+            furnished = self._refurnished(unfurnished, range(self._request.rooms))
             if furnished is not None:
                 return furnished
 
-    def _sample_rooms(self, request: HouseRequest, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
+    def place(self, layout: Layout) -> StarPlan:
+        """Return the places of rooms and furniture: see ``Placer.place``."""
+        minimal = self.unfurnished > 1
+        return self._placer.place(layout, self._work.rng, self._work.inferences, minimal=minimal)
+
+    def built(self, layout: Layout, plan: StarPlan) -> tuple[House, Layout]:
+        """Return the house, and its layout with sizes."""
+        return house(plan, layout, self._request), _sized(layout, plan.sizes)
+
+    def learn(self, layout: Layout, failure: Failure) -> Layout | None:
+        """Exclude an order of rooms, or furniture; return the layout with other furniture, or None."""
+        match failure:
+            case Misfit():
+                self._work.spend(failure.inferences)
+                self._learn_misfit(failure, layout)
+            case Infeasible():
+                self._work.spend_in_vain(failure.inferences)
+                for number, conflict in failure.conflicts.items():
+                    self._placer.account.refuted(conflict.clauses, furniture=True)
+                    program, _ = self._programs.furniture_for(layout.rooms[number].type.name, self._request)
+                    self.nogoods[program].append(conflict.atoms)
+                    self.unfurnished += 1
+                return self._refurnished(layout, failure.conflicts)
+        return None
+
+    def _sample_rooms(self) -> Layout:
         """Return a layout without furniture, and without the room types that cannot have any."""
+        request, account = self._request, self._placer.account
         program, assumed = self._programs.rooms_for(request)
-        without = [
-            atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
-        ]
+        without = [atom for type_ in sorted(self.unfurnishable) for atom in to_furnish(type_, request.rooms)]
         while True:
-            self._placer.account.at(LAYOUT, "the types and sides of the rooms (clingo)")
-            atoms = program.sample(rng, assumed, without, nogoods.of[program])
+            account.at(LAYOUT, "the types and sides of the rooms (clingo)")
+            atoms = program.sample(self._work.rng, assumed, without, self.nogoods[program])
             if atoms is None:
-                raise NoLayout(request, self.feasibility, nogoods.unfurnishable, nogoods.orders)
-            self._placer.account.sampled()
+                raise NoLayout(request, self._feasibility, self.unfurnishable, self.orders)
+            account.sampled()
             layout = Layout.unfurnished(atoms, request.fixed)
             conflict = self._loaded.has_area and self._placer.area_conflict(
                 layout, request.fixed, sorted(self._loaded.furniture)
             )
             if not conflict:
                 return layout
-            self._placer.account.refuted(conflict.clauses)
-            nogoods.add(program, conflict.atoms)
-            if len(nogoods.of[program]) > MOST_AREAS:
-                raise LimitReached(
-                    f"{MOST_AREAS} times {self._misfit(request)}. {self._placer.account.refutations}"
-                )
+            account.refuted(conflict.clauses)
+            self.nogoods[program].append(conflict.atoms)
+            if len(self.nogoods[program]) > MOST_AREAS:
+                raise LimitReached(f"{MOST_AREAS} times {self._misfit()}. {account.refutations}")
 
-    def _refurnished(
-        self,
-        request: HouseRequest,
-        layout: Layout,
-        numbers: Iterable[int],
-        rng: np.random.Generator,
-        nogoods: "Nogoods",
-    ) -> Layout | None:
+    def _refurnished(self, layout: Layout, numbers: Iterable[int]) -> Layout | None:
         """Return the layout with new furniture in these rooms.
 
-        If a room type can have no furniture, add the type to the nogoods and return None.
+        If a room type can have no furniture, note the type and return None.
         """
-        rooms = list(layout.rooms)
+        rooms, work = list(layout.rooms), self._work
         for number in numbers:
             if rooms[number].fixed:
                 continue
             type_ = rooms[number].type.name
-            program, assumed = self._programs.furniture_for(type_, request, rng=rng)
+            program, assumed = self._programs.furniture_for(type_, self._request, rng=work.rng)
             self._placer.account.at(FURNITURE, f"the furniture of {article(type_)} (clingo)")
             try:
-                furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
+                furniture = program.sample(work.rng, assumed, nogoods=self.nogoods[program])
             except TooMany:
                 ease = EASE[FURNITURE]
                 raise LimitReached(
                     f"no furniture of {article(type_)} was found in time: to ease it, {ease}"
                 ) from None
             if furniture is None:
-                nogoods.unfurnishable.add(type_)
+                self.unfurnishable.add(type_)
                 return None
-            rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
+            rooms[number] = replace(rooms[number], furniture=furniture, seed=work.seed())
         return Layout(rooms, layout.corners)
 
-    def _learn_misfit(self, proof: Misfit, layout: Layout, request: HouseRequest, nogoods: "Nogoods") -> None:
+    def _learn_misfit(self, proof: Misfit, layout: Layout) -> None:
         """Exclude an infeasible order of the rooms. Raises ``LimitReached`` after many failures."""
+        request, account = self._request, self._placer.account
         of_area = self._loaded.has_area and not request.fixed
-        self._placer.account.refuted([Function("house_area")] if of_area else ())
+        account.refuted([Function("house_area")] if of_area else ())
         if proof.infeasible:
             order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
             for room in layout.rooms:
@@ -146,19 +160,17 @@ class StarMaker(Maker):
                     number = request.fixed.index(room.fixed)
                     order[Function("numbered", [Number(number), Number(room.number)])] = True
             order |= dict.fromkeys(layout.corners, True)
-            nogoods.orders.append(order)
-            nogoods.add(self._programs.rooms_for(request)[0], order)
+            self.orders.append(order)
+            self.nogoods[self._programs.rooms_for(request)[0]].append(order)
             return
-        nogoods.misfits += 1
-        if nogoods.misfits == MOST_MISFITS:
-            raise LimitReached(
-                f"{MOST_MISFITS} times {self._misfit(request)}. {self._placer.account.refutations}"
-            )
+        self.misfits += 1
+        if self.misfits == MOST_MISFITS:
+            raise LimitReached(f"{MOST_MISFITS} times {self._misfit()}. {account.refutations}")
 
-    def _misfit(self, request: HouseRequest) -> str:
+    def _misfit(self) -> str:
         """Return a message about rooms that do not fit, with advice."""
         area = "the sampled rooms did not leave the main room the area that is left of house_area/2"
-        if not request.fixed:
+        if not self._request.fixed:
             return f"{area}, though others might: try another seed, number of rooms, or wider bounds"
         between = "the sampled rooms did not fit between the fixed rooms"
         found = (
@@ -181,25 +193,6 @@ def house(plan: StarPlan, layout: Layout, request: HouseRequest) -> House:
     planned = [room and _moved(room, *plan.corner) for room in plan.rooms] if request.fixed else plan.rooms
     rooms = [room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)]
     return House.of_star(Star(floor, tuple(filter(None, rooms))))
-
-
-class Nogoods:
-    """Proofs of infeasibility for one house. They end with that house, so that no other depends on them."""
-
-    def __init__(self) -> None:
-        """Begin without proofs."""
-        self.unfurnishable: set[str] = set()
-        """Room types that cannot be furnished."""
-        self.orders: list[Nogood] = []
-        """Orders of the rooms that do not fit between the fixed rooms, at any sizes."""
-        self.of: dict[Program, list[Nogood]] = defaultdict(list)
-        self.unfurnished = 0
-        """Number of rooms without places for their furniture."""
-        self.misfits = 0
-
-    def add(self, program: Program, atoms: Nogood) -> None:
-        """Exclude all layouts of the program in which just these atoms hold, or fail."""
-        self.of[program].append(atoms)
 
 
 def _moved(rect: Any, x: float, y: float) -> Any:

@@ -58,7 +58,7 @@ class Conflict:
 EVERY = ("--models=0", "--project=show")
 """Arguments of a program that returns every layout once."""
 
-LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
+SHORT = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
 By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has few
@@ -83,7 +83,34 @@ BOUNDS = (500, 1000, 2000)
 """Number of conflicts in each search of a bounded program; each search begins with other picks."""
 
 PATIENCE = 200
-"""Number of branches on the sampled picks before such a search continues in clasp's order."""
+"""Number of branches on the sampled picks before a free search continues in clasp's order."""
+
+
+@dataclass(frozen=True)
+class Searching:
+    """Way in which a program samples layouts."""
+
+    arguments: tuple[str, ...]
+    """Arguments of clasp."""
+    bounds: tuple[int | None, ...]
+    """Number of conflicts in each search by sampled picks; None for no bound."""
+    patience: int | None
+    """Number of branches on the sampled picks, or None if all branches follow them."""
+
+    @property
+    def follows_picks(self) -> bool:
+        """True if clasp's own order only decides whether there is a layout, and the picks decide which."""
+        return self.patience is None
+
+
+LASTING = Searching(SHORT, (SOON,), None)
+"""Search of a program for thousands of houses."""
+
+
+def of_one_house(seed: int, is_bounded: bool = False) -> Searching:
+    """Return the search of a program for one house, which ends at ``BOUNDS`` if it is bounded."""
+    return Searching((*FREE, f"--seed={seed}"), BOUNDS if is_bounded else (None,), PATIENCE)
+
 
 LAYOUTS = 1000
 """Number of layouts after which a program forgets all learnt nogoods, which grow slowly."""
@@ -104,22 +131,19 @@ class Program:
         parts: Iterable[Part],
         arguments: Iterable[str] = (),
         most: int | None = None,
-        seed: int | None = None,
-        bounded: bool = False,
+        searching: Searching = LASTING,
         left_out: Places = frozenset(),
     ) -> None:
         """Ground parts of the core and the grammar's files, without the typical rules at ``left_out``.
 
-        With a ``seed`` the program is for one house (``FREE``), and may be ``bounded`` (``BOUNDS``). A layout
-        is the list of shown atoms that hold. ``remarks`` keeps clingo's messages. Raises ``GrammarError`` for
-        the first error, ``Endless`` past ``most`` ground rules.
+        A layout is the list of shown atoms that hold. ``remarks`` keeps clingo's messages. Raises
+        ``GrammarError`` for the first error, ``Endless`` past ``most`` ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.left_out = left_out
         self.remarks = remarks = list[str]()
-        search = LASTING if seed is None else (*FREE, f"--seed={seed}")
         self._control = clingo.Control(
-            [*search, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
+            [*searching.arguments, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
             # Only the list: in a cycle with its control, a theory might be freed first, which crashes.
             logger=lambda _, text: remarks.append(text),
             message_limit=1000,
@@ -137,17 +161,16 @@ class Program:
                 raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
         self._differences.prepare()
-        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None if seed is None else []
+        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None if searching == LASTING else []
         """Sampled layouts, each with all atoms that hold in it, for a program of one house; else None."""
         self._literal = Literals(self._control.symbolic_atoms)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
-        self._brancher = Brancher(self._choices, None if seed is None else PATIENCE)
+        self._brancher = Brancher(self._choices, searching.patience)
         self._control.register_propagator(self._brancher)
         self._search = ExitStack()
         self._handle: clingo.SolveHandle | None = None
         self._assumed, self._excluding, self._sampled = list[int](), False, 0
-        self._sampling = seed is None
-        self._bounds = BOUNDS if bounded else (SOON if self._sampling else None,)
+        self._searching = searching
 
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """Return the options of all variables, in the rules' own order.
@@ -209,13 +232,13 @@ class Program:
         """Sample a layout with all ``assumed`` atoms, with none of ``without``, and with no nogood.
 
         Return its atoms, sorted; None proves that there is no such layout. The same random numbers and
-        arguments give the same layout. A ``bounded`` program raises ``TooMany`` past ``BOUNDS``.
+        arguments give the same layout. A bounded search raises ``TooMany`` past ``BOUNDS``.
         """
         holds, excluded = self._literals(assumed, without), [self._excluded(nogood) for nogood in nogoods]
-        for bound in self._bounds:
+        for bound in self._searching.bounds:
             order = self._order(rng)
             model = self._model(holds, *order, excluded, bound)
-            if self._is_undecided and self._sampling:
+            if self._is_undecided and self._searching.follows_picks:
                 model = self._model(holds, *order, excluded) if self._has_model(holds, excluded) else None
             if not self._is_undecided:
                 break

@@ -12,7 +12,7 @@ from vitruvius.logic.errors import GrammarError
 from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.layout.account import GROUNDING, LAYOUT, Account
 from vitruvius.logic.layout.messages import placed_error
-from vitruvius.logic.layout.program import EVERY, HOUSE, Program
+from vitruvius.logic.layout.program import EVERY, HOUSE, LASTING, Program, of_one_house
 from vitruvius.logic.layout.terms import (
     Lengths,
     granted,
@@ -102,7 +102,8 @@ class Programs:
         self._account.at(GROUNDING, f"grounding the rules for {request.rooms} rooms (clingo)")
         stages = [*HOUSE, *parts(self._walls), *parts(room_requirements(request))]
         constants, left_out = {"rooms": request.rooms}, self._grammar.left_out
-        return Program(self._grammar.asp, constants, stages, seed=seed, left_out=left_out)
+        searching = of_one_house(seed)
+        return Program(self._grammar.asp, constants, stages, searching=searching, left_out=left_out)
 
     @cache  # noqa: B019
     def units(
@@ -159,8 +160,7 @@ class Programs:
                 {"this_room": type_, **(GIVEN if stage == "plan" else {})},
                 [("room", []), (stage, []), *parts(facts)],
                 arguments=arguments,
-                seed=own and int(own.integers(2**31)),
-                bounded=own is not None,
+                searching=of_one_house(int(own.integers(2**31)), is_bounded=True) if own else LASTING,
             )
         return known[key]
 

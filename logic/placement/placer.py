@@ -32,7 +32,11 @@ THOROUGH = "thorough"
 S = TypeVar("S", Plan, UnitRange)
 
 
-class Infeasible(Exception):
+class Failure(Exception):
+    """Layout that cannot become a house: the next layouts learn from it (``logic.generation.loop``)."""
+
+
+class Infeasible(Failure):
     """Proof that no sizes and places satisfy the rules for some rooms of a layout, or for a plan's walls."""
 
     def __init__(self, conflicts: Mapping[int, Conflict], inferences: int, undecided: bool = False) -> None:
@@ -44,7 +48,7 @@ class Infeasible(Exception):
         self.conflicts, self.inferences, self.undecided = conflicts, inferences, undecided
 
 
-class Misfit(Exception):
+class Misfit(Failure):
     """These rooms do not fit between the fixed rooms, or leave a main room no area.
 
     If ``infeasible`` is True, no other sizes fit either.

@@ -1,12 +1,12 @@
 """A house of a request, or the proof that there is none."""
 
-from vitruvius.logic.errors import LimitReached, OutOfInferences, Unsatisfiable
+from vitruvius.logic.errors import LimitReached, OutOfInferences, Reason, Unsatisfiable
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.evidence import NoLayout, NoUnits
+from vitruvius.logic.generation.loop import NoLayout, NoUnits
+from vitruvius.logic.generation.unit import no_unit, option_reasons
 from vitruvius.logic.house.house import House
 from vitruvius.logic.proofs.giving_way import giving_way, unlike_stated_sizes
 from vitruvius.logic.proofs.proof import Prover
-from vitruvius.logic.proofs.units import no_house
 from vitruvius.logic.request.house_request import HouseRequest
 
 
@@ -38,8 +38,22 @@ def unsatisfiable(found: NoLayout) -> Unsatisfiable:
     """Return the proof that a request has no house, by the evidence that there is no layout."""
     try:
         return (
-            no_house(found) if isinstance(found, NoUnits) else Prover(found.feasibility).unsatisfiable(found)
+            _no_house(found) if isinstance(found, NoUnits) else Prover(found.feasibility).unsatisfiable(found)
         )
     except OutOfInferences:
         late = "the proof that there is no house reached its limit of inferences"
         raise LimitReached(f"{late}. {found.feasibility.placer.account}") from None
+
+
+def _no_house(found: NoUnits) -> Unsatisfiable:
+    """Return the proof that a request has no house. For infeasible units it has the user's own reasons."""
+    whole, of_unit = Prover(found.feasibility).unsatisfiable(found), Prover(found.unit)
+    units = {no_unit(unit): unit for unit in found.barred.values()}
+    reasons: dict[Reason, None] = {}
+    for reason in whole.reasons:
+        if reason not in units:
+            reasons[reason] = None
+            continue
+        own, forbidding = option_reasons(units[reason]), of_unit.conflict(units[reason])
+        reasons |= dict.fromkeys(each for each in forbidding if each not in own)
+    return Unsatisfiable(whole.grammar, whole.request, tuple(reasons), whole.advice)

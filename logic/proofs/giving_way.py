@@ -7,10 +7,10 @@ from functools import partial
 from clingo import Function
 
 from vitruvius.logic.errors import Reason
-from vitruvius.logic.generation.barred_units import no_unit
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.evidence import NoLayout, NoUnits
+from vitruvius.logic.generation.loop import NoLayout, NoUnits
 from vitruvius.logic.generation.question import Question
+from vitruvius.logic.generation.unit import no_unit
 from vitruvius.logic.layout.conflicts import minimal
 from vitruvius.logic.layout.relaxed import Statement, TooMany
 from vitruvius.logic.placement.lengths import DOOR_WIDTH, metres, typical_lengths

@@ -7,15 +7,15 @@ from clingo import Symbol
 from msgspec.structs import replace
 
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.evidence import NoLayout
-from vitruvius.logic.generation.feasibility import HouseFacts
-from vitruvius.logic.generation.given_plan import GivenPlanMaker
+from vitruvius.logic.generation.given_plan import given_plan_rules
+from vitruvius.logic.generation.loop import NoLayout, Work
+from vitruvius.logic.generation.shared_walls import PlanDraft
 from vitruvius.logic.house.boxes import WALLS
 from vitruvius.logic.house.parts import OUTSIDE, Door, Window
 from vitruvius.logic.house.promises import Thickness
-from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.placement.given_plan import inner_span
 from vitruvius.logic.placement.lengths import typical_lengths
+from vitruvius.logic.placement.placer import Placer
 from vitruvius.logic.placement.prolog import Term
 from vitruvius.logic.proofs.answer import unsatisfiable
 from vitruvius.logic.proofs.giving_way import giving_way
@@ -28,55 +28,53 @@ LAYOUTS = 12
 """Number of choices of types, doors and windows to try if the plan leaves some of them open."""
 
 
-class LoosePlanMaker(GivenPlanMaker):
-    """Layouts of a plan whose rooms may have any size."""
-
-    def _faults(self, plan: OwnPlan, loaded: LoadedGrammar) -> HouseFacts:
-        return []
-
-    def moved(self, request: HouseRequest, rng: np.random.Generator) -> OwnPlan | None:
-        """Return the plan with its lines moved by the least sum over some layouts. Raises ``NoLayout``."""
-        best, least = None, float("inf")
-        lines = _lines(self.plan)
-        for _ in range(LAYOUTS):
-            if places := self._places(self._layout(request, rng, [], ()), lines):
-                *found, _ = places
-                off = sum(np.abs(np.subtract(a, b)).sum() for a, b in zip(found, lines, strict=True))
-                if off < least - 1e-6:
-                    best, least = places, off
-        return best and _on_lines(self.plan, best[:2], best[2], self._placer.wall_thickness)
-
-    def _places(
-        self, layout: list[Symbol], lines: tuple[list[float], list[float]]
-    ) -> tuple[list[float], list[float], float] | None:
-        """Return the places of the lines in x and in y for a layout, and the width of its doors, metres."""
-        of_rooms = [[at[side][1] for side in ("west", "east", "north", "south")] for at in self.plan.lines]
-        rooms = [Term("room", number, *some) for number, some in enumerate(of_rooms)]
-        walls = []
-        for wall in self.plan.walls:
-            along = lines[1 - WALLS.index(wall.side) % 2]
-            ends = [int(np.argmin(np.abs(np.array(along) - end))) for end in (wall.start, wall.end)]
-            behind = OUTSIDE if wall.behind is None else wall.behind
-            walls.append(Term("wall", wall.room, wall.side, behind, *ends))
-        return self._placer.ask("own_plan_moved", layout, Term("lines", *lines), rooms, walls)
-
-
 def moved_plan(builder: Builder, request: HouseRequest, seed: int) -> OwnPlan | None:
-    """Return the plan with its walls moved by the least sum; see ``LoosePlanMaker.moved``.
+    """Return the plan with its lines moved by the least sum over some layouts, or None if none has places.
 
-    Typical rules give way, including all typical lengths. Raises ``Unsatisfiable`` if no lengths help.
+    Its rooms may have any size. Typical rules give way, including all typical lengths. Raises
+    ``Unsatisfiable`` if no lengths help.
     """
     builder.maker_of(request)  # raises for a plan that the grammar cannot have
-    assert request.plan
     rules = [*typical_lengths(builder.placer, builder.loaded.furniture).values()]
     while True:
         builder = builder.giving_way(rules) if rules else builder
-        maker = LoosePlanMaker(builder.grammar, builder.loaded, request.plan)
         try:
-            return maker.moved(request, np.random.default_rng(seed))
+            return _moved(builder, request, np.random.default_rng(seed))
         except NoLayout as found:
             if not (rules := giving_way(found)):
                 raise unsatisfiable(found) from None
+
+
+def _moved(builder: Builder, request: HouseRequest, rng: np.random.Generator) -> OwnPlan | None:
+    """Return the moved plan by the rules of a builder. Raises ``NoLayout``."""
+    assert request.plan
+    rules, plan = given_plan_rules(builder.grammar, builder.loaded, request.plan, of_any_size=True)
+    work = Work(rng, request.inferences)
+    draft = PlanDraft(rules, request, work, rules.assumed(request, work))
+    best, least = None, float("inf")
+    lines = _lines(plan)
+    for _ in range(LAYOUTS):
+        if places := _places(builder.placer, plan, draft.sample(), lines):
+            *found, _ = places
+            off = sum(np.abs(np.subtract(a, b)).sum() for a, b in zip(found, lines, strict=True))
+            if off < least - 1e-6:
+                best, least = places, off
+    return best and _on_lines(plan, best[:2], best[2], builder.placer.wall_thickness)
+
+
+def _places(
+    placer: Placer, plan: OwnPlan, layout: list[Symbol], lines: tuple[list[float], list[float]]
+) -> tuple[list[float], list[float], float] | None:
+    """Return the places of the lines in x and in y for a layout, and the width of its doors, metres."""
+    of_rooms = [[at[side][1] for side in ("west", "east", "north", "south")] for at in plan.lines]
+    rooms = [Term("room", number, *some) for number, some in enumerate(of_rooms)]
+    walls = []
+    for wall in plan.walls:
+        along = lines[1 - WALLS.index(wall.side) % 2]
+        ends = [int(np.argmin(np.abs(np.array(along) - end))) for end in (wall.start, wall.end)]
+        behind = OUTSIDE if wall.behind is None else wall.behind
+        walls.append(Term("wall", wall.room, wall.side, behind, *ends))
+    return placer.ask("own_plan_moved", layout, Term("lines", *lines), rooms, walls)
 
 
 def _lines(plan: OwnPlan) -> tuple[list[float], list[float]]:

@@ -7,8 +7,8 @@ from clingo import Symbol
 from msgspec.structs import replace
 
 from vitruvius.logic.errors import LimitReached, Reason, Unsatisfiable, VitruviusError
-from vitruvius.logic.generation.evidence import NoLayout
 from vitruvius.logic.generation.feasibility import Feasibility, barred, option
+from vitruvius.logic.generation.loop import NoLayout
 from vitruvius.logic.generation.movable_doors import Refuted
 from vitruvius.logic.generation.question import Question
 from vitruvius.logic.layout.account import PROOF

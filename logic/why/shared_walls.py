@@ -4,7 +4,6 @@ import dataclasses
 import math
 from collections.abc import Iterator
 from functools import cache, cached_property
-from typing import Any
 
 import msgspec
 from clingo import Function, Number, Symbol
@@ -12,6 +11,7 @@ from clingo import Function, Number, Symbol
 from vitruvius.logic.errors import Reason
 from vitruvius.logic.generation.movable_doors import LooseRoom, Refuted
 from vitruvius.logic.generation.shared_walls import Making
+from vitruvius.logic.generation.units import UnitsMaking
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.part_names import Part, target_in
 from vitruvius.logic.house.parts import OUTSIDE, Door, Provenance, Window
@@ -59,20 +59,20 @@ class PlanWitness(Witness):
             yield from self._piece(target, layout, part, self._support_in(room), search, until)
 
     def _made_again(self, made: Provenance) -> House:
-        maker = self._maker = self._builder.maker_of(self._request)
+        self._maker = self._builder.maker_of(self._request)
         arguments = self._request, made.seed, made.index
         self._builder.house(*arguments)
         # The programs of rooms with these doors are now known, so that they store all atoms the second time.
-        for making in self._makings(maker):
+        for making in self._makings():
             for program in (making.program, *(each.program for each in making.furniture.values())):
                 program.models = []
         again = self._builder.house(*arguments)
-        self._making, *_ = self._makings(maker)
+        self._making = self._builder.origin
         return again
 
-    def _makings(self, maker: Any) -> Iterator[Making]:
-        """Yield the origins of the last house."""
-        yield maker.making
+    def _makings(self) -> Iterator[Making | UnitsMaking]:
+        """Yield the origins of the last house, and of its units."""
+        yield self._builder.origin
 
     def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
         """Yield the explanation of a room's type and of the lines of its walls."""

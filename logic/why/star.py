@@ -43,7 +43,7 @@ class StarWitness(Witness):
         for program in (self._rooms, *programs.all_furniture(self._request)):
             program.models = []
         again = self._builder.house(self._request, made.seed, made.index)
-        self._layout: Layout = self._builder.maker.making
+        self._layout: Layout = self._builder.origin
         return again
 
     def _room(self, target: str, layout: RoomLayout, part: Part, until: float) -> Iterator[Why]:

@@ -3,14 +3,13 @@
 import math
 from collections.abc import Iterator
 from functools import cache, cached_property
-from typing import Any
 
 from clingo import Number, parse_term
 from msgspec import structs
 
 from vitruvius.logic.errors import Reason
 from vitruvius.logic.generation.shared_walls import Making
-from vitruvius.logic.generation.units import UnitMaker, UnitsMaker
+from vitruvius.logic.generation.units import UnitMaking, UnitsMaking
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.part_names import Part, target_in
 from vitruvius.logic.house.parts import OUTSIDE, Door
@@ -29,16 +28,15 @@ class UnitWitness(PlanWitness):
     OUTLINED = True
     ENTRANCE = "the door of its unit"
 
-    def __init__(self, of: "UnitsWitness", maker: UnitMaker, house: House) -> None:
+    def __init__(self, of: "UnitsWitness", made: UnitMaking, house: House) -> None:
         """Set the unit, its rooms, and their origin."""
-        assert maker.making is not None
-        self._builder, self._maker, self._request = of._builder, maker, maker.unit.request
-        self._house, self._making, self._origin = house, maker.making, of._origin
+        self._builder, self._maker, self._request = of._builder, of._maker, made.unit.request
+        self._unit, self._house, self._making, self._origin = made.unit, house, made.making, of._origin
 
     @cached_property
     def _search(self) -> Search:
         """Search for alternatives in a unit of this depth, between its neighbours."""
-        unit, feasibility = self._maker.unit, self._maker.feasibility
+        unit, feasibility = self._unit, self._maker.feasibility
         relaxed, statements = feasibility.house(self._request, laws=True)
         known = unit.known([atom.arguments[0] for atom in self._making.program.atoms("step", 1)])
         place = relaxed.choice(Reason(f"{self.name}: {unit}"), known[True], known[False])
@@ -54,7 +52,7 @@ class UnitWitness(PlanWitness):
 class UnitsWitness(PlanWitness):
     """House of units that is generated again, with the public rooms and the choice of units."""
 
-    _maker: UnitsMaker  # pyright: ignore[reportIncompatibleVariableOverride] - of a grammar of units
+    _making: UnitsMaking  # pyright: ignore[reportIncompatibleVariableOverride] - of a grammar of units
 
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
         """Yield the explanation of a room, a door, the entrance, a window or a piece."""
@@ -71,18 +69,18 @@ class UnitsWitness(PlanWitness):
             part = structs.replace(part, between=self._within(part, unit))
         found = unit._parts(target, None if room is None else room - first, part, until)
         if part is None:
-            why = next(found)
+            why, of = next(found), self._making.units[index].unit
             yield structs.replace(
                 why,
-                about=f"{why.about}; in {unit.name}, {self._maker.units[index].unit}; rules number its rooms "
-                f"from 0, which is {unit._house.rooms[0].name}",
-                derivations=(*why.derivations, *self._derived(self._maker.units[index].unit.number)),
+                about=f"{why.about}; in {unit.name}, {of}; rules number its rooms from 0, which is "
+                f"{unit._house.rooms[0].name}",
+                derivations=(*why.derivations, *self._derived(of.number)),
             )
         yield from found
 
     def _unit_itself(self, target: str, index: int, until: float) -> Iterator[Why]:
         """Yield the explanation of a unit, with its number of rooms, its place and its depth."""
-        unit = self._maker.units[index].unit
+        unit = self._making.units[index].unit
         about = f"{self._unit(index).name}, {unit} ({self._origin})"
         depths, stated = self._builder.loaded.depths, self._reasons([("clause", "unit_depth")])
         assert depths is not None
@@ -96,16 +94,16 @@ class UnitsWitness(PlanWitness):
         variables = [each for each in picked if len(self._support.chosen.options[each]) > 1]
         yield from self._answer(why, self._support, variables, lengths, lambda: self._search, until)
 
-    def _makings(self, maker: Any) -> Iterator[Making]:
-        yield maker.making
-        yield from (each.making for each in maker.units)
+    def _makings(self) -> Iterator[Making | UnitsMaking]:
+        yield self._builder.origin
+        yield from (each.making for each in self._builder.origin.units)
 
     @cached_property
     def _firsts(self) -> list[int]:
         """Index of each unit's first room."""
         last, firsts = len(self._house.rooms), []
-        for maker in reversed(self._maker.units):
-            last -= maker.unit.request.rooms
+        for made in reversed(self._making.units):
+            last -= made.unit.request.rooms
             firsts.append(last)
         return firsts[::-1]
 
@@ -121,8 +119,8 @@ class UnitsWitness(PlanWitness):
     @cache  # noqa: B019 (a witness is asked about one house)
     def _unit(self, index: int) -> UnitWitness:
         """Return the witness of a unit by its index."""
-        maker, first = self._maker.units[index], self._firsts[index]
-        rooms = self._house.rooms[first : first + maker.unit.request.rooms]
+        made, first = self._making.units[index], self._firsts[index]
+        rooms = self._house.rooms[first : first + made.unit.request.rooms]
         names = {room.name for room in rooms}
         doors = (
             structs.replace(door, between=tuple(name if name in names else OUTSIDE for name in door.between))
@@ -137,7 +135,7 @@ class UnitsWitness(PlanWitness):
             topology=self._house.topology,
             wall_thickness=self._house.wall_thickness,
         )
-        return UnitWitness(self, maker, house)
+        return UnitWitness(self, made, house)
 
     @staticmethod
     def _within(door: Door, unit: UnitWitness) -> tuple[str, ...]:
@@ -156,7 +154,8 @@ class UnitsWitness(PlanWitness):
     @cached_property
     def _search(self) -> Search:
         """Search for alternatives among the units and the public rooms."""
-        feasibility = self._maker.units_feasibility
+        feasibility = self._maker.of_units
+        assert feasibility
         relaxed, statements = feasibility.house(self._request, laws=True)
         question = feasibility.of_rooms(relaxed, self._request)
         return Search(question, statements, self._support.chosen, self._making.layout, MOST)

@@ -14,8 +14,8 @@ from clingo import Symbol, parse_term
 
 from vitruvius.logic.errors import HouseFileError, Reason, RequestError
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.evidence import NoLayout
 from vitruvius.logic.generation.feasibility import Feasibility
+from vitruvius.logic.generation.loop import NoLayout
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.part_names import part_names
 from vitruvius.logic.house.parts import Provenance

@@ -151,9 +151,8 @@ class Solver:
 
         Raises ``MissingProgram`` if a solver is missing.
         """
-        self.answer(
-            Prepared, START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?"
-        )
+        late = f"a solver process took {START_UP:g} s to start: is the machine overloaded?"
+        self.answer(Prepared, START_UP, late)
 
     def loaded(self, seconds: float = START_UP) -> Loaded | Judged:
         """Wait for the answer to the opening: the grammar's versions and warnings, or the findings of lint.

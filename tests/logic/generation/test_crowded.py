@@ -14,7 +14,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.house.house import House
 from vitruvius.logic.language.linter import all_warnings
 from vitruvius.logic.layout import program
-from vitruvius.logic.layout.program import Program, TooMany
+from vitruvius.logic.layout.program import Program, TooMany, of_one_house
 from vitruvius.logic.layout.programs import CROWD, crowded
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.proofs.answer import house_or_proof
@@ -103,7 +103,7 @@ def places(folder: Path, pieces: int, bounded: bool = True) -> Program:
     """Return a program that puts pieces into one place fewer: a pigeonhole problem."""
     file = folder / "places.lp"
     file.write_text(PLACES.format(pieces=pieces, places=pieces - 1))
-    return Program([file], {}, [], seed=1, bounded=bounded)
+    return Program([file], {}, [], searching=of_one_house(1, bounded))
 
 
 def test_a_bounded_program_ends_its_searches_undecided(

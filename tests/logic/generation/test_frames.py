@@ -6,7 +6,7 @@ from clingo import Function, Number, parse_term
 from vitruvius.logic.generation.furnish import Frame, GivenRoom, Unfurnishable
 from vitruvius.logic.generation.movable_doors import LooseRoom
 from vitruvius.logic.generation.tiling import _apart
-from vitruvius.logic.generation.units import Unit
+from vitruvius.logic.generation.unit import Unit
 from vitruvius.logic.house.parts import Rect
 from vitruvius.logic.request.house_request import HouseRequest
 

@@ -11,15 +11,16 @@ from tests.logic.request.test_given_plan import BOXES, geojson
 from vitruvius.logic.errors import LimitReached, RequestError
 from vitruvius.logic.generation import builder as building
 from vitruvius.logic.generation import movable_doors
-from vitruvius.logic.generation.brief import BriefMaker
+from vitruvius.logic.generation.brief import brief_maker, name_rooms
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.furnish import GivenRoom, Unfurnishable
-from vitruvius.logic.generation.given_plan import PATIENCE, GivenPlanMaker
+from vitruvius.logic.generation.given_plan import PATIENCE, Doors, GivenPlanDraft
 from vitruvius.logic.generation.movable_doors import LooseRoom
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker, at_face
-from vitruvius.logic.generation.star import StarMaker
+from vitruvius.logic.generation.shared_walls import at_face
+from vitruvius.logic.generation.star import StarDraft
 from vitruvius.logic.generation.tiling import require_tiling
-from vitruvius.logic.generation.units import Unit, UnitsMaker
+from vitruvius.logic.generation.unit import Unit
+from vitruvius.logic.generation.units import alike
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Rect, Room
 from vitruvius.logic.layout.program import Conflict
@@ -53,8 +54,8 @@ def stub(**fields: Any) -> Any:
 def test_rooms_that_do_not_fit_are_told_with_what_they_stand_between(
     fixed: tuple[int, ...], has_area: bool, words: str
 ) -> None:
-    maker = stub(_loaded=stub(has_area=has_area))
-    assert StarMaker._misfit(maker, stub(fixed=fixed)).startswith(f"the sampled rooms {words}")
+    draft = stub(_loaded=stub(has_area=has_area), _request=stub(fixed=fixed))
+    assert StarDraft._misfit(draft).startswith(f"the sampled rooms {words}")
 
 
 # - walls of a thickness, plans by a user's topology ------------------------------------------------------
@@ -107,19 +108,13 @@ def test_a_brief_is_refused_where_the_grammar_states_what_it_cannot_keep(
     )
     loaded = stub(**said, placer=placer, furniture={})
     with pytest.raises(RequestError, match=words):
-        BriefMaker(stub(name="mine"), loaded, stub(outline=stub(voids=said["voids"])))
+        brief_maker(stub(name="mine"), loaded, stub(outline=stub(voids=said["voids"])))
 
 
-def test_rooms_have_the_names_of_the_brief_and_its_labels_or_their_types(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    plan = Plan([PlanRoom(0, 0, 4, 4, 0, "den"), PlanRoom(4, 0, 4, 4, 1, "bath")], [], [])
-    monkeypatch.setattr(SharedWallsMaker, "complete", lambda *_: (plan, [], 7))
-    maker: Any = BriefMaker.__new__(BriefMaker)
-    maker.brief = stub(rooms=[stub(name="Work", label="study"), stub(name="Tub", label="")])
-    made, _, left = maker.complete(FOUR, np.random.default_rng(0), 9)
-    assert [(room.name, room.type) for room in made.rooms] == [("Work", "study"), ("Tub", "bath")]
-    assert left == 7
+def test_rooms_have_the_names_of_the_brief_and_its_labels_or_their_types() -> None:
+    rooms = [PlanRoom(0, 0, 4, 4, 0, "den"), PlanRoom(4, 0, 4, 4, 1, "bath")]
+    name_rooms(rooms, stub(rooms=[stub(name="Work", label="study"), stub(name="Tub", label="")]))
+    assert [(room.name, room.type) for room in rooms] == [("Work", "study"), ("Tub", "bath")]
 
 
 # - given plans ---------------------------------------------------------------------------------------
@@ -131,11 +126,11 @@ def test_a_door_that_the_plan_does_not_have_may_stand_in_all_of_its_wall() -> No
     rooms = [PlanRoom(*sides(room), number, "den", room.name) for number, room in enumerate(PLAN.rooms)]
     hall, living, bedroom = map(names.index, ("hall", "living", "bedroom"))
     plan = Plan(rooms, [], [])
-    maker: Any = stub(plan=PLAN, _placer=stub(wall_thickness=None))
+    draft: Any = stub(plan=PLAN, placer=stub(wall_thickness=None))
     box = PLAN.rooms[hall].box
 
     def span(door: PlanDoor) -> tuple[float, ...]:
-        found = GivenPlanMaker._span(maker, plan, door)
+        found = GivenPlanDraft._span(draft, plan, door)
         assert found is not None
         return found.box
 
@@ -147,11 +142,11 @@ def test_a_door_that_the_plan_does_not_have_may_stand_in_all_of_its_wall() -> No
 
 
 def test_a_refuted_room_takes_its_own_place_and_doors_of_the_plan() -> None:
-    maker: Any = stub(plan=PLAN)
-    drawn = GivenPlanMaker._granted(maker, {0, 2, "outside"}, "drawn")
+    draft: Any = stub(plan=PLAN)
+    drawn = GivenPlanDraft._granted(draft, {0, 2, "outside"}, "drawn")
     assert [atom.arguments[0].arguments[0] for atom in drawn] == [Number(0), Number(2)]
     assert {atom.arguments[0].name for atom in drawn} == {"drawn"}
-    assert GivenPlanMaker._granted(maker, {0}, "joined") == ()
+    assert GivenPlanDraft._granted(draft, {0}, "joined") == ()
 
 
 def test_a_refuted_room_takes_the_rooms_behind_its_walls_where_a_door_leads_outside() -> None:
@@ -161,13 +156,14 @@ def test_a_refuted_room_takes_the_rooms_behind_its_walls_where_a_door_leads_outs
     other = next(wall.behind for wall in PLAN.walls if wall.room == hall and wall.behind is not None)
 
     def refuted(between: tuple[int | str, int | str]) -> set[Any]:
-        maker: Any = stub(
+        draft: Any = stub(
             plan=PLAN,
-            _programs=stub(rooms_for=lambda _: (program, [])),
+            draft=stub(request=FOUR),
+            programs=stub(rooms_for=lambda _: (program, [])),
             _granted=lambda rooms, kind: near.append((kind, {*rooms})) or (),
         )
         plan: Any = stub(doors_of=lambda _: [stub(between=between)], name=lambda _: "hall")
-        GivenPlanMaker._refutation(maker, FOUR, plan, [], hall, NO_MOVE, windows=False)
+        GivenPlanDraft._refutation(draft, plan, [], hall, NO_MOVE, windows=False)
         (_, of_drawn), (_, of_joined) = near[-2:]
         assert of_joined == {hall}
         return of_drawn
@@ -179,8 +175,15 @@ def test_a_refuted_room_takes_the_rooms_behind_its_walls_where_a_door_leads_outs
 
 def test_a_room_with_an_opening_that_no_user_drew_keeps_its_doors() -> None:
     plan: Any = stub(doors_of=lambda _: [stub(opening=True)])
-    maker: Any = stub(_span=lambda *_: Rect(0, 0, 1, 0))
-    assert not GivenPlanMaker._moved(maker, FOUR, plan, [], 0, np.random.default_rng(0), [])
+    draft: Any = stub(_span=lambda *_: Rect(0, 0, 1, 0))
+    assert not GivenPlanDraft._moved(draft, plan, [], 0)
+
+
+def given(**of_draft: Any) -> Any:
+    """Return a house in a plan at work, with these attributes of its draft."""
+    return GivenPlanDraft(
+        stub(placer=None, rules=stub(programs=None), work=None, failures=0, **of_draft), PLAN
+    )
 
 
 @pytest.mark.parametrize("movable", [True, False])
@@ -192,19 +195,34 @@ def test_doors_are_moved_once_a_room_has_failed_often(movable: bool, monkeypatch
             return ["furnished"]
         raise Unfurnishable(0, DEN)
 
-    monkeypatch.setattr(SharedWallsMaker, "_furnished", furnished)
-    monkeypatch.setattr(SharedWallsMaker, "made", lambda *_: "a house")
-    monkeypatch.setattr(GivenPlanMaker, "_moved", lambda *_: moves.append(True) or movable)
-    maker, nothing = GivenPlanMaker.__new__(GivenPlanMaker), stub()
-    assert maker.made(nothing, nothing, 0) == "a house"
+    monkeypatch.setattr(GivenPlanDraft, "_moved", lambda *_: moves.append(True) or movable)
+    draft, plan = given(furnish=furnished), stub()
     for attempt in range(1, PATIENCE + 1):
         assert not moves
         if attempt == PATIENCE and movable:
-            assert maker._furnished(nothing, nothing, [], [], nothing, 0) == ["furnished"]
+            assert draft.furnish([], plan) == ["furnished"]
         else:
             with pytest.raises(Unfurnishable):
-                maker._furnished(nothing, nothing, [], [], nothing, 0)
+                draft.furnish([], plan)
+        draft.draft.failures += 1
     assert moves == [True]
+
+
+def test_after_a_search_for_doors_at_its_limit_no_other_follows(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(self: GivenPlanDraft, *_: Any) -> bool:
+        assert self.doors is Doors.SEARCHED
+        self.doors = Doors.UNKNOWN
+        return False
+
+    def fails(*_: Any) -> None:
+        raise Unfurnishable(0, DEN)
+
+    monkeypatch.setattr(GivenPlanDraft, "_moved", unknown)
+    draft, plan = given(furnish=fails), stub()
+    draft.draft.failures = PATIENCE - 1
+    for _ in range(2):
+        with pytest.raises(Unfurnishable):
+            draft.furnish([], plan)
 
 
 # - rooms whose doors move --------------------------------------------------------------------------------
@@ -249,8 +267,7 @@ def test_a_unit_that_is_refuted_is_refuted_under_every_number_that_knows_it() ->
     known = [*first, *second, *others]
     program = stub(atoms=lambda name, arity: {atom for atom in known if atom.match(name, arity)})
     unit = Unit(1, HouseRequest(5), "y", 7.3, 0, "south", frozenset({"south", "east"}))
-    maker: Any = stub(stated=lambda _: program)
-    found = [*UnitsMaker._alike(maker, unit, [*first, others[2]], FOUR)]
+    found = [*alike(program, unit, [*first, others[2]])]
     lacks = [
         {Function("inner", [Number(number), Function(side)]): False for side in ("west", "north")}
         for number in (1, 2)
@@ -261,14 +278,14 @@ def test_a_unit_that_is_refuted_is_refuted_under_every_number_that_knows_it() ->
 # - houses --------------------------------------------------------------------------------------------
 def test_each_house_begins_its_account_and_knows_what_made_it() -> None:
     begun: list[str] = []
-    maker = stub(made=lambda request, rng, inferences: House((Room(0, 0, 4, 4, "R0", "den"),)))
+    maker = stub(made=lambda request, work: (House((Room(0, 0, 4, 4, "R0", "den"),)), "its layout"))
     builder: Any = stub(
         account=stub(begin=lambda: begun.append("account")),
         maker_of=lambda _: maker,
         _provenance=lambda request, seed, index: stub(seed=seed, index=index),
     )
     made = Builder.house(builder, FOUR, 7, 2)
-    assert begun == ["account"]
+    assert (begun, builder.origin) == (["account"], "its layout")
     assert (made.provenance.seed, made.provenance.index) == (7, 2)  # pyright: ignore[reportOptionalMemberAccess]
 
 
@@ -315,6 +332,7 @@ def test_promises_are_those_of_the_program_or_in_a_brief_of_its_maker(
         placer=asks_nothing([]),
         grammar=stub(shares_walls=True),
         _promises={},
+        _by=None,
     )
     plain, brief = stub(brief=None, plan=None), stub(brief=stub(rooms=()), plan=None)
     promises = [Builder.promises(builder, each) for each in (plain, plain, brief, brief)]

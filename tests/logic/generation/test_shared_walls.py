@@ -4,7 +4,6 @@ import shutil
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +12,9 @@ from clingo import Symbol
 from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
 from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker
+from vitruvius.logic.generation.loop import Stages, Work
+from vitruvius.logic.generation.loop import made as made_by
+from vitruvius.logic.generation.shared_walls import Assumed, PlanDraft, PlanRules
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.boxes import overlap
 from vitruvius.logic.house.house import House
@@ -26,7 +27,6 @@ from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.fixed_rooms import fixed_rooms
 from vitruvius.logic.request.house_request import HouseRequest
 
-INFERENCES = 10**8
 ROW = """%# Topology `row`: the rooms stand in a row, from west to east.
 #program house.
 % - derive ------------------------------------------------------------------
@@ -41,10 +41,15 @@ face(R+1,R) :- R = 0..rooms-2.
 """
 
 
-def unfurnished(builder: Builder, *arguments: Any) -> tuple[Plan, list[Symbol], int]:
-    """Return a plan without furniture from a builder: see ``SharedWallsMaker.unfurnished``."""
-    assert isinstance(builder.maker, SharedWallsMaker)
-    return builder.maker.unfurnished(*arguments)
+def unfurnished(
+    builder: Builder, rooms: int, seed: int | list[int], nogoods: list[Nogood] | None = None
+) -> tuple[Plan, list[Symbol]]:
+    """Return a plan without furniture, and its layout; the nogoods receive the layouts that fail."""
+    rules = PlanRules(builder.grammar, builder.loaded, builder.maker.feasibility, builder.programs)
+    request, work = HouseRequest(rooms), Work(np.random.default_rng(seed), 10**8)
+    draft = PlanDraft(rules, request, work, Assumed(*builder.programs.rooms_for(request)))
+    draft.nogoods = [] if nogoods is None else nogoods
+    return made_by(Stages(draft.sample, draft.place, lambda layout, plan: (plan, layout), draft.learn))
 
 
 def builder(grammar: str | Path) -> Builder:
@@ -92,7 +97,7 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_bo
 ) -> None:
     made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
     for seed in range(20):
-        plan, _, _ = unfurnished(made, HouseRequest(8), np.random.default_rng(seed), INFERENCES, [])
+        plan, _ = unfurnished(made, 8, seed)
         boxes = [room.box for room in plan.rooms]
         assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
@@ -137,7 +142,7 @@ def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
 def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
     nogoods: list[Nogood] = []
     for seed in range(40):
-        _, layout, _ = unfurnished(home, HouseRequest(5), np.random.default_rng(seed), INFERENCES, nogoods)
+        _, layout = unfurnished(home, 5, seed, nogoods)
         assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
     assert nogoods
 

@@ -8,7 +8,8 @@ from clingo import Function, Number
 
 from vitruvius.logic.errors import LimitReached
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.star import MOST_MISFITS, Nogoods, StarMaker
+from vitruvius.logic.generation.loop import Work
+from vitruvius.logic.generation.star import MOST_MISFITS, StarDraft
 from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.program import Conflict
 from vitruvius.logic.placement.placer import Infeasible, Misfit
@@ -18,37 +19,39 @@ FOUR = HouseRequest(4)
 
 
 @pytest.fixture(scope="module")
-def maker() -> StarMaker:
-    found = Builder(find("family")).maker_of(FOUR)
-    assert isinstance(found, StarMaker)
-    return found
+def family() -> Builder:
+    return Builder(find("family"))
 
 
-def test_an_order_that_cannot_fit_is_excluded_with_its_sides_and_corners(maker: StarMaker) -> None:
-    nogoods = Nogoods()
-    layout = maker.layout(FOUR, np.random.default_rng(1), nogoods)
-    maker._learn_misfit(Misfit(True, 1), layout, FOUR, nogoods)
+def draft(family: Builder) -> StarDraft:
+    return StarDraft(family.loaded, family.maker.feasibility, FOUR, Work(np.random.default_rng(1), 10**8))
+
+
+def test_an_order_that_cannot_fit_is_excluded_with_its_sides_and_corners(family: Builder) -> None:
+    star = draft(family)
+    layout = star.sample()
+    assert star.learn(layout, Misfit(True, 1)) is None
     sides = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
-    assert nogoods.orders == [sides | dict.fromkeys(layout.corners, True)]
-    assert [each for each in nogoods.of.values() if each] == [nogoods.orders]
-    assert nogoods.misfits == 0
+    assert star.orders == [sides | dict.fromkeys(layout.corners, True)]
+    assert [each for each in star.nogoods.values() if each] == [star.orders]
+    assert star.misfits == 0
 
 
-def test_rooms_that_others_might_replace_are_counted_up_to_a_limit(maker: StarMaker) -> None:
-    nogoods = Nogoods()
-    layout = maker.layout(FOUR, np.random.default_rng(1), nogoods)
+def test_rooms_that_others_might_replace_are_counted_up_to_a_limit(family: Builder) -> None:
+    star = draft(family)
+    layout = star.sample()
     for _ in range(MOST_MISFITS - 1):
-        maker._learn_misfit(Misfit(False, 1), layout, FOUR, nogoods)
-    assert (nogoods.misfits, nogoods.orders) == (MOST_MISFITS - 1, [])
-    assert not any(nogoods.of.values())
+        star.learn(layout, Misfit(False, 1))
+    assert (star.misfits, star.orders) == (MOST_MISFITS - 1, [])
+    assert not any(star.nogoods.values())
     with pytest.raises(LimitReached, match=f"^{MOST_MISFITS} times the sampled rooms did not leave"):
-        maker._learn_misfit(Misfit(False, 1), layout, FOUR, nogoods)
+        star.learn(layout, Misfit(False, 1))
 
 
 def test_conflicts_of_furniture_are_minimal_from_the_third_attempt_on(
-    maker: StarMaker, monkeypatch: pytest.MonkeyPatch
+    family: Builder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    place, minimal = maker._placer.place, list[bool]()
+    place, minimal = family.placer.place, list[bool]()
 
     def refuses_twice(layout: Any, *others: Any, **how: bool) -> Any:
         minimal.append(how["minimal"])
@@ -57,6 +60,6 @@ def test_conflicts_of_furniture_are_minimal_from_the_third_attempt_on(
         furniture = {atom: True for atom in layout.rooms[0].furniture if atom.name == "on"}
         raise Infeasible({0: Conflict(furniture, ())}, 1)
 
-    monkeypatch.setattr(maker._placer, "place", refuses_twice)
-    maker.made(FOUR, np.random.default_rng(1), 10**8)
+    monkeypatch.setattr(family.placer, "place", refuses_twice)
+    family.maker.made(FOUR, Work(np.random.default_rng(1), 10**8))
     assert minimal == [False, False, True]

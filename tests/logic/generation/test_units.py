@@ -9,7 +9,7 @@ import pytest
 
 from vitruvius.logic import GrammarError, House, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.generation.units import _units_of
+from vitruvius.logic.generation.unit import units_of
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.parts import OUTSIDE
 from vitruvius.logic.language.loaded import LoadedGrammar
@@ -80,7 +80,7 @@ def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
     """A flat of 5 rooms between two others has light from one side, and is infeasible if flats are deep."""
     tried = list[int]()
     monkeypatch.setattr(
-        "vitruvius.logic.generation.units._units_of", lambda *made: tried.append(1) or _units_of(*made)
+        "vitruvius.logic.generation.units.units_of", lambda *made: tried.append(1) or units_of(*made)
     )
     house = apartments.house(HouseRequest(64), 0, 0)
     assert check(house) == []

@@ -164,7 +164,7 @@ def test_no_star_that_is_made_is_refuted_by_its_area(tmp_path: Path) -> None:
     folder = edited(tmp_path / "mine", {}, "family")
     for rooms in (1, 2, 4, 7):
         free = Builder(find("family"))  # One grammar at a time is loaded in a process.
-        house, layout = free.house(HouseRequest(rooms), 1, rooms), free.maker.making
+        house, layout = free.house(HouseRequest(rooms), 1, rooms), free.origin
         atoms = [Function("room", [Number(each.number), each.type]) for each in layout.rooms]
         atoms += [Function("side", [Number(each.number), each.side]) for each in layout.rooms]
         whole = sum(room.area for room in house.rooms)

@@ -12,7 +12,7 @@ from scipy.stats import chisquare
 
 from tests.logic.generation.test_shared_walls import ROW, builder, copied
 from vitruvius.logic import GrammarError
-from vitruvius.logic.generation.evidence import NoLayout
+from vitruvius.logic.generation.loop import NoLayout
 from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.branching import Brancher
 from vitruvius.logic.layout.program import Program

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
-import numpy as np
 import pytest
 
 from tests.docs.reader import ROOT, blocks
@@ -13,14 +12,12 @@ from tests.logic.generation.test_shared_walls import builder, unfurnished
 from tests.logic.generation.test_units import PUBLIC, units
 from tests.logic.rules.plan_geometry import neighbours, shared
 from vitruvius.logic import check
-from vitruvius.logic.generation.shared_walls import SharedWallsMaker
 from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.house.house import House
 from vitruvius.logic.language.linter import all_warnings, errors
 from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.house_request import HouseRequest
 
-INFERENCES = 10**8
 NAMED = "#program house.\n:- adjacent(R,R).\n"
 """Rule that binds nothing."""
 APART = "#program house.\n:- adjacent(R,Q), room(R,bathroom), room(Q,kitchen).\n"
@@ -69,8 +66,7 @@ def test_adjacent_holds_of_the_rooms_that_share_a_wall_and_of_no_others_and_face
         program, _ = made.programs.rooms_for(HouseRequest(size))
         program.models = []
         for seed in range(5):
-            rng = np.random.default_rng([size, seed])
-            plan, layout, _ = unfurnished(made, HouseRequest(size), rng, INFERENCES, [])
+            plan, layout = unfurnished(made, size, [size, seed])
             last, atoms = program.models[-1]
             assert last == layout
             found = neighbours([room.box for room in plan.rooms])
@@ -112,11 +108,10 @@ def test_in_a_plan_of_the_users_adjacent_is_what_the_plan_says(tmp_path: Path) -
         first = made.house(HouseRequest(7), 6, index)
         unfurnished = tuple(msgspec.structs.replace(room, type="", children=()) for room in first.rooms)
         plan = read_plan(House(unfurnished, (), ()))
-        maker = made.maker_of(HouseRequest(7, plan=plan))
-        assert isinstance(maker, SharedWallsMaker)
-        program = maker._program(HouseRequest(7, plan=plan))[0]
+        request = HouseRequest(7, plan=plan)
+        program = made.maker_of(request).stated(request)
         program.models = []
-        house = made.house(HouseRequest(7, plan=plan), 0, index)
+        house = made.house(request, 0, index)
         assert not meeting(house)
         found = set(neighbours([room.box for room in house.rooms]))
         assert all(pairs(atoms, "adjacent") == pairs(atoms, "face") == found for _, atoms in program.models)

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from clingo import Symbol
 
-from tests.logic.generation.test_shared_walls import INFERENCES, builder, unfurnished
+from tests.logic.generation.test_shared_walls import builder, unfurnished
 from tests.logic.rules.plan_geometry import TOLERANCE, Box, shared
 from tests.logic.rules.test_adjacent import NAMED, copied
-from vitruvius.logic.generation.units import UnitsMaker
+from vitruvius.logic.generation.loop import Work
+from vitruvius.logic.generation.units import UnitsDraft
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE
 from vitruvius.logic.placement import plan as placed
@@ -192,8 +193,7 @@ def test_what_rules_say_of_rooms_is_so_in_the_plan(
         program, _ = made.programs.rooms_for(HouseRequest(size))
         program.models = []
         for seed in range(4):
-            rng = np.random.default_rng([size, seed])
-            plan, _, _ = unfurnished(made, HouseRequest(size), rng, INFERENCES, [])
+            plan, _ = unfurnished(made, size, [size, seed])
             for relation in (*ALL, *more):
                 relation(Plan(plan, program.models[-1][1]))
 
@@ -204,10 +204,11 @@ def test_an_oblong_room_runs_along_its_longer_side_whatever_its_size_allows(tmp_
         house = made.house(HouseRequest(5), 3, index)
         unfurnished = tuple(msgspec.structs.replace(room, type="", children=()) for room in house.rooms)
         plan = HouseRequest(5, plan=read_plan(House(unfurnished, (), ())))
-        for request, found in ((HouseRequest(5), house), (plan, made.house(plan, 3, index))):
-            making = made.maker_of(request).making
-            assert making is not None
-            axes = {a.arguments[0].number: str(a.arguments[1]) for a in making.layout if a.match("runs", 2)}
+        layouts = [made.origin.layout]
+        found_in_plan = made.house(plan, 3, index)
+        layouts.append(made.origin.layout)
+        for layout, found in zip(layouts, (house, found_in_plan), strict=True):
+            axes = {a.arguments[0].number: str(a.arguments[1]) for a in layout if a.match("runs", 2)}
             assert "kitchen" in {found.rooms[room].type for room in axes}
             for room, axis in axes.items():
                 assert (found.rooms[room].width > found.rooms[room].height) == (axis == "x")
@@ -216,19 +217,17 @@ def test_an_oblong_room_runs_along_its_longer_side_whatever_its_size_allows(tmp_
 def test_what_rules_say_of_units_is_so_in_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     made = builder("apartments")
     kept: list[Any] = []
-    whole = UnitsMaker._with_rooms
+    furnish = UnitsDraft.furnish
 
-    def with_rooms(self: UnitsMaker, plan: Any, makers: Any, *others: Any) -> Any:
-        kept[:] = [makers, {room.number: room.box for room in plan.rooms}]
-        return whole(self, plan, makers, *others)
+    def kept_and_furnished(self: UnitsDraft, layout: Any, placed: Any) -> Any:
+        kept[:] = [placed.units, {room.number: room.box for room in placed.whole.rooms}]
+        return furnish(self, layout, placed)
 
-    monkeypatch.setattr(UnitsMaker, "_with_rooms", with_rooms)
-    maker = made.maker
-    assert isinstance(maker, UnitsMaker)
+    monkeypatch.setattr(UnitsDraft, "furnish", kept_and_furnished)
     for rooms in (8, 13):
-        maker.complete(HouseRequest(rooms), np.random.default_rng(rooms), INFERENCES)
-        makers, boxes = kept
-        for unit in (maker.unit for maker in makers):
+        made.maker.made(HouseRequest(rooms), Work(np.random.default_rng(rooms), 10**8))
+        drafts, boxes = kept
+        for unit in (draft.unit for draft in drafts):
             near = {
                 side
                 for side, k in SIDES.items()
