@@ -43,3 +43,21 @@ def half_word(words: ti.template(), first, k):
 def end_of(indices: ti.template(), block, k):
     """Return the total length of a cell's lists before the k-th."""
     return half_word(indices, block, k)
+
+
+@ti.func
+def put(words: ti.template(), first, k, number):
+    """Write the k-th number of 16 bits, counted from a word on, where the bits are 0."""
+    words[first + (k >> 1)] |= number << ((k & 1) << 4)
+
+
+@ti.func
+def mark(words: ti.template(), first, k):
+    """Set the k-th bit, counted from a word on."""
+    words[first + k // 32] |= 1 << (k & 31)
+
+
+@ti.func
+def marked(words: ti.template(), first, k):
+    """Return the k-th bit, counted from a word on."""
+    return words[first + k // 32] >> (k & 31) & 1
